@@ -1,0 +1,1 @@
+"""Device and layout profiles: one TOML file each; data only."""

@@ -1,0 +1,1 @@
+"""The sample drawings that come with foldcut: data only."""
