@@ -1,0 +1,423 @@
+"""Filling the gaps: disks are added until every gap between them has three or four sides.
+
+``BoundaryDisks`` -> ``Packing`` (paper section 2, second half).
+
+A gap is a set of *chains*: cyclic sequences of visits to disks that touch in a row, with the gap on their left; one
+disk may be visited more than once. A *leaf* is a pair of consecutive visits; rolling a growing disk from their point
+of tangency into the gap gives the largest disk that touches both and a third. Of these the largest that helps is
+placed, with a tangency edge to every disk it touches.
+
+Invariants: consecutive disks of a gap touch; disks of a face do not overlap; every gap has 3 or 4 visits; the polygons
+of the gaps tile the sheet (less the ribbon).
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from foldcut.boundary import BoundaryDisks, overlapping_disks, touching_disks
+from foldcut.errors import UnfoldableError
+from foldcut.model import Bools, Floats, Ints, Ragged, index_array, points_array
+from foldcut.plane import contains_point, left_normal, signed_area
+from foldcut.tolerance import Tolerance
+
+Chain = list[int]
+TURN = 2 * math.pi
+
+
+@dataclass(frozen=True, eq=False)
+class Packing:
+    """The finished packing.
+
+    ``centres`` ``(n, 2)`` and ``radii`` ``(n,)`` in mm; ``node`` ``(n,)``: two disks on either side of one boundary
+    point share a node; ``gaps`` ragged: the disks of each gap counter-clockwise, ``gap_face`` ``(gaps,)``;
+    ``boundary_count``: how many disks lie on boundaries (they come first).
+    """
+
+    centres: Floats
+    radii: Floats
+    node: Ints
+    gaps: Ragged
+    gap_face: Ints
+    face_inside: Bools
+    loop_nodes: Ragged
+    ribbon: float
+    boundary_count: int
+
+    @property
+    def on_sheet_border(self) -> Bools:
+        """Whether each disk is centred on the sheet's border, ``(n,)``."""
+        return np.isin(self.node, self.loop_nodes[0])
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A disk that touches the leaf's two disks and at least one other."""
+
+    centre: tuple[float, float]
+    radius: float
+
+
+@dataclass(frozen=True)
+class _Placement:
+    """A disk to place and the visits, ``(chain, position)``, it touches."""
+
+    centre: Floats
+    radius: float
+    visits: list[tuple[int, int]]
+
+
+def fill_gaps(
+    boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None = None
+) -> Packing:
+    """Add disks until all gaps are 3-gaps or 4-gaps.
+
+    ``progress`` is called with the part done, 0 to 1 (an estimate). Raises ``UnfoldableError`` with the place when a
+    gap cannot be divided further. Source: paper section 2; Bern, Mitchell and Ruppert 1995 for the choice of disks.
+    """
+    filler = _Filler(boundary, tolerance)
+    gaps: list[Chain] = []
+    faces: list[int] = []
+    expected = max(1, 2 * len(boundary.radii))
+    for face in range(len(boundary.face_inside)):
+        chains = [
+            row.tolist() for row, its_face in zip(boundary.chains, boundary.chain_face, strict=True) if its_face == face
+        ]
+        for gap in filler.fill(chains):
+            gaps.append(gap)
+            faces.append(face)
+            if progress is not None and len(gaps) % 64 == 0:
+                progress(min(0.99, len(gaps) / expected / 2))
+    count = filler.count
+    new_nodes = np.arange(count - len(boundary.node), dtype=np.int32) + int(boundary.node.max()) + 1
+    return Packing(
+        points_array(filler.centres[:count]),
+        filler.radii[:count].copy(),
+        index_array(np.concatenate([boundary.node, new_nodes])),
+        Ragged.from_rows(gaps),
+        index_array(faces),
+        boundary.face_inside,
+        boundary.loop_nodes,
+        boundary.ribbon,
+        len(boundary.radii),
+    )
+
+
+class _Filler:
+    """The growing arrays of disks, and what divides gaps."""
+
+    def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance) -> None:
+        self.tolerance = tolerance
+        self.count = len(boundary.radii)
+        self.rolled: dict[tuple[int, int], _Candidate | None] = {}  # by leaf, until a disk is placed in its way
+        self.ears: set[tuple[int, int]] = set()  # leaves whose disk would not help; this lasts as long as the disk
+        self.centres = np.concatenate([boundary.centres, np.empty((self.count + 16, 2))])
+        self.radii = np.concatenate([boundary.radii, np.empty(self.count + 16)])
+
+    def fill(self, chains: list[Chain]) -> Iterator[Chain]:
+        """Yield the finished gaps of the face between ``chains``."""
+        stack = self._split_at_touching_disks(chains)
+        while stack:
+            gap = stack.pop()
+            if len(gap) == 1 and len(gap[0]) <= 4:
+                if len(gap[0]) < 3:
+                    raise self._stuck(gap)
+                yield gap[0]
+            else:
+                stack.extend(self._divide(gap))
+
+    def _stuck(self, chains: list[Chain]) -> UnfoldableError:
+        x, y = self.centres[chains[0]].mean(axis=0)
+        sizes = " and ".join(str(len(chain)) for chain in chains)
+        return UnfoldableError(
+            f"no disk divides the gap of {sizes} disks near ({x:.3f}, {y:.3f}) mm; "
+            "move the drawing or its corners a little, or use a bigger sheet"
+        )
+
+    def _split_at_touching_disks(self, chains: list[Chain]) -> list[list[Chain]]:
+        """Add the tangency edges between boundary disks that touch across the face."""
+        disks = np.array([disk for chain in chains for disk in chain])
+        neighbours = {frozenset(leaf) for leaf in _leaves(chains)}
+        left, right = touching_disks(
+            self.centres[disks], self.radii[disks], np.zeros(len(disks), dtype=np.int32), self.tolerance
+        )
+        gaps = [chains]
+        for a, b in zip(disks[left].tolist(), disks[right].tolist(), strict=True):
+            if frozenset((a, b)) in neighbours:
+                continue
+            for number, gap in enumerate(gaps):
+                visit_a, visit_b = self._visit(gap, a, self.centres[b]), self._visit(gap, b, self.centres[a])
+                if visit_a is not None and visit_b is not None:
+                    gaps[number : number + 1] = self._add_edge(gap, visit_a, visit_b)
+                    break
+        return gaps
+
+    def _add_edge(self, gap: list[Chain], a: tuple[int, int], b: tuple[int, int]) -> list[list[Chain]]:
+        """Join two visits of a gap: inside one chain this splits the gap, between two it merges them."""
+        others = [chain for number, chain in enumerate(gap) if number not in (a[0], b[0])]
+        if a[0] != b[0]:
+            return [[_walk_from(gap[a[0]], a[1]) + _walk_from(gap[b[0]], b[1]), *others]]
+        chain = gap[a[0]]
+        return self._share([_arc(chain, a[1], b[1]), _arc(chain, b[1], a[1])], others)
+
+    def _share(self, parts: list[Chain], others: list[Chain]) -> list[list[Chain]]:
+        """Give each of the remaining chains to the part of the gap it lies in."""
+        gaps = [[part] for part in parts]
+        for chain in others:
+            inside = (gap for gap in gaps if contains_point(self.centres[gap[0]], self.centres[chain[0]]))
+            next(inside, gaps[-1]).append(chain)
+        return gaps
+
+    def _visit(self, gap: list[Chain], disk: int, toward: Floats) -> tuple[int, int] | None:
+        """Find the visit to ``disk`` whose sector of the gap looks toward a point; None if there is none."""
+        best: tuple[float, tuple[int, int]] | None = None
+        for number, chain in enumerate(gap):
+            position = -1
+            for _ in range(chain.count(disk)):
+                position = chain.index(disk, position + 1)
+                centre = self.centres[disk]
+                start = self.centres[chain[(position + 1) % len(chain)]] - centre
+                end = self.centres[chain[position - 1]] - centre
+                turn = _angle(start, toward - centre)
+                excess = turn - (_angle(start, end) or TURN)
+                outside = 0.0 if excess <= 0 else min(excess, TURN - turn)
+                if best is None or outside < best[0]:
+                    best = (outside, (number, position))
+        return best[1] if best and best[0] < 1e-6 else None
+
+    # --- dividing one gap
+
+    def _divide(self, gap: list[Chain]) -> list[list[Chain]]:
+        """Place the largest disk that helps and return the gaps around it."""
+        disks = np.array(sorted({disk for chain in gap for disk in chain}))
+        placement = self._best_leaf(gap, disks) or self._best_inner(gap, disks)
+        if placement is None:
+            raise self._stuck(gap)
+        return self._place(gap, placement)
+
+    def _best_leaf(self, gap: list[Chain], disks: Ints) -> _Placement | None:
+        """Return the largest disk rolled in from a leaf that merges chains or divides the only one."""
+        candidates = []
+        for leaf in _leaves(gap):
+            if leaf in self.ears:
+                continue
+            if leaf not in self.rolled:
+                self.rolled[leaf] = self._roll(*leaf, disks)
+            candidate = self.rolled[leaf]
+            if candidate is not None:
+                candidates.append((-candidate.radius, leaf, candidate))
+        heapq.heapify(candidates)
+        second_best = None
+        while candidates:
+            _, leaf, candidate = heapq.heappop(candidates)
+            placement = self._try(gap, disks, candidate)
+            if placement is None:
+                self.ears.add(leaf)
+            elif len(gap) == 1 or len({number for number, _ in placement.visits}) > 1:
+                return placement
+            else:
+                second_best = second_best or placement
+        return second_best
+
+    def _forget_blocked(self, gap: list[Chain], disk: int) -> None:
+        """Drop the rolled disks of a gap that overlap a new disk."""
+        leaves = [leaf for leaf in _leaves(gap) if self.rolled.get(leaf)]
+        rolled = [candidate for leaf in leaves if (candidate := self.rolled[leaf])]
+        centres, radii = np.array([c.centre for c in rolled]).reshape(-1, 2), np.array([c.radius for c in rolled])
+        away = centres - self.centres[disk]
+        slack = np.hypot(away[:, 0], away[:, 1]) - radii - self.radii[disk]
+        blocked = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
+        for k in np.flatnonzero(blocked):
+            del self.rolled[leaves[k]]
+            self.ears.discard(leaves[k])
+
+    def _roll(self, i: int, j: int, disks: Ints) -> _Candidate | None:
+        """Return the largest disk left of i -> j that touches both and overlaps none of ``disks``.
+
+        Inversion about the tangency point of i and j makes the two a strip; every disk tangent to both becomes a
+        circle of the strip's width W, and the first one met by the growing disk is the one with the largest
+        y' + sqrt((W / 2 + r')^2 - (x' - middle)^2).
+        """
+        r_i, r_j = self.radii[i], self.radii[j]
+        along = self.centres[j] - self.centres[i]
+        along = along / math.hypot(along[0], along[1])
+        normal = left_normal(along)
+        origin = self.centres[i] + along * r_i
+        others = disks[(disks != i) & (disks != j)]
+        offset = self.centres[others] - origin
+        x, y, r = offset @ along, offset @ normal, self.radii[others]
+        power = x * x + y * y - r * r
+        middle, half_width = (1 / r_j - 1 / r_i) / 4, (1 / r_j + 1 / r_i) / 4
+        with np.errstate(all="ignore"):
+            reach = (half_width + r / power) ** 2 - (x / power - middle) ** 2
+            height = np.where((reach > 0) & (power > 0), y / power + np.sqrt(reach), -np.inf)
+        top = float(height.max(initial=-math.inf))
+        denominator = middle * middle + top * top - half_width * half_width
+        if not math.isfinite(top) or denominator <= 0 or top <= 0:
+            return None
+        centre = origin + along * (middle / denominator) + normal * (top / denominator)
+        return _Candidate((float(centre[0]), float(centre[1])), half_width / denominator)
+
+    def _best_inner(self, gap: list[Chain], disks: Ints) -> _Placement | None:
+        """Return the largest disk that touches three disks no two of which need be neighbours."""
+        best: list[_Candidate] = []
+        for first, i in enumerate(disks):
+            for j in disks[first + 1 :]:
+                best += self._apollonius(int(i), int(j), disks[disks > j])
+        for candidate in sorted(best, key=lambda c: -c.radius):
+            placement = self._try(gap, disks, candidate)
+            if placement is not None:
+                return placement
+        return None
+
+    def _apollonius(self, i: int, j: int, others: Ints) -> list[_Candidate]:
+        """Return the disks that touch i, j and one of ``others`` from outside and overlap none of them."""
+        a, r_a = self.centres[i], self.radii[i]
+        to_j, r_j = self.centres[j] - a, self.radii[j] - r_a
+        to_k, r_k = self.centres[others] - a, self.radii[others] - r_a
+        determinant = to_j[0] * to_k[:, 1] - to_j[1] * to_k[:, 0]
+        with np.errstate(all="ignore"):
+            # |c| = r + r_a and |c - to| = r + r_a + dr give two equations linear in c and R = r + r_a: c = p + q R
+            b_j = (to_j @ to_j - r_j * r_j) / 2
+            b_k = (np.sum(to_k * to_k, axis=1) - r_k * r_k) / 2
+            p = np.stack([b_j * to_k[:, 1] - b_k * to_j[1], b_k * to_j[0] - b_j * to_k[:, 0]], axis=1)
+            q = np.stack([r_k * to_j[1] - r_j * to_k[:, 1], r_j * to_k[:, 0] - r_k * to_j[0]], axis=1)
+            p, q = p / determinant[:, None], q / determinant[:, None]
+            square, half_linear, constant = (q * q).sum(axis=1) - 1, (p * q).sum(axis=1), (p * p).sum(axis=1)
+            root = np.sqrt(half_linear**2 - square * constant)
+            found = []
+            for reach in ((-half_linear + root) / square, (-half_linear - root) / square):
+                centre, radius = a + p + q * reach[:, None], reach - r_a
+                for k in np.flatnonzero(np.isfinite(radius) & (radius > 0)):
+                    found.append(_Candidate((float(centre[k, 0]), float(centre[k, 1])), float(radius[k])))
+        return found
+
+    def _try(self, gap: list[Chain], disks: Ints, candidate: _Candidate) -> _Placement | None:
+        """Return where ``candidate`` touches the gap if it is free and leaves smaller gaps, else None."""
+        centre, radius = np.array(candidate.centre), candidate.radius
+        away = self.centres[disks] - centre
+        slack = np.hypot(away[:, 0], away[:, 1]) - self.radii[disks] - radius
+        allowed = self.tolerance.touching(self.radii[disks], np.full(len(disks), radius))
+        if (slack < -allowed).any():
+            return None
+        visits = [self._visit(gap, int(disk), centre) for disk in disks[slack <= allowed]]
+        seen = [visit for visit in visits if visit is not None]
+        if len(seen) < 3 or len(seen) < len(visits):
+            return None
+        if len({number for number, _ in seen}) == 1:
+            size = len(gap[seen[0][0]])
+            positions = sorted(position for _, position in seen)
+            arcs = [(b - a) % size for a, b in zip(positions, positions[1:] + positions[:1], strict=True)]
+            if max(arcs) + 2 >= size:
+                return None  # an ear: a gap as large as this one would remain
+        return _Placement(centre, radius, seen)
+
+    def _place(self, gap: list[Chain], placement: _Placement) -> list[list[Chain]]:
+        """Add the disk with its tangency edges and return the gaps around it."""
+        visited = [gap[number][position] for number, position in placement.visits]
+        disk = self._add_disk(placement, np.array(visited))
+        self._forget_blocked(gap, disk)
+        away = self.centres[visited] - self.centres[disk]
+        counter_clockwise = np.argsort(np.arctan2(away[:, 1], away[:, 0])).tolist()
+        spokes = [placement.visits[k] for k in counter_clockwise]
+        number_of = {visit: k for k, visit in enumerate(spokes)}
+        left = set(range(len(spokes)))
+        parts = []
+        while left:
+            start = spoke = min(left)
+            part: Chain = []
+            while spoke in left:
+                left.discard(spoke)
+                number, position = spokes[spoke]
+                chain = gap[number]
+                stops = [at for which, at in spokes if which == number]
+                stop = min(stops, key=lambda at: (at - position - 1) % len(chain))
+                part += [disk, *_arc(chain, position, stop, whole=stop == position)]
+                spoke = (number_of[number, stop] - 1) % len(spokes)
+            assert spoke == start
+            parts.append(part)
+        touched = {number for number, _ in spokes}
+        return self._share(parts, [chain for number, chain in enumerate(gap) if number not in touched])
+
+    def _add_disk(self, placement: _Placement, touched: Ints) -> int:
+        if self.count == len(self.radii):
+            self.centres = np.concatenate([self.centres, np.empty_like(self.centres)])
+            self.radii = np.concatenate([self.radii, np.empty_like(self.radii)])
+        disk = self.count
+        self.centres[disk], self.radii[disk] = self._polish(placement, touched)
+        self.count += 1
+        return disk
+
+    def _polish(self, placement: _Placement, touched: Ints) -> tuple[Floats, float]:
+        """Newton's method on |c - c_k| = r + r_k, so that rounding does not add up from disk to disk."""
+        centre, radius = placement.centre, placement.radius
+        for _ in range(2):
+            away = centre - self.centres[touched]
+            distance = np.hypot(away[:, 0], away[:, 1])
+            slope = np.column_stack([away / distance[:, None], -np.ones(len(touched))])
+            step, *_ = np.linalg.lstsq(slope, radius + self.radii[touched] - distance, rcond=None)
+            if not np.abs(step).max() < 1e-3 * radius:
+                return placement.centre, placement.radius
+            centre, radius = centre + step[:2], radius + float(step[2])
+        return centre, radius
+
+
+def _leaves(gap: list[Chain]) -> list[tuple[int, int]]:
+    """The pairs of consecutive visits of all chains."""
+    return [leaf for chain in gap for leaf in zip(chain, chain[1:] + chain[:1], strict=True)]
+
+
+def _angle(start: Floats, end: Floats) -> float:
+    """The counter-clockwise angle from one vector to another, in [0, 2 pi)."""
+    across = start[0] * end[1] - start[1] * end[0]
+    return math.atan2(across, start[0] * end[0] + start[1] * end[1]) % TURN
+
+
+def _walk_from(chain: Chain, position: int) -> Chain:
+    """The chain once around, from a visit back to the same disk."""
+    if len(chain) == 1:
+        return chain
+    return chain[position:] + chain[: position + 1]
+
+
+def _arc(chain: Chain, start: int, stop: int, *, whole: bool = False) -> Chain:
+    """The visits from ``start`` to ``stop``, both included; ``whole`` goes once around."""
+    if whole:
+        return _walk_from(chain, start)
+    return chain[start : stop + 1] if start <= stop else chain[start:] + chain[: stop + 1]
+
+
+def packing_faults(packing: Packing, area: float, tolerance: Tolerance) -> list[str]:
+    """List what breaks the packing's invariants; ``area`` in mm^2 is what the gaps must tile.
+
+    The invariants are those of the module's docstring; empty means valid.
+    """
+    faults = []
+    total = 0.0
+    for number, gap in enumerate(packing.gaps):
+        polygon = packing.centres[gap]
+        total += signed_area(polygon)
+        if len(gap) not in (3, 4):
+            faults.append(f"gap {number} has {len(gap)} sides")
+        if signed_area(polygon) <= 0:
+            faults.append(f"gap {number} is not counter-clockwise")
+        side = np.roll(polygon, -1, axis=0) - polygon
+        radii = packing.radii[gap]
+        off = np.hypot(side[:, 0], side[:, 1]) - radii - np.roll(radii, -1)
+        if np.abs(off).max() > 4 * tolerance.touching(radii, np.roll(radii, -1)).max():
+            faults.append(f"gap {number}: consecutive disks are {np.abs(off).max():.3g} mm from touching")
+    if abs(total - area) > 1e-9 * area:
+        faults.append(f"the gaps cover {total:.9g} of {area:.9g} mm^2")
+    for face in range(len(packing.face_inside)):
+        mine = np.unique(packing.gaps.values[np.isin(packing.gaps.rows, np.flatnonzero(packing.gap_face == face))])
+        left, _ = overlapping_disks(
+            packing.centres[mine], packing.radii[mine], np.zeros(len(mine), dtype=np.int32), tolerance
+        )
+        if len(left):
+            faults.append(f"{len(left)} pairs of disks overlap in face {face}")
+    return faults
