@@ -23,8 +23,10 @@ from foldcut.tolerance import Tolerance
 
 # A vertex disk may shrink to this part of its size to make room for the ribbon.
 RIBBON_SLACK = 0.2
-# An uncovered stretch between two vertex disks shorter than this part of the smaller one is widened.
-SHORT_STRETCH = 0.02
+# Disks that nearly touch, by this part of the smaller one, leave gaps that fold to creases far too short: vertex disks
+# are shrunk then, others split. (Vertex disks do so often: half the distance to an edge is nearly half the distance to
+# that edge's end.)
+NEARLY = 0.02
 MAX_DISKS = 1_000_000
 
 
@@ -90,7 +92,7 @@ def boundary_disks(shape: Shape, sheet: Sheet, ribbon: float, tolerance: Toleran
     radii = _vertex_radii(loops)
     if radii is None:
         raise RibbonError(_too_wide(shape, sheet, ribbon))
-    radii = _widen_short_stretches(loops, radii, tolerance)
+    radii = _separate_vertex_disks(loops, radii, tolerance)
     pieces = _split_crowded(loops, radii, tolerance)
     inside = np.array([False] + [shape.depth(i) % 2 == 0 for i in range(len(shape.loops))])
     return _assemble(loops, radii, pieces, inside, ribbon)
@@ -164,21 +166,38 @@ def _too_wide(shape: Shape, sheet: Sheet, ribbon: float) -> str:
     )
 
 
-def _widen_short_stretches(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance) -> list[Floats]:
-    """Shrink vertex disks whose gap along an edge would need a disk that is tiny beside them."""
-    widened = []
+def _vertex_disks(loops: list[_Loop], radii: list[Floats]) -> tuple[Floats, Floats, Ints, Ints]:
+    """Centres, radii, faces of the vertex disks on both sides of the loops, and the corner each one belongs to."""
+    centres, sizes, faces, corners = [], [], [], []
+    first = 0
     for loop, radius in zip(loops, radii, strict=True):
-        shrunk = radius.copy()
-        for _ in range(20):
-            following = np.roll(shrunk, -1)
-            stretch = loop.lengths - shrunk - following
-            smaller = np.minimum(shrunk, following)
-            short = (stretch > tolerance.tie * smaller) & (stretch < SHORT_STRETCH * smaller)
-            if not short.any():
-                break
-            shrunk[short | np.roll(short, 1)] *= 0.95
-        widened.append(np.maximum(shrunk, np.abs(loop.shift(1)) * 1.1))
-    return widened
+        for face, sign in loop.sides:
+            centres.append(loop.offset(sign))
+            sizes.append(radius - loop.shift(sign))
+            faces.append(np.full(len(radius), face))
+            corners.append(np.arange(first, first + len(radius)))
+        first += len(radius)
+    return np.concatenate(centres), np.concatenate(sizes), np.concatenate(faces), np.concatenate(corners)
+
+
+def _separate_vertex_disks(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance) -> list[Floats]:
+    """Shrink vertex disks that nearly touch, so that they either touch or leave room."""
+    ends = np.cumsum([len(radius) for radius in radii])[:-1]
+    smallest = np.concatenate([np.abs(loop.shift(1)) * 1.1 for loop in loops])
+    for _ in range(20):
+        centres, sizes, face, corner = _vertex_disks(loops, radii)
+        i, j, slack = near_disks(centres, sizes, face)
+        nearly = _nearly_touching(slack, sizes[i], sizes[j], tolerance)
+        if not nearly.any():
+            break
+        shrunk = np.concatenate(radii)
+        shrunk[np.unique(corner[np.concatenate([i[nearly], j[nearly]])])] *= 1 - 2 * NEARLY
+        radii = np.split(np.maximum(shrunk, smallest), ends)
+    return radii
+
+
+def _nearly_touching(slack: Floats, a: Floats, b: Floats, tolerance: Tolerance) -> Bools:
+    return (slack > tolerance.touching(a, b)) & (slack < NEARLY * np.minimum(a, b))
 
 
 @dataclass(eq=False)
@@ -235,22 +254,19 @@ def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance
     """Halve edges until no diameter disk overlaps another disk of its face; of two, the larger is halved."""
     pieces = _first_pieces(loops, radii, tolerance)
     face_of = {sign: np.array([dict((s, f) for f, s in loop.sides).get(sign, -1) for loop in loops]) for sign in (1, -1)}
-    fixed_centres, fixed_radii, fixed_face = [], [], []
-    for loop, radius in zip(loops, radii, strict=True):
-        for face, sign in loop.sides:
-            fixed_centres.append(loop.offset(sign))
-            fixed_radii.append(radius - loop.shift(sign))
-            fixed_face.append(np.full(len(radius), face))
+    fixed_centres, fixed_radii, fixed_face, _ = _vertex_disks(loops, radii)
     while True:
         count = len(pieces.loop)
         if count > MAX_DISKS:
             raise UnfoldableError(f"the shape's features are so small that over {MAX_DISKS:,} disks would be needed; simplify it")
         sides = [(face_of[sign][pieces.loop], *_piece_disks(loops, pieces, sign)) for sign in (1, -1)]
-        face = np.concatenate([sides[0][0], sides[1][0], *fixed_face])
-        centres = np.concatenate([sides[0][1], sides[1][1], *fixed_centres])
-        sizes = np.concatenate([sides[0][2], sides[1][2], *fixed_radii])
+        face = np.concatenate([sides[0][0], sides[1][0], fixed_face])
+        centres = np.concatenate([sides[0][1], sides[1][1], fixed_centres])
+        sizes = np.concatenate([sides[0][2], sides[1][2], fixed_radii])
         owner = np.concatenate([np.arange(count), np.arange(count), np.full(len(face) - 2 * count, -1)])
-        i, j = overlapping_disks(centres, sizes, face, tolerance)
+        i, j, slack = near_disks(centres, sizes, face)
+        crowd = (slack < -tolerance.touching(sizes[i], sizes[j])) | _nearly_touching(slack, sizes[i], sizes[j], tolerance)
+        i, j = i[crowd], j[crowd]
         larger_is_fixed = np.minimum(owner[i], owner[j]) < 0
         take_i = (owner[i] >= 0) & (larger_is_fixed | (sizes[i] >= sizes[j] * (1 - tolerance.tie)))
         take_j = (owner[j] >= 0) & (larger_is_fixed | (sizes[j] >= sizes[i] * (1 - tolerance.tie)))
@@ -279,7 +295,7 @@ def touching_disks(centres: Floats, radii: Floats, face: Ints, tolerance: Tolera
 def near_disks(centres: Floats, radii: Floats, face: Ints) -> tuple[Ints, Ints, Floats]:
     """Return pairs i < j of disks of one face whose boxes meet, and the free distance between them."""
     used = np.flatnonzero(face >= 0)
-    reach = radii[used, None] * (1 + 1e-6)
+    reach = radii[used, None] * (1 + NEARLY)
     low, high = centres[used] - reach, centres[used] + reach
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
     left, right = shapely.STRtree(boxes).query(boxes)

@@ -70,6 +70,9 @@ class Molecules:
     boundary_sides: Ints
     disk_vertex: Ints
 
+    def __len__(self) -> int:
+        return len(self.corners)
+
 
 def build_molecules(packing: Packing, tolerance: Tolerance) -> Molecules:
     """Fold the triangles with rabbit ears, the quadrilaterals with gussets, and lay the ribbon between.

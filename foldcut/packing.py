@@ -28,6 +28,8 @@ from foldcut.tolerance import Tolerance
 
 Chain = list[int]
 TURN = 2 * math.pi
+# A disk that nearly touches another, by this part of the smaller one, makes creases far too short: take another disk.
+NEARLY = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,11 +67,12 @@ class _Candidate:
 
 @dataclass(frozen=True)
 class _Placement:
-    """A disk to place and the visits, ``(chain, position)``, it touches."""
+    """A disk to place and the visits, ``(chain, position)``, it touches; ``nearly``: and one more, all but."""
 
     centre: Floats
     radius: float
     visits: list[tuple[int, int]]
+    nearly: bool
 
 
 def fill_gaps(
@@ -218,7 +221,7 @@ class _Filler:
             placement = self._try(gap, disks, candidate)
             if placement is None:
                 self.ears.add(leaf)
-            elif len(gap) == 1 or len({number for number, _ in placement.visits}) > 1:
+            elif not placement.nearly and (len(gap) == 1 or len({number for number, _ in placement.visits}) > 1):
                 return placement
             else:
                 second_best = second_best or placement
@@ -315,7 +318,8 @@ class _Filler:
             arcs = [(b - a) % size for a, b in zip(positions, positions[1:] + positions[:1], strict=True)]
             if max(arcs) + 2 >= size:
                 return None  # an ear: a gap as large as this one would remain
-        return _Placement(centre, radius, seen)
+        close = (slack > allowed) & (slack < NEARLY * np.minimum(self.radii[disks], radius))
+        return _Placement(centre, radius, seen, bool(close.any()))
 
     def _place(self, gap: list[Chain], placement: _Placement) -> list[list[Chain]]:
         """Add the disk with its tangency edges and return the gaps around it."""
