@@ -1,0 +1,92 @@
+"""Disks on the boundaries."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from stages import Stages, run_stages
+from strategies import rectangle, regular, star, star_shaped
+
+from foldcut.boundary import boundary_disks, overlapping_disks
+from foldcut.errors import RibbonError
+
+RING = [[(0, 0), (30, 0), (30, 30), (0, 30)], [(10, 10), (20, 10), (20, 20), (10, 20)]]
+ISLAND = [*RING, [(13, 13), (17, 13), (17, 17), (13, 17)]]
+SHAPES = {
+    "triangle": [[(0, 0), (4, 0), (1, 3)]],
+    "needle": [[(0, 0), (40, 0), (0, 4)]],
+    "square": [rectangle(1, 1)],
+    "long rectangle": [rectangle(7, 1)],
+    "hexagon": [regular(6)],
+    "star": [star(5, 0.4)],
+    "random": [star_shaped(np.random.default_rng(3), 24)],
+    "ring": RING,
+    "ring with an island": ISLAND,
+    "two triangles": [[(0, 0), (4, 0), (1, 3)], [(6, 0), (9, 1), (6, 4)]],
+}
+
+
+def boundary_faults(stages: Stages) -> list[str]:
+    """List what breaks the invariants of the boundary disks."""
+    boundary, tolerance = stages.boundary, stages.tolerance
+    faults = []
+    for row in boundary.chains:
+        step = boundary.centres[np.roll(row, -1)] - boundary.centres[row]
+        radii = boundary.radii[row]
+        off = np.abs(np.hypot(*step.T) - radii - np.roll(radii, -1))
+        if (off > tolerance.touching(radii, np.roll(radii, -1))).any():
+            faults.append(f"consecutive disks are {off.max():.3g} mm from touching")
+    for face in range(len(boundary.face_inside)):
+        mine = np.concatenate(
+            [row for row, f in zip(boundary.chains, boundary.chain_face, strict=True) if f == face]
+        )
+        pairs, _ = overlapping_disks(
+            boundary.centres[mine], boundary.radii[mine], np.zeros(len(mine), dtype=np.int32), tolerance
+        )
+        if len(pairs):
+            faults.append(f"{len(pairs)} pairs overlap in face {face}")
+    return faults
+
+
+@pytest.mark.parametrize("name", SHAPES)
+@pytest.mark.parametrize("ribbon", [0.0, 0.3])
+def test_edges_are_unions_of_diameters_and_disks_do_not_overlap(name: str, ribbon: float) -> None:
+    if name == "needle" and ribbon:
+        ribbon = 0.02
+    assert boundary_faults(run_stages(SHAPES[name], ribbon=ribbon)) == []
+
+
+def test_the_checker_sees_a_disk_that_is_too_large() -> None:
+    stages = run_stages(SHAPES["star"])
+    stages.boundary.radii.setflags(write=True)
+    stages.boundary.radii[len(stages.boundary.radii) // 2] *= 1.01
+    assert boundary_faults(stages) != []
+
+
+def test_the_disks_of_a_square_meet_at_the_middle_of_its_sides() -> None:
+    boundary = run_stages([rectangle(1, 1)]).boundary
+    inside = boundary.chains[list(boundary.chain_face).index(1)]
+    # only the nearness of the sheet's border asks for more than four
+    assert len(inside) % 4 == 0
+    assert len(set(np.round(boundary.radii[inside], 9))) <= 2
+
+
+def test_disks_on_either_side_of_the_ribbon_face_each_other() -> None:
+    boundary = run_stages([star(5, 0.4)], ribbon=0.4).boundary
+    left, right = (row for row, loop in zip(boundary.chains, boundary.chain_loop, strict=True) if loop == 1)
+    assert boundary.node[left].tolist() == boundary.node[right[::-1]].tolist()
+    across = boundary.centres[left] - boundary.centres[right[::-1]]
+    straight = np.isclose(boundary.radii[left], boundary.radii[right[::-1]], rtol=1e-12)
+    assert straight.any(), "disks in the middle of an edge keep their radius"
+    assert not straight.all(), "disks at corners do not"
+    assert np.allclose(np.hypot(*across[straight].T), 0.8, rtol=1e-9)
+
+
+def test_a_ribbon_that_is_too_wide_is_refused_with_the_largest_width_that_works() -> None:
+    with pytest.raises(RibbonError, match=r"largest half-width that works is [\d.e-]+ mm") as caught:
+        run_stages([star(5, 0.4)], ribbon=20)
+    widest = float(str(caught.value).split("works is ")[1].split()[0])
+    stages = run_stages([star(5, 0.4)], ribbon=widest)
+    assert boundary_faults(stages) == []
+    with pytest.raises(RibbonError):
+        boundary_disks(stages.shape, stages.sheet, widest * 1.02, stages.tolerance)
