@@ -63,12 +63,11 @@ def test_the_checker_sees_a_disk_that_is_too_large() -> None:
     assert boundary_faults(stages) != []
 
 
-def test_the_disks_of_a_square_meet_at_the_middle_of_its_sides() -> None:
+def test_a_symmetric_shape_gets_symmetric_disks() -> None:
     boundary = run_stages([rectangle(1, 1)]).boundary
     inside = boundary.chains[list(boundary.chain_face).index(1)]
-    # only the nearness of the sheet's border asks for more than four
-    assert len(inside) % 4 == 0
-    assert len(set(np.round(boundary.radii[inside], 9))) <= 2
+    disks = {tuple(row) for row in np.round(np.c_[boundary.centres, boundary.radii][inside], 9)}
+    assert disks == {(148 - x, y, r) for x, y, r in disks} == {(x, 210 - y, r) for x, y, r in disks}
 
 
 def test_disks_on_either_side_of_the_ribbon_face_each_other() -> None:
