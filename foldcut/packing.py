@@ -267,19 +267,45 @@ class _Filler:
         return _Candidate((float(centre[0]), float(centre[1])), half_width / denominator)
 
     def _best_inner(self, gap: list[Chain], disks: Ints) -> _Placement | None:
-        """Return the largest disk that touches three disks no two of which need be neighbours."""
-        best: list[_Candidate] = []
-        for first, i in enumerate(disks):
-            for j in disks[first + 1 :]:
-                best += self._apollonius(int(i), int(j), disks[disks > j])
-        for candidate in sorted(best, key=lambda c: -c.radius):
+        """Return the largest disk that helps where every leaf's is an ear: the next one met beyond an ear.
+
+        An ear touches the visits i, j, k in a row; going on between i and k, away from j, leads to the next disk.
+        """
+        found = []
+        for chain in gap:
+            for i, j, k in zip(chain, chain[1:] + chain[:1], chain[2:] + chain[:2], strict=True):
+                ear = self.rolled.get((i, j))
+                if ear is not None and i != k and self._touches(ear, k):
+                    found += self._beyond(ear, i, j, k, disks)
+        for candidate in sorted(found, key=lambda c: -c.radius):
             placement = self._try(gap, disks, candidate)
             if placement is not None:
                 return placement
         return None
 
-    def _apollonius(self, i: int, j: int, others: Ints) -> list[_Candidate]:
-        """Return the disks that touch i, j and one of ``others`` from outside and overlap none of them."""
+    def _touches(self, candidate: _Candidate, disk: int) -> bool:
+        distance = math.dist(candidate.centre, self.centres[disk])
+        return abs(distance - candidate.radius - self.radii[disk]) <= 1e-6 * min(candidate.radius, self.radii[disk])
+
+    def _beyond(self, ear: _Candidate, i: int, j: int, k: int, disks: Ints) -> list[_Candidate]:
+        """Return the first disk met by one that grows away from ``ear``, always touching i and k."""
+        normal = left_normal(self.centres[k] - self.centres[i])
+        if normal @ (self.centres[j] - self.centres[i]) > 0:
+            normal = -normal
+        others = disks[(disks != i) & (disks != j) & (disks != k)]
+        centres, radii = self._apollonius(i, k, others)
+        ahead = (centres - np.array(ear.centre)) @ normal
+        usable = np.isfinite(radii) & (radii > 0) & (ahead > 1e-6 * ear.radius * math.hypot(*normal))
+        if not usable.any():
+            return []
+        first = int(np.where(usable, ahead, np.inf).argmin())
+        return [_Candidate((float(centres[first, 0]), float(centres[first, 1])), float(radii[first]))]
+
+    def _apollonius(self, i: int, j: int, others: Ints) -> tuple[Floats, Floats]:
+        """Return centres and radii of the disks that touch i, j and one of ``others`` from outside.
+
+        Where there is none the radius is negative or not finite.
+        """
         a, r_a = self.centres[i], self.radii[i]
         to_j, r_j = self.centres[j] - a, self.radii[j] - r_a
         to_k, r_k = self.centres[others] - a, self.radii[others] - r_a
@@ -293,12 +319,8 @@ class _Filler:
             p, q = p / determinant[:, None], q / determinant[:, None]
             square, half_linear, constant = (q * q).sum(axis=1) - 1, (p * q).sum(axis=1), (p * p).sum(axis=1)
             root = np.sqrt(half_linear**2 - square * constant)
-            found = []
-            for reach in ((-half_linear + root) / square, (-half_linear - root) / square):
-                centre, radius = a + p + q * reach[:, None], reach - r_a
-                for k in np.flatnonzero(np.isfinite(radius) & (radius > 0)):
-                    found.append(_Candidate((float(centre[k, 0]), float(centre[k, 1])), float(radius[k])))
-        return found
+            reach = np.concatenate([(-half_linear + root) / square, (-half_linear - root) / square])
+            return a + np.tile(p, (2, 1)) + np.tile(q, (2, 1)) * reach[:, None], reach - r_a
 
     def _try(self, gap: list[Chain], disks: Ints, candidate: _Candidate) -> _Placement | None:
         """Return where ``candidate`` touches the gap if it is free and leaves smaller gaps, else None."""

@@ -1,1 +1,32 @@
-"""The sample drawings that come with foldcut: data only."""
+"""The sample drawings that come with foldcut, and where they are.
+
+Each is drawn in mm, by hand, with few corners and no thin parts, since small features cost creases. Most are
+SVG; plus is JSON loops and kite is WKT.
+"""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+
+from foldcut.errors import BadInputError
+
+_SUFFIXES = (".svg", ".json", ".wkt")
+
+
+def sample_names() -> tuple[str, ...]:
+    """Return the names of all samples, in alphabetical order, without suffixes."""
+    return tuple(sorted(_paths()))
+
+
+def sample_path(name: str) -> Path:
+    """Return the file of the sample ``name``, as ``sample_names`` spells it; raises ``BadInputError``."""
+    paths = _paths()
+    if name not in paths:
+        raise BadInputError(f"there is no sample {name!r}; give one of {', '.join(sorted(paths))}")
+    return paths[name]
+
+
+def _paths() -> dict[str, Path]:
+    folder = Path(str(files(__name__)))
+    return {path.stem: path for path in folder.iterdir() if path.suffix in _SUFFIXES}

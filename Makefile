@@ -1,0 +1,53 @@
+# foldcut: `make demo` to see it work, `make test` to see that it does. Needs python3 >= 3.11 and make.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+CODE := foldcut exporters profiles samples tests
+
+.PHONY: demo test bench lint tools clean
+
+## Fold the sample fish on A4 and write it into out/.
+demo: $(VENV)/installed
+	@mkdir -p out
+	$(BIN)/foldcut make samples/fish.svg --sheet a4 -o out/fish.svg -o out/fish.fold
+
+## Run all tests; those that need a program which is not installed say so and skip.
+test: $(VENV)/installed-test tools
+	$(BIN)/python -m pytest -n 2
+
+## Measure; nothing here can fail for being slow.
+bench: $(VENV)/installed-test
+	$(BIN)/python tests/bench/bench.py
+
+## Check style and types.
+lint: $(VENV)/installed-dev
+	$(BIN)/ruff check $(CODE)
+	$(BIN)/ruff format --check $(CODE)
+	$(BIN)/mypy
+
+## Install the programs that are not ours and that read our files in the tests.
+tools:
+	@bash tests/tools.sh
+
+## Remove what was built and installed.
+clean:
+	rm -rf $(VENV) out build dist tests/node/node_modules
+
+$(VENV)/python-ok:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "foldcut needs Python 3.11 or newer; try: make PYTHON=python3.11"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+$(VENV)/installed: $(VENV)/python-ok pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+$(VENV)/installed-test: $(VENV)/python-ok pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
+
+$(VENV)/installed-dev: $(VENV)/python-ok pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test,dev]'
+	@touch $@

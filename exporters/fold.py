@@ -1,0 +1,217 @@
+"""FOLD 1.2: the pattern, how it folds and which face lies on which, for other origami programs.
+
+Input: a ``FoldedPattern``; output: JSON, one key per line. Frame 0 is the crease pattern in the sheet's
+millimetres, frame 1 the folded form, which inherits everything but the coordinates. Coordinates are written
+with all digits of a float64, because layer solvers give no verdict on lines that nearly coincide.
+
+Own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
+drawing to the sheet; ``foldcut:faceOrders`` = "adjacent" where only faces that share a crease are ordered
+(see ``face_orders``).
+"""
+
+from __future__ import annotations
+
+import json
+from importlib.metadata import version
+
+import mapbox_earcut
+import numpy as np
+from numpy.typing import NDArray
+
+from foldcut.model import Bools, Floats, FoldedPattern, Ints, Ragged
+from foldcut.profiles import Profile
+
+FOLD_ANGLES = {"M": -180, "V": 180}
+MOST_FACE_ORDERS = 2_000_000
+"""More pairs make tens of megabytes, which few programs read; then only neighbouring faces are ordered."""
+OVERLAP_TOLERANCE = 1e-9
+"""Folded faces that overlap by less than this part of the sheet's diagonal only touch."""
+CHUNK = 128
+"""Faces compared with all others at once: few enough for the processor's cache."""
+
+
+def export(pattern: FoldedPattern, profile: Profile) -> bytes:
+    """Return ``pattern`` as a FOLD file; nothing in it depends on the profile."""
+    creases = pattern.creases
+    assignment = creases.edges_assignment.tolist()
+    orders, adjacent_only = face_orders(pattern)
+    fold: dict[str, object] = {
+        "file_spec": 1.2,
+        "file_creator": f"foldcut {version('foldcut')}",
+        "file_title": pattern.title,
+        "file_classes": ["singleModel"],
+        "frame_classes": ["creasePattern"],
+        "frame_unit": "mm",
+        "vertices_coords": creases.vertices_coords.tolist(),
+        "edges_vertices": creases.edges_vertices.tolist(),
+        "edges_assignment": assignment,
+        "edges_foldAngle": [FOLD_ANGLES.get(letter, 0) for letter in assignment],
+        "faces_vertices": creases.faces_vertices.to_lists(),
+        "faceOrders": orders,
+        "file_frames": [
+            {
+                "frame_classes": ["foldedForm"],
+                "frame_parent": 0,
+                "frame_inherit": True,
+                "vertices_coords": pattern.folded.vertices_coords.tolist(),
+            }
+        ],
+        "foldcut:placement": pattern.placement.matrix.tolist(),
+        "foldcut:layers": pattern.folded.layers.tolist(),
+    }
+    if adjacent_only:
+        fold["foldcut:faceOrders"] = "adjacent"
+    return _to_json(fold)
+
+
+def face_orders(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> tuple[Ints, bool]:
+    """Return FOLD's ``faceOrders`` and whether they are cut down to faces that share a crease.
+
+    Rows ``(f, g, s)``, ``(m, 3)`` int32 with f < g, for all faces that overlap when folded: s = 1 when f
+    lies on the side of g that g's normal points to in the folded state, else -1 (FOLD specification 1.2,
+    faceOrders). More than ``most`` overlaps are not listed; then there are only the pairs of faces that
+    share a crease.
+    """
+    pairs = overlapping_faces(pattern, most)
+    adjacent_only = pairs is None
+    if pairs is None:
+        pairs = _faces_across_creases(pattern.creases.faces_vertices)
+    f, g = pairs.T
+    rank = np.empty(len(pattern.folded.layers), dtype=np.int32)
+    rank[pattern.folded.layers] = np.arange(len(rank))
+    above = rank[f] > rank[g]
+    # The layers' "up" is the normal of face 0, so a face has its normal up when it is turned like face 0.
+    turned = _doubled_areas(pattern.folded.vertices_coords, pattern.creases.faces_vertices) < 0
+    normal_up = turned == turned[0]
+    signs = np.where(above == normal_up[g], 1, -1)
+    return np.column_stack([f, g, signs]).astype(np.int32), adjacent_only
+
+
+def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> Ints | None:
+    """Return the pairs of faces that overlap when folded, ``(m, 2)`` with f < g, or None if over ``most``.
+
+    Two convex pieces overlap unless one has a side that the other lies wholly outside of (separating axis
+    theorem).
+    """
+    points = pattern.folded.vertices_coords
+    tolerance = OVERLAP_TOLERANCE * pattern.sheet.diagonal
+    faces = pattern.creases.faces_vertices
+    pieces, faces_of_pieces = _convex_pieces(points, faces)
+    sides = _inward_sides(points, pieces)
+    found = [np.empty(0, dtype=np.int64)]
+    for first in range(0, len(pieces), CHUNK):
+        # These pieces against themselves and all later ones.
+        these, rest = slice(first, first + CHUNK), slice(first, None)
+        apart = _wholly_outside(points, pieces[rest], sides[:, these], tolerance).T
+        apart |= _wholly_outside(points, pieces[these], sides[:, rest], tolerance)
+        f, g = faces_of_pieces[np.argwhere(np.triu(~apart, k=1)) + first].T
+        found.append(_distinct(f[f != g] * len(faces) + g[f != g]))
+        if sum(map(len, found)) > most:
+            return None
+    return np.column_stack(np.divmod(_distinct(np.concatenate(found)), len(faces))).astype(np.int32)
+
+
+def _distinct(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the keys sorted and each once; ``np.unique`` takes ten times as long for so many."""
+    keys = np.sort(keys)
+    return keys[np.diff(keys, prepend=-1) > 0]
+
+
+def _wholly_outside(points: Floats, pieces: Ints, sides: Floats, tolerance: float) -> Bools:
+    """Return whether piece i lies wholly outside some side of piece j, ``(i, j)``."""
+    used, corners = np.unique(pieces, return_inverse=True)
+    points, pieces = points[used], corners.astype(np.int32).reshape(pieces.shape)
+    outside = np.zeros((len(pieces), sides.shape[1]), dtype=bool)
+    for side in sides:
+        heights = points @ side[:, :2].T + side[:, 2]
+        highest = heights[pieces[:, 0]]
+        for corner in pieces.T[1:]:
+            np.maximum(highest, heights[corner], out=highest)
+        outside |= highest <= tolerance
+    return outside
+
+
+def _inward_sides(points: Floats, pieces: Ints) -> Floats:
+    """Return the pieces' sides as (a, b, c), ``(4, n, 3)``: a x + b y + c is the distance inward."""
+    start = points[pieces.T]
+    vector = np.roll(start, -1, axis=0) - start
+    length = np.hypot(vector[..., 0], vector[..., 1])
+    counter_clockwise = np.sign(_cross(start[2] - start[0], start[3] - start[1]))
+    scale = counter_clockwise / np.where(length > 0, length, np.inf)
+    normal = np.stack([-vector[..., 1], vector[..., 0]], axis=-1) * scale[..., None]
+    constant = -np.sum(normal * start, axis=-1)
+    constant[length == 0] = np.inf  # a side without length separates nothing
+    return np.concatenate([normal, constant[..., None]], axis=-1)
+
+
+def _convex_pieces(points: Floats, faces: Ragged) -> tuple[Ints, NDArray[np.int64]]:
+    """Divide the faces into triangles and convex quadrilaterals.
+
+    Returns their vertices, ``(n, 4)``, the last vertex of a triangle twice, and the face of each.
+    """
+    bent = _faces_with_bends(points, faces)
+    rows, owners = [], []
+    for face, ring in enumerate(faces.to_lists()):
+        if face in bent:
+            ends = np.array([len(ring)], dtype=np.uint32)
+            parts = mapbox_earcut.triangulate_float64(points[ring], ends).reshape(-1, 3).tolist()
+            fan = [[ring[corner] for corner in part] for part in parts]
+        else:
+            fan = [[ring[0], *ring[at : at + 3]] for at in range(1, len(ring) - 1, 2)]
+        rows += [[*part, part[-1]] if len(part) == 3 else part for part in fan]
+        owners += [face] * len(fan)
+    return np.array(rows, dtype=np.int32).reshape(-1, 4), np.array(owners, dtype=np.int64)
+
+
+def _faces_with_bends(points: Floats, faces: Ragged) -> set[int]:
+    """Return the faces that are not convex."""
+    following = _next_in_row(faces)
+    corner = points[faces.values]
+    vector = corner[following] - corner
+    turn = _cross(vector, vector[following]) * np.sign(_doubled_areas(points, faces))[faces.rows]
+    length = np.hypot(vector[:, 0], vector[:, 1])
+    reflex = turn < -OVERLAP_TOLERANCE * length * length[following]
+    return set(faces.rows[reflex].tolist())
+
+
+def _faces_across_creases(faces: Ragged) -> Ints:
+    """Return the pairs of faces that share an edge, ``(m, 2)`` with f < g."""
+    ends = np.sort(np.column_stack([faces.values, faces.values[_next_in_row(faces)]]), axis=1)
+    order = np.lexsort((faces.rows, ends[:, 1], ends[:, 0]))
+    shared = np.flatnonzero((ends[order[1:]] == ends[order[:-1]]).all(axis=1))
+    pairs = np.column_stack([faces.rows[order[shared]], faces.rows[order[shared + 1]]])
+    return np.unique(pairs, axis=0).astype(np.int32)
+
+
+def _next_in_row(rows: Ragged) -> Ints:
+    """Return for every value the position of the next one in its row, cyclically."""
+    following = np.arange(1, len(rows.values) + 1, dtype=np.int32)
+    following[rows.offsets[1:] - 1] = rows.offsets[:-1]
+    return following
+
+
+def _doubled_areas(points: Floats, faces: Ragged) -> Floats:
+    """Return twice the signed area of every face; below 0 = clockwise."""
+    # From each face's own first corner, so that small faces far from the origin keep their digits.
+    corner = points[faces.values] - points[faces.values[faces.offsets[:-1]]][faces.rows]
+    return np.add.reduceat(_cross(corner, corner[_next_in_row(faces)]), faces.offsets[:-1])
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """Return the cross products of the rows of two ``(n, 2)`` arrays."""
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
+def _to_json(fold: dict[str, object]) -> bytes:
+    """Return compact JSON with one top-level key per line; a number that JSON cannot hold is an error."""
+    lines = [f"{json.dumps(key)}: {_to_text(value)}" for key, value in fold.items()]
+    return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+
+
+def _to_text(value: object) -> str:
+    """Return one value as JSON."""
+    if isinstance(value, np.ndarray):
+        # Rows of integers, up to millions of them: json.dumps would take most of the time of the export.
+        row = f"[{','.join(['%d'] * value.shape[1])}]"
+        return f"[{','.join([row] * len(value))}]" % tuple(value.ravel().tolist())
+    return json.dumps(value, separators=(",", ":"), allow_nan=False)

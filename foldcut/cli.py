@@ -1,0 +1,400 @@
+"""The command line: ``foldcut make``, ``foldcut check``, ``foldcut samples``.
+
+Only this module prints: reports on stdout, progress and one-line errors on stderr. It exits with 0 when the
+pattern was made and verified, 1 when there is none or it is not verified, 2 when the input is at fault, 130
+and 143 when it was interrupted or terminated. Everything slow to import is imported inside the commands.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import json
+import os
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from foldcut.errors import BadInputError, FoldcutError, UnfoldableError
+
+if TYPE_CHECKING:
+    from foldcut.model import Finding
+
+DONE, FAILED, BAD_INPUT = 0, 1, 2
+INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
+
+EPILOG = """\
+examples:
+  foldcut make fish                        the sample "fish" on A4, as fish-creases.svg and fish-creases.fold
+  foldcut make logo.svg -o logo.fold       your own drawing
+  foldcut check logo.fold                  does this pattern fold flat?
+  foldcut COMMAND --help                   all options of a command, with examples
+
+exit status: 0 done and verified, 1 not foldable or not verified, 2 bad input
+"""
+
+MAKE_EPILOG = """\
+examples:
+  foldcut make fish -o fish.svg -o fish.fold
+  foldcut make logo.svg --sheet letter --margin 15mm
+  foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
+  foldcut make fish -o fish.fold --json > report.json
+
+Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder.
+Existing files are replaced.
+"""
+
+CHECK_EPILOG = """\
+examples:
+  foldcut check fish.fold
+  foldcut check fish.fold --shape fish     also check that the cut gives this shape
+  foldcut check fish.fold --json
+"""
+
+SAMPLES_EPILOG = """\
+examples:
+  foldcut samples
+  foldcut make "$(foldcut samples | head -n 1)"
+"""
+
+
+class _Terminated(BaseException):
+    """SIGTERM came: unwind, so that temporary files are removed."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that raises where argparse would print its usage and exit."""
+
+    def error(self, message: str) -> NoReturn:
+        raise BadInputError(f"{message}; see {self.prog} --help")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit status; ``argv`` is ``sys.argv[1:]`` unless given."""
+    argv = list(sys.argv[1:] if argv is None else argv)
+    as_json = "--json" in argv
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a title that the terminal has no letters for
+    try:
+        with _sigterm_raises():
+            args = _parser().parse_args(_with_joined_offset(argv))
+            status: int = args.run(args)
+            sys.stdout.flush()
+            return status
+    except FoldcutError as error:
+        return _fail(error, str(error), FAILED if isinstance(error, UnfoldableError) else BAD_INPUT, as_json)
+    except BrokenPipeError:
+        # Nobody reads on; what is still buffered must not fail again at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        return _fail(error, f"{where}{error.strerror or error}", BAD_INPUT, as_json)
+    except KeyboardInterrupt as error:
+        return _fail(error, "interrupted; no file is half-written", INTERRUPTED, as_json)
+    except _Terminated as error:
+        return _fail(error, "terminated; no file is half-written", TERMINATED, as_json)
+
+
+def _make(args: argparse.Namespace) -> int:
+    """Fold a shape and write the files."""
+    from foldcut import pipeline, report
+    from foldcut.exporters import export, find_exporter
+    from foldcut.files import check_targets, write_files
+    from foldcut.progress import ProgressBar
+    from foldcut.sheet import parse_length, parse_sheet
+
+    source = _shape_path(args.shape)
+    outputs = [Path(out) for out in args.output or _default_outputs(source)]
+    for path in outputs:
+        find_exporter(path.suffix)
+        if path.exists() and path.samefile(source):
+            raise BadInputError(f"{path} is the drawing itself; give the output another name")
+    check_targets(outputs)
+
+    with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
+        result = pipeline.fold(
+            source,
+            parse_sheet(args.sheet),
+            margin=parse_length(args.margin),
+            scale=_parse_scale(args.scale),
+            offset=_parse_offset(args.offset),
+            rotation=args.rotate,
+            method=args.method,
+            ribbon=parse_length(args.ribbon),
+            progress=bar,
+        )
+    files = []
+    if result.verified:
+        contents = {path: export(result.folded_pattern, path.suffix) for path in outputs}
+        files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
+        write_files(contents)
+    made = report.make_report(result, files)
+    return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
+
+
+def _check(args: argparse.Namespace) -> int:
+    """Verify a FOLD file."""
+    from foldcut import report
+    from foldcut.readers import read_shape
+    from foldcut.readers.fold import read_fold
+    from foldcut.shape import make_shape
+    from foldcut.verify import verify
+
+    read = read_fold(Path(args.file))
+    shape = None
+    if args.shape:
+        loops = read_shape(_shape_path(args.shape)).loops
+        if read.placement is not None:
+            loops = tuple(read.placement.apply(loop) for loop in loops)
+        shape = make_shape(loops)
+    findings = verify(read.pattern, read.layers, shape)
+    checked = report.check_report(read.pattern, findings, shape is not None, read.notes)
+    return _finish(checked, report.check_lines(checked), findings, "mend the pattern", args)
+
+
+def _samples(args: argparse.Namespace) -> int:
+    """List the samples."""
+    from foldcut.samples import sample_names
+
+    names = sample_names()
+    _print_report({"ok": True, "samples": list(names)}, names, args.json)
+    return DONE
+
+
+def _shape_path(name: str) -> Path:
+    """Return the path of a drawing, given as a path or as the name of a sample."""
+    from foldcut.samples import sample_names, sample_path
+
+    path = Path(name)
+    if path.is_file():
+        return path
+    if name in sample_names():
+        return sample_path(name)
+    what = "is a folder" if path.is_dir() else "there is no such file"
+    raise BadInputError(f"{name}: {what}; give a drawing or one of the samples {', '.join(sample_names())}")
+
+
+def _default_outputs(source: Path) -> list[str]:
+    """Return the outputs when none are asked for; never the drawing's own name."""
+    return [f"{source.stem}-creases.svg", f"{source.stem}-creases.fold"]
+
+
+def _parse_scale(text: str) -> str | float:
+    """Return "fit" or the factor that "1.5" or "1:2" (half size) means."""
+    if text == "fit":
+        return text
+    numerator, colon, denominator = text.partition(":")
+    try:
+        scale = float(numerator) / (float(denominator) if colon else 1.0)
+    except (ValueError, ZeroDivisionError):
+        scale = 0.0
+    if not 0 < scale < float("inf"):
+        raise BadInputError(
+            f"--scale {text} is no scale; give fit, a number above 0 such as 1.5, or a ratio such as 1:2"
+        )
+    return scale
+
+
+def _parse_offset(text: str | None) -> tuple[float, float] | None:
+    """Return (x, y) in mm from "X,Y", each a length that may be negative."""
+    from foldcut.sheet import parse_length
+
+    if text is None:
+        return None
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 2:
+        raise BadInputError(f"--offset {text} is no pair; give X,Y such as 30,40 or 3cm,-5mm")
+    x, y = (-parse_length(part[1:]) if part.startswith("-") else parse_length(part) for part in parts)
+    return x, y
+
+
+def _with_joined_offset(argv: Sequence[str]) -> list[str]:
+    """Return the arguments with ``--offset -5,3`` as one: argparse would take the value for an option."""
+    joined: list[str] = []
+    for argument in argv:
+        if joined and joined[-1] == "--offset":
+            joined[-1] = f"--offset={argument}"
+        else:
+            joined.append(argument)
+    return joined
+
+
+def _finish(
+    report: dict[str, Any],
+    lines: Sequence[str],
+    findings: Sequence[Finding],
+    what: str,
+    args: argparse.Namespace,
+) -> int:
+    """Print a report and, where there are findings, an error that sums them up; return the exit status."""
+    message = ""
+    if findings:
+        more = f" (and {len(findings) - 1} more)" if len(findings) > 1 else ""
+        message = f"the pattern is not verified: {findings[0]}{more}; {what}"
+        report["error"] = {"type": "VerificationError", "message": message}
+    if args.json or not args.quiet:
+        _print_report(report, lines, args.json)
+    return _fail(None, message, FAILED, as_json=False) if findings else DONE
+
+
+def _print_report(report: dict[str, Any], lines: Sequence[str], as_json: bool) -> None:
+    """Print a report on stdout, for programs or for people."""
+    print(json.dumps(report, indent=2) if as_json else "\n".join(lines))
+
+
+def _fail(error: BaseException | None, message: str, status: int, as_json: bool) -> int:
+    """Print an error as one line on stderr, and for programs on stdout; return the exit status."""
+    line = " ".join(message.split())
+    print(f"foldcut: error: {line}", file=sys.stderr)
+    if as_json:
+        from dataclasses import asdict
+
+        findings = [asdict(finding) for finding in getattr(error, "findings", ())]
+        about = {"type": type(error).__name__.lstrip("_"), "message": line}
+        print(json.dumps({"ok": False, "error": about, "findings": findings}, indent=2))
+    return status
+
+
+@contextmanager
+def _sigterm_raises() -> Iterator[None]:
+    """Let SIGTERM unwind the stack like Ctrl-C does, where signals can be caught at all."""
+
+    def raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
+        raise _Terminated
+
+    try:
+        before = signal.signal(signal.SIGTERM, raise_terminated)
+    except ValueError:  # not the main thread
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _parser() -> _Parser:
+    """Build the parser of all commands."""
+    parser = _Parser(
+        prog="foldcut",
+        description="Fold a sheet flat so that one straight cut cuts out any drawing with straight edges.",
+        epilog=EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action=_Version, help="show the version and exit")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands")
+    _add_make(commands)
+    _add_check(commands)
+    _add_samples(commands)
+    return parser
+
+
+class _Version(argparse.Action):
+    """Print the installed version; looked up only when asked for."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, help: str) -> None:
+        super().__init__(option_strings, dest, nargs=0, help=help)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from importlib.metadata import version
+
+        print(f"foldcut {version('foldcut')}")
+        parser.exit()
+
+
+def _add_make(commands: Any) -> None:  # noqa: ANN401  argparse has no public name for this type
+    make = commands.add_parser(
+        "make",
+        help="compute the crease pattern of a drawing and write it",
+        description="Compute how to fold a sheet so that one straight cut gives the drawing.",
+        epilog=MAKE_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    make.set_defaults(run=_make)
+    make.add_argument(
+        "shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample"
+    )
+    make.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        action="append",
+        help="a file to write; its ending is the format; repeatable",
+    )
+    make.add_argument(
+        "--sheet",
+        default="a4",
+        help="a paper size such as a4 or letter, or WIDTHxHEIGHT (default: %(default)s)",
+    )
+    make.add_argument(
+        "--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)"
+    )
+    make.add_argument(
+        "--scale",
+        default="fit",
+        help="fit, or a factor on the size of the drawing such as 1.5 or 1:2 (default: %(default)s)",
+    )
+    make.add_argument(
+        "--offset",
+        metavar="X,Y",
+        help="where the lower left corner of the drawing lies on the sheet (default: centred)",
+    )
+    make.add_argument(
+        "--rotate",
+        metavar="DEG",
+        type=float,
+        default=0.0,
+        help="turn the drawing counter-clockwise (default: 0)",
+    )
+    make.add_argument(
+        "--method", choices=["paper"], default="paper", help="how to fold (default: %(default)s)"
+    )
+    make.add_argument(
+        "--ribbon",
+        metavar="WIDTH",
+        default="0mm",
+        help="half the width of a ribbon around the cut (default: none)",
+    )
+    _add_common(make)
+
+
+def _add_check(commands: Any) -> None:  # noqa: ANN401
+    check = commands.add_parser(
+        "check",
+        help="verify that a FOLD file folds flat as it says",
+        description="Verify that a crease pattern folds flat as it says, and with --shape also its cut.",
+        epilog=CHECK_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    check.set_defaults(run=_check)
+    check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
+    check.add_argument(
+        "--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample"
+    )
+    _add_common(check)
+
+
+def _add_samples(commands: Any) -> None:  # noqa: ANN401
+    samples = commands.add_parser(
+        "samples",
+        help="list the drawings that come with foldcut",
+        description="List the drawings that come with foldcut; `foldcut make` takes their names as SHAPE.",
+        epilog=SAMPLES_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    samples.set_defaults(run=_samples)
+    samples.add_argument("--json", action="store_true", help="print the list for programs")
+
+
+def _add_common(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--json", action="store_true", help="print the report for programs, on stdout")
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

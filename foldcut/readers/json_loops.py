@@ -1,0 +1,55 @@
+"""Read JSON loops: ``{"loops": [[[x, y], ...], ...], "units": "mm"}``, y up, even-odd.
+
+``units`` (mm, cm, in or px) and ``title`` are optional; other keys are ignored.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from foldcut.errors import FileFormatError
+from foldcut.model import Floats, points_array
+from foldcut.readers.base import Drawing, read_text
+from foldcut.units import MM_PER_UNIT
+
+_EXAMPLE = 'give {"loops": [[[0, 0], [40, 0], [0, 30]]], "units": "mm"}'
+_UNITS = ("mm", "cm", "in", "px")
+
+
+def read_json(path: Path) -> Drawing:
+    """Return the drawing in a file of JSON loops."""
+    text = read_text(path)
+    try:
+        document = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise FileFormatError(f"not JSON: {error}; {_EXAMPLE}") from None
+    if not isinstance(document, dict) or "loops" not in document:
+        raise FileFormatError(f"the file has no loops; {_EXAMPLE}")
+    loops = document["loops"]
+    if not isinstance(loops, list) or not loops:
+        raise FileFormatError(f"loops is not a list with at least one loop; {_EXAMPLE}")
+    unit = document.get("units")
+    if unit is not None and unit not in _UNITS:
+        raise FileFormatError(f"units is {unit!r}; give {', '.join(_UNITS)}, or leave it out")
+    title = document.get("title")
+    return Drawing(
+        loops=tuple(_loop(loop, f"loops[{number}]") for number, loop in enumerate(loops)),
+        unit_mm=None if unit is None else MM_PER_UNIT[unit],
+        title=title if isinstance(title, str) and title else path.stem,
+    )
+
+
+def _loop(loop: object, place: str) -> Floats:
+    if not isinstance(loop, list) or not loop:
+        raise FileFormatError(f"{place} is not a list of points; give [[x, y], ...]")
+    for number, point in enumerate(loop):
+        pair = isinstance(point, list) and len(point) == 2
+        if not pair or not all(type(value) in (int, float) for value in point):
+            raise FileFormatError(
+                f"{place}[{number}] is {json.dumps(point)[:40]}; give [x, y] with two numbers"
+            )
+    try:
+        return points_array(loop)
+    except OverflowError:
+        raise FileFormatError(f"{place} has a number too large for float64; scale the drawing down") from None

@@ -1,0 +1,43 @@
+"""Programs that are not ours: find them, or skip the test with the program's name and the reason."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pytest
+
+NODE_FOLDER = Path(__file__).parent / "node"
+
+
+def require_program(name: str) -> str:
+    """Return the path of a program; skip the test without it, or fail where all tools are required."""
+    return shutil.which(name) or missing(name, "not installed")
+
+
+def missing(name: str, reason: str) -> NoReturn:
+    """Skip with program and reason; with FOLDCUT_REQUIRE_TOOLS=1, as in CI, fail instead."""
+    message = f"{name}: {reason}; tests/tools.sh installs it"
+    if os.environ.get("FOLDCUT_REQUIRE_TOOLS") == "1":
+        pytest.fail(message)
+    pytest.skip(message)
+
+
+def run_node(script: str, *arguments: object) -> Any:  # noqa: ANN401  JSON may be anything
+    """Run a script of tests/node and return the JSON that it prints."""
+    node = require_program("node")
+    if not (NODE_FOLDER / "node_modules" / "rabbit-ear").is_dir():
+        missing("rabbit-ear", "tests/node/node_modules is not there")
+    return json.loads(run_program(node, NODE_FOLDER / script, *arguments))
+
+
+def run_program(program: str, *arguments: object) -> str:
+    """Run a program and return what it prints; its standard error is shown if it fails."""
+    command = [program, *map(str, arguments)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, f"{' '.join(command)} exited with {done.returncode}:\n{done.stderr}"
+    return done.stdout

@@ -1,0 +1,334 @@
+"""The command line: what it prints and writes, its exit status, and that no error leaves anything behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from patterns import book_fold, letter_fold, square_out_of_square
+
+from foldcut import pipeline
+from foldcut.cli import main
+from foldcut.exporters import export
+from foldcut.model import Finding
+from foldcut.progress import ProgressBar
+from foldcut.report import layers_at_cut
+
+SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
+SMALL = ["--sheet", "60x60"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Run in an empty folder of its own."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def drawing(folder: Path) -> str:
+    """Give a drawing that folds fast."""
+    (folder / "box.json").write_text(json.dumps(SQUARE))
+    return "box.json"
+
+
+def names(folder: Path) -> set[str]:
+    """Return the names of all files in a folder, hidden ones too."""
+    return {path.name for path in folder.iterdir()}
+
+
+def run_json(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
+    """Run a command with --json and return its status and what it printed."""
+    status = main([*arguments, "--json"])
+    report: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return status, report
+
+
+def assert_one_line(error: str) -> None:
+    """Check that standard error has one line, in the form that programs look for."""
+    assert error.startswith("foldcut: error: ")
+    assert error.count("\n") == 1
+
+
+def test_make_writes_the_files_and_says_what_was_verified(
+    folder: Path, drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["make", drawing, *SMALL, "-o", "box.svg", "-o", "box.fold"]) == 0
+    out, error = capsys.readouterr()
+    assert error == ""
+    assert "planar, isometry, Kawasaki, Maekawa, assignment, layers, cut" in out
+    assert f"box.svg ({(folder / 'box.svg').stat().st_size:,} bytes)" in out
+    assert names(folder) == {"box.json", "box.svg", "box.fold"}
+
+
+def test_make_without_output_names_files_after_the_drawing(
+    folder: Path, drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["make", drawing, *SMALL]) == 0
+    assert "box-creases.svg" in capsys.readouterr().out
+    assert names(folder) == {"box.json", "box-creases.svg", "box-creases.fold"}
+
+
+def test_make_says_which_file_it_replaced(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
+    _, first = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg")
+    _, second = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg")
+    assert [report["files"][0]["replaced"] for report in (first, second)] == [False, True]
+    main(["make", drawing, *SMALL, "-o", "box.svg"])
+    assert "bytes, replaced)" in capsys.readouterr().out
+
+
+def test_make_takes_a_sample_by_name_even_beside_a_folder_of_that_name(folder: Path) -> None:
+    (folder / "triangle").mkdir()
+    assert main(["make", "triangle", "-o", "t.svg", "--quiet"]) == 0
+
+
+def test_report_for_programs_agrees_with_the_file(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
+    status, report = run_json(
+        capsys, "make", drawing, *SMALL, "-o", "box.fold", "--sheet", "80x60", "--scale", "1:2"
+    )
+    fold = json.loads(Path("box.fold").read_text())
+    assert (status, report["ok"], report["findings"]) == (0, True, [])
+    assert report["title"] == fold["file_title"] == "Square"
+    assert report["mountains"] == fold["edges_assignment"].count("M")
+    assert report["valleys"] == fold["edges_assignment"].count("V")
+    assert report["creases"] == report["mountains"] + report["valleys"]
+    assert report["faces"] == len(fold["faces_vertices"])
+    assert report["sheet"] == {"name": "", "width_mm": 80.0, "height_mm": 60.0}
+    assert report["scale_mm_per_unit"] == pytest.approx(0.5)
+    assert report["files"][0]["bytes"] == Path("box.fold").stat().st_size
+    assert report["seconds"].keys() >= {"build", "verify"}
+    assert report["verified"] == ["planar", "isometry", "Kawasaki", "Maekawa", "assignment", "layers", "cut"]
+    ends = np.array(fold["vertices_coords"])[fold["edges_vertices"]]
+    lengths = np.hypot(*(ends[:, 0] - ends[:, 1]).T)[np.array(fold["edges_assignment"]) != "B"]
+    assert report["shortest_crease_mm"] == pytest.approx(lengths.min())
+
+
+def test_placement_options_move_the_shape(drawing: str) -> None:
+    options = ["--offset", "-1,2cm", "--margin", "0mm", "--scale", "0.5", "--rotate", "90"]
+    assert main(["make", drawing, *SMALL, "-o", "a.svg", "--quiet", *options]) == 2
+    options[1] = "15,2cm"
+    assert main(["make", drawing, *SMALL, "-o", "a.fold", "--quiet", *options]) == 0
+    placement = np.array(json.loads(Path("a.fold").read_text())["foldcut:placement"])
+    corners = np.array(SQUARE["loops"][0]) @ placement[:, :2].T + placement[:, 2]
+    np.testing.assert_allclose(corners.min(axis=0), [15, 20], atol=1e-9)
+    np.testing.assert_allclose(corners.max(axis=0), [35, 40], atol=1e-9)
+
+
+def test_quiet_prints_nothing(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["make", drawing, *SMALL, "-o", "box.svg", "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "")
+
+
+BAD_INPUT = {
+    "there is no such file; give a drawing or one of the samples": ["make", "nowhere.svg"],
+    "nosample: there is no such file": ["make", "nosample"],
+    "is a folder": ["make", "."],
+    "cannot write .xyz files; use one of .fold, .svg": ["make", "box.json", "-o", "a.xyz"],
+    "needs an ending": ["make", "box.json", "-o", "a"],
+    "its folder does not exist": ["make", "box.json", "-o", "a.svg", "-o", "missing/a.fold"],
+    "is named twice": ["make", "box.json", "-o", "a.svg", "-o", "./a.svg"],
+    "is the drawing itself": ["make", "own.svg", "-o", "own.svg"],
+    "is not a sheet": ["make", "box.json", "--sheet", "a99"],
+    "is not a length": ["make", "box.json", "--margin", "wide"],
+    "is no scale": ["make", "box.json", "--scale", "1:0"],
+    "is no pair": ["make", "box.json", "--offset", "3"],
+    "invalid float value": ["make", "box.json", "--rotate", "left"],
+    "invalid choice": ["make", "box.json", "--method", "origami"],
+    "unrecognized arguments: --colour": ["make", "box.json", "--colour", "red"],
+    "required: COMMAND": [],
+    "broken.json: ": ["make", "broken.json"],
+    "broken.fold: ": ["check", "broken.fold"],
+    "missing.fold: ": ["check", "missing.fold"],
+}
+
+
+@pytest.mark.parametrize("message", BAD_INPUT)
+def test_bad_input_is_one_line_and_status_2_and_writes_nothing(
+    message: str, folder: Path, drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "broken.json").write_text("{")
+    (folder / "broken.fold").write_text("{")
+    (folder / "own.svg").write_text('<svg viewBox="0 0 9 9"><path d="M1 1L8 1L8 8Z"/></svg>')
+    before = names(folder)
+    assert main(BAD_INPUT[message]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert_one_line(error)
+    assert message in error
+    assert names(folder) == before
+
+
+def test_errors_are_reported_to_programs_too(capsys: pytest.CaptureFixture[str]) -> None:
+    status, report = run_json(capsys, "make", "nowhere.svg")
+    assert (status, report["ok"], report["findings"]) == (2, False, [])
+    assert report["error"]["type"] == "BadInputError"
+    assert "nowhere.svg" in report["error"]["message"]
+    status, report = run_json(capsys, "make")
+    assert (status, report["ok"]) == (2, False)
+    assert "SHAPE" in report["error"]["message"]
+
+
+def test_bad_paths_of_the_outputs_are_found_before_the_long_work(
+    drawing: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipeline, "fold", lambda *_, **__: pytest.fail("folded first"))
+    for output in ("a.xyz", "missing/a.svg", "."):
+        assert main(["make", drawing, *SMALL, "-o", output]) == 2
+
+
+def break_verification(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let verification find something in every pattern."""
+    finding = Finding("layers", "faces 3 and 4 cross", (12.5, 7.0), 0.25)
+    monkeypatch.setattr(pipeline, "verify", lambda *_: [finding, finding])
+
+
+def test_a_pattern_that_is_not_verified_is_not_written(
+    folder: Path, drawing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    break_verification(monkeypatch)
+    assert main(["make", drawing, *SMALL, "-o", "box.svg"]) == 1
+    out, error = capsys.readouterr()
+    assert "NOT VALID layers at (12.5, 7): faces 3 and 4 cross" in out
+    assert_one_line(error)
+    assert "nothing is written" in error
+    assert names(folder) == {drawing}
+    status, report = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg")
+    assert (status, report["ok"], report["verified"], report["files"]) == (1, False, [], [])
+    assert report["error"]["type"] == "VerificationError"
+    assert report["findings"][0] == {
+        "check": "layers",
+        "message": "faces 3 and 4 cross",
+        "place": [12.5, 7.0],
+        "size": 0.25,
+    }
+
+
+@pytest.mark.parametrize(
+    ("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["ctrl-c", "sigterm"]
+)
+def test_an_interrupt_while_writing_leaves_the_old_files_and_no_others(
+    folder: Path,
+    drawing: str,
+    number: signal.Signals,
+    status: int,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    (folder / "box.svg").write_text("old")
+    monkeypatch.setattr(os, "fsync", lambda _: signal.raise_signal(number))
+    before = signal.getsignal(signal.SIGTERM)
+    assert main(["make", drawing, *SMALL, "-o", "box.svg", "-o", "box.fold"]) == status
+    assert_one_line(capsys.readouterr().err)
+    assert (folder / "box.svg").read_text() == "old"
+    assert names(folder) == {drawing, "box.svg"}
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_check_accepts_what_make_wrote_and_rejects_another_shape(
+    drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["make", drawing, *SMALL, "-o", "box.fold", "--quiet"])
+    assert main(["check", "box.fold"]) == 0
+    assert "Maekawa, assignment, layers\n" in capsys.readouterr().out
+    status, report = run_json(capsys, "check", "box.fold", "--shape", drawing)
+    assert (status, report["ok"], report["verified"][-1]) == (0, True, "cut")
+    assert main(["check", "box.fold", "--shape", "triangle"]) == 1
+    out, error = capsys.readouterr()
+    assert "NOT VALID cut" in out
+    assert_one_line(error)
+
+
+def test_check_finds_a_flipped_crease(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fold = json.loads(export(square_out_of_square(), ".fold"))
+    path = folder / "pattern.fold"
+    path.write_text(json.dumps(fold))
+    assert main(["check", "pattern.fold", "--quiet"]) == 0
+    fold["edges_assignment"][fold["edges_assignment"].index("M")] = "V"
+    path.write_text(json.dumps(fold))
+    status, report = run_json(capsys, "check", "pattern.fold")
+    assert (status, report["ok"], report["verified"]) == (1, False, [])
+    assert report["findings"]
+    assert report["error"]["message"].startswith("the pattern is not verified: ")
+
+
+def test_samples_lists_names_that_make_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["samples"]) == 0
+    listed = capsys.readouterr().out.split()
+    assert {"fish", "triangle"} <= set(listed)
+    assert run_json(capsys, "samples") == (0, {"ok": True, "samples": listed})
+
+
+@pytest.mark.parametrize("command", [[], ["make"], ["check"], ["samples"]])
+def test_help_has_examples(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([*command, "--help"])
+    assert stop.value.code == 0
+    assert f"examples:\n  foldcut {(command or ['make'])[0]}" in capsys.readouterr().out
+
+
+def foldcut(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:  # noqa: ANN401  as subprocess.run
+    """Run the command line as a process of its own."""
+    command = [sys.executable, "-m", "foldcut.cli", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, **options)
+
+
+def test_the_process_exits_with_the_status_and_prints_no_traceback(drawing: str) -> None:
+    done = foldcut("make", drawing, *SMALL, "-o", "box.svg")
+    assert (done.returncode, done.stderr) == (0, "")
+    failed = foldcut("make", "ring-that-is-not-there")
+    assert failed.returncode == 2
+    assert_one_line(failed.stderr)
+
+
+def test_titles_print_on_terminals_without_unicode(folder: Path) -> None:
+    (folder / "u.json").write_text(json.dumps({**SQUARE, "title": "方"}))
+    done = foldcut("make", "u.json", *SMALL, "-o", "u.svg", env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_reader_that_stops_reading_causes_no_traceback() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "foldcut.cli", "samples"]
+    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    os.close(write)
+    assert done.stderr == ""
+
+
+def test_start_up_imports_nothing_slow() -> None:
+    program = (
+        "import sys, foldcut.cli; print(sorted({'numpy', 'scipy', 'shapely', 'rich'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with ProgressBar(enabled=True) as bar:
+        bar("packing", 0.5)
+    assert capsys.readouterr() == ("", "")
+    monkeypatch.setattr("foldcut.progress.PATIENCE_S", -1.0)
+    monkeypatch.setenv("FORCE_COLOR", "1")  # rich takes any stream for a terminal then
+    with ProgressBar(enabled=False) as bar:
+        bar("packing", 0.5)
+    assert capsys.readouterr() == ("", "")
+    with ProgressBar(enabled=True) as bar:
+        bar("packing", 0.5)
+        bar("layers", 1.0)
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert "layers" in error
+
+
+def test_layers_at_the_cut_are_counted_where_the_cut_is_thickest() -> None:
+    for pattern, layers in [(book_fold(), 2), (letter_fold(), 3), (square_out_of_square(), 8)]:
+        assert layers_at_cut(pattern.creases.faces_vertices, pattern.folded) == layers

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Install the programs that read our files in the tests: node with rabbit-ear and fold, rsvg-convert, inkscape.
+# What is there already is left alone. What cannot be installed is no error: the tests that need it skip and say so.
+set -uo pipefail
+cd "$(dirname "$0")"
+
+have() { command -v "$1" >/dev/null 2>&1; }
+
+packages=()
+if ! have node || ! have npm; then packages+=(nodejs npm); fi
+have rsvg-convert || packages+=(librsvg2-bin)
+have inkscape || packages+=(inkscape)
+
+if [ "${#packages[@]}" -gt 0 ]; then
+    if [ "$(id -u)" = 0 ] && have apt-get; then
+        echo "installing ${packages[*]}"
+        # One by one: one that cannot be had must not keep the others away.
+        timeout 120 apt-get update -qq >/dev/null || true
+        for package in "${packages[@]}"; do
+            DEBIAN_FRONTEND=noninteractive timeout 300 \
+                apt-get install -y -qq --no-install-recommends "$package" >/dev/null 2>&1 ||
+                echo "tests/tools.sh: $package cannot be installed; the tests that need it will skip"
+        done
+    else
+        echo "tests/tools.sh: not root, or no apt-get: install ${packages[*]} yourself to run all tests"
+    fi
+fi
+
+if have npm && ! cmp -s node/package-lock.json node/node_modules/.installed; then
+    if (cd node && timeout 300 npm ci --silent --no-audit --no-fund); then
+        cp node/package-lock.json node/node_modules/.installed
+    else
+        echo "tests/tools.sh: npm ci failed; the tests with rabbit-ear and fold will skip"
+    fi
+fi
+exit 0
