@@ -5,12 +5,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench lint tools clean
+.PHONY: demo test bench sweep pictures lint tools clean
 
 ## Fold the sample fish on A4 and write it into out/.
 demo: $(VENV)/installed
 	@mkdir -p out
-	$(BIN)/foldcut make samples/fish.svg --sheet a4 -o out/fish.svg -o out/fish.fold
+	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
@@ -20,11 +20,19 @@ test: $(VENV)/installed-test tools
 bench: $(VENV)/installed-test
 	$(BIN)/python tests/bench/bench.py
 
+## Fold 300 random polygons in six positions and sizes each; takes about an hour.
+sweep: $(VENV)/installed-test
+	FOLDCUT_RANDOM=300 $(BIN)/python -m pytest -n 2 -k random_polygons_are_verified tests/test_pipeline.py
+
 ## Check style and types.
 lint: $(VENV)/installed-dev
 	$(BIN)/ruff check $(CODE)
 	$(BIN)/ruff format --check $(CODE)
 	$(BIN)/mypy
+
+## Draw the pictures in docs/ anew.
+pictures: $(VENV)/installed
+	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:

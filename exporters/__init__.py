@@ -32,9 +32,7 @@ def find_exporter(suffix: str) -> Exporter:
     except KeyError:
         known = ", ".join(EXPORTERS)
         what = (
-            f"foldcut cannot write {suffix} files"
-            if suffix
-            else "an output file needs an ending that names its format"
+            f"foldcut cannot write {suffix} files" if suffix else "an output file needs an ending that names its format"
         )
         raise FileFormatError(f"{what}; use one of {known}") from None
 

@@ -34,10 +34,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     drawing.set_desc(title=_printable(pattern.title) or "foldcut")
     inkscape = Inkscape(drawing)
 
-    def layer(label: str, colour: str, width: float, paths: Iterable[str]) -> Any:  # noqa: ANN401  svgwrite is untyped
-        group = inkscape.layer(
-            label=label, id=label.lower(), fill="none", stroke=colour, stroke_width=_number(width)
-        )
+    def layer(label: str, colour: str, width: float, paths: Iterable[str]) -> Any:
+        group = inkscape.layer(label=label, id=label.lower(), fill="none", stroke=colour, stroke_width=_number(width))
         for data in paths:
             group.add(drawing.path(d=data))
         return drawing.add(group)

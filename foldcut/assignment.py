@@ -28,6 +28,7 @@ from foldcut.model import Chars, Ints, Shape, index_array
 from foldcut.molecules import Kind, Molecules
 
 Vertices = tuple[int, int]
+SHAPE, BORDER = -1, -2  # the nodes of T_C that stand for a whole boundary
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,23 +128,21 @@ def _corner_tree(
 ) -> list[Vertices]:
     """T_C by breadth-first search in each face, as (child corner, tangency point of the side to its parent)."""
     tree: list[Vertices] = []
+    contracted = dict.fromkeys(on_border, BORDER) | dict.fromkeys(on_shape, SHAPE)
     for its_face in sorted(set(face)):
-        graph: dict[str | int, list[tuple[str | int, int, int]]] = defaultdict(list)
-
-        def node(corner: int) -> str | int:
-            return "shape" if corner in on_shape else "border" if corner in on_border else corner
-
+        graph: dict[int, list[tuple[int, int, int]]] = defaultdict(list)
         for number, row in enumerate(corners):
             if face[number] != its_face:
                 continue
             for side, corner in enumerate(row):
                 foot, following = feet[number][side], row[side + 1 - len(row)]
-                if foot in loop_of_foot or node(corner) == node(following):
+                one, other = contracted.get(corner, corner), contracted.get(following, following)
+                if foot in loop_of_foot or one == other:
                     continue
-                graph[node(corner)].append((node(following), following, foot))
-                graph[node(following)].append((node(corner), corner, foot))
-        reached: set[str | int] = {"shape"}
-        queue: deque[str | int] = deque(reached)
+                graph[one].append((other, following, foot))
+                graph[other].append((one, corner, foot))
+        reached = {SHAPE}
+        queue = deque(reached)
         while queue:
             for following, child, foot in graph[queue.popleft()]:
                 if following not in reached:

@@ -148,7 +148,8 @@ def _point_segment_distances(points: Floats, starts: Floats, ends: Floats) -> Fl
     to_point = points[:, None] - starts[None]
     part = np.clip(np.sum(to_point * along, axis=2) / np.sum(along * along, axis=1), 0.0, 1.0)
     away = to_point - part[:, :, None] * along
-    return np.hypot(away[:, :, 0], away[:, :, 1])
+    distances: Floats = np.hypot(away[:, :, 0], away[:, :, 1])
+    return distances
 
 
 def _too_wide(shape: Shape, sheet: Sheet, ribbon: float) -> str:
@@ -253,19 +254,23 @@ def _piece_disks(loops: list[_Loop], pieces: _Pieces, sign: int) -> tuple[Floats
 def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance) -> _Pieces:
     """Halve edges until no diameter disk overlaps another disk of its face; of two, the larger is halved."""
     pieces = _first_pieces(loops, radii, tolerance)
-    face_of = {sign: np.array([dict((s, f) for f, s in loop.sides).get(sign, -1) for loop in loops]) for sign in (1, -1)}
+    face_of = {sign: np.array([{s: f for f, s in loop.sides}.get(sign, -1) for loop in loops]) for sign in (1, -1)}
     fixed_centres, fixed_radii, fixed_face, _ = _vertex_disks(loops, radii)
     while True:
         count = len(pieces.loop)
         if count > MAX_DISKS:
-            raise UnfoldableError(f"the shape's features are so small that over {MAX_DISKS:,} disks would be needed; simplify it")
+            raise UnfoldableError(
+                f"the shape's features are so small that over {MAX_DISKS:,} disks would be needed; simplify it"
+            )
         sides = [(face_of[sign][pieces.loop], *_piece_disks(loops, pieces, sign)) for sign in (1, -1)]
         face = np.concatenate([sides[0][0], sides[1][0], fixed_face])
         centres = np.concatenate([sides[0][1], sides[1][1], fixed_centres])
         sizes = np.concatenate([sides[0][2], sides[1][2], fixed_radii])
         owner = np.concatenate([np.arange(count), np.arange(count), np.full(len(face) - 2 * count, -1)])
         i, j, slack = near_disks(centres, sizes, face)
-        crowd = (slack < -tolerance.touching(sizes[i], sizes[j])) | _nearly_touching(slack, sizes[i], sizes[j], tolerance)
+        crowd = (slack < -tolerance.touching(sizes[i], sizes[j])) | _nearly_touching(
+            slack, sizes[i], sizes[j], tolerance
+        )
         i, j = i[crowd], j[crowd]
         larger_is_fixed = np.minimum(owner[i], owner[j]) < 0
         take_i = (owner[i] >= 0) & (larger_is_fixed | (sizes[i] >= sizes[j] * (1 - tolerance.tie)))

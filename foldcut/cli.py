@@ -307,7 +307,7 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def _add_make(commands: Any) -> None:  # noqa: ANN401  argparse has no public name for this type
+def _add_make(commands: Any) -> None:
     make = commands.add_parser(
         "make",
         help="compute the crease pattern of a drawing and write it",
@@ -316,9 +316,7 @@ def _add_make(commands: Any) -> None:  # noqa: ANN401  argparse has no public na
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     make.set_defaults(run=_make)
-    make.add_argument(
-        "shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample"
-    )
+    make.add_argument("shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample")
     make.add_argument(
         "-o",
         "--output",
@@ -331,9 +329,7 @@ def _add_make(commands: Any) -> None:  # noqa: ANN401  argparse has no public na
         default="a4",
         help="a paper size such as a4 or letter, or WIDTHxHEIGHT (default: %(default)s)",
     )
-    make.add_argument(
-        "--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)"
-    )
+    make.add_argument("--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)")
     make.add_argument(
         "--scale",
         default="fit",
@@ -351,9 +347,7 @@ def _add_make(commands: Any) -> None:  # noqa: ANN401  argparse has no public na
         default=0.0,
         help="turn the drawing counter-clockwise (default: 0)",
     )
-    make.add_argument(
-        "--method", choices=["paper"], default="paper", help="how to fold (default: %(default)s)"
-    )
+    make.add_argument("--method", choices=["paper"], default="paper", help="how to fold (default: %(default)s)")
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",
@@ -363,7 +357,7 @@ def _add_make(commands: Any) -> None:  # noqa: ANN401  argparse has no public na
     _add_common(make)
 
 
-def _add_check(commands: Any) -> None:  # noqa: ANN401
+def _add_check(commands: Any) -> None:
     check = commands.add_parser(
         "check",
         help="verify that a FOLD file folds flat as it says",
@@ -373,13 +367,11 @@ def _add_check(commands: Any) -> None:  # noqa: ANN401
     )
     check.set_defaults(run=_check)
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
-    check.add_argument(
-        "--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample"
-    )
+    check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     _add_common(check)
 
 
-def _add_samples(commands: Any) -> None:  # noqa: ANN401
+def _add_samples(commands: Any) -> None:
     samples = commands.add_parser(
         "samples",
         help="list the drawings that come with foldcut",

@@ -170,7 +170,9 @@ class _Builder:
         gusset = _choose_gusset(centres, radii)
         if gusset is None:
             x, y = centres.mean(axis=0)
-            raise UnfoldableError(f"the quadrilateral of disks near ({x:.3f}, {y:.3f}) mm has no gusset; move the drawing a little")
+            raise UnfoldableError(
+                f"the quadrilateral of disks near ({x:.3f}, {y:.3f}) mm has no gusset; move the drawing a little"
+            )
         if gusset.distance <= self.tolerance.tie * float(radii.min()) + self.tolerance.rounding:
             middle = (gusset.first_centre + gusset.second_centre) / 2
             self._add_ear(number, face, corners, feet, middle, (gusset.first_height + gusset.second_height) / 2)

@@ -284,8 +284,9 @@ class _Filler:
         return None
 
     def _touches(self, candidate: _Candidate, disk: int) -> bool:
-        distance = math.dist(candidate.centre, self.centres[disk])
-        return abs(distance - candidate.radius - self.radii[disk]) <= 1e-6 * min(candidate.radius, self.radii[disk])
+        radius = float(self.radii[disk])
+        slack = math.dist(candidate.centre, self.centres[disk]) - candidate.radius - radius
+        return abs(slack) <= 1e-6 * min(candidate.radius, radius)
 
     def _beyond(self, ear: _Candidate, i: int, j: int, k: int, disks: Ints) -> list[_Candidate]:
         """Return the first disk met by one that grows away from ``ear``, always touching i and k."""

@@ -77,9 +77,9 @@ def fold(
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
 
     ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in mm,
-    ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated), ``rotation`` in degrees counter-clockwise, ``ribbon`` the
-    half-width in mm of the strip along the shape's boundary that is not folded. ``progress`` is called with a stage's
-    name and the part of it that is done.
+    ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
+    ``rotation`` in degrees counter-clockwise, ``ribbon`` the half-width in mm of the strip along the shape's boundary
+    that is not folded. ``progress`` is called with a stage's name and the part of it that is done.
 
     Raises ``BadInputError`` for what cannot be used and ``UnfoldableError`` for what cannot be folded. A pattern
     that fails verification is returned with its findings; ``Result.require_verified`` refuses it.

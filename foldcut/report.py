@@ -64,9 +64,7 @@ def make_lines(report: Report) -> list[str]:
     return [report["title"] or "untitled", *_aligned(rows)]
 
 
-def check_report(
-    creases: CreasePattern, findings: Sequence[Finding], with_shape: bool, notes: Sequence[str]
-) -> Report:
+def check_report(creases: CreasePattern, findings: Sequence[Finding], with_shape: bool, notes: Sequence[str]) -> Report:
     """Return the report of ``foldcut check``; without a shape there is no cut to check."""
     return {
         "ok": not findings,

@@ -132,15 +132,12 @@ class _Frame:
         largest = float(np.abs(points).max())
         if largest > LARGEST_NUMBER:
             raise ShapeError(
-                f"the drawing has the coordinate {largest:.3g}; scale it until all are below "
-                f"{LARGEST_NUMBER:g}"
+                f"the drawing has the coordinate {largest:.3g}; scale it until all are below {LARGEST_NUMBER:g}"
             )
         diagonal = float(np.hypot(*(high - low)))
         if diagonal < 1 / LARGEST_NUMBER:
             x, y = points[0]
-            raise ShapeError(
-                f"all points of the drawing are at ({x:.6g}, {y:.6g}); draw a loop that encloses an area"
-            )
+            raise ShapeError(f"all points of the drawing are at ({x:.6g}, {y:.6g}); draw a loop that encloses an area")
         if largest * float(np.finfo(np.float64).eps) > ROUNDING_LIMIT * diagonal:
             raise ShapeError(
                 f"the drawing is {diagonal:.3g} across but lies {largest:.3g} from the origin, too far away "
@@ -258,8 +255,7 @@ def _refuse_repeated(loops: Sequence[Floats], frame: _Frame) -> None:
         first = seen.setdefault(np.unique(loop, axis=0).tobytes(), number)
         if first != number:
             raise ShapeError(
-                f"loop {number} repeats loop {first} at {frame.at(frame.to_unit(loop[0]))}; "
-                "remove one of them"
+                f"loop {number} repeats loop {first} at {frame.at(frame.to_unit(loop[0]))}; remove one of them"
             )
 
 

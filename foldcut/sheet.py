@@ -55,8 +55,7 @@ def parse_length(text: str) -> float:
     length = float(match[1]) * MM_PER_UNIT[match[2] or "mm"] if match else math.nan
     if not 0 <= length < math.inf:
         raise SheetError(
-            f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in "
-            "or 12"
+            f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
         )
     return length
 
@@ -87,9 +86,7 @@ def parse_sheet(text: str) -> Sheet:
     )
     low, high = SHEET_LIMITS_MM
     if not (low <= width <= high and low <= height <= high):
-        raise SheetError(
-            f"the sheet {text!r} is {width:g} x {height:g} mm; give sides between {low:g} and {high:g} mm"
-        )
+        raise SheetError(f"the sheet {text!r} is {width:g} x {height:g} mm; give sides between {low:g} and {high:g} mm")
     return Sheet(width, height)
 
 
@@ -149,8 +146,7 @@ def _check_numbers(
     half = min(sheet.width, sheet.height) / 2
     if not 0 <= margin < half:
         raise SheetError(
-            f"a margin of {margin:g} mm leaves nothing of the sheet {sheet}; give one from 0 to below "
-            f"{half:g} mm"
+            f"a margin of {margin:g} mm leaves nothing of the sheet {sheet}; give one from 0 to below {half:g} mm"
         )
     if scale != "fit" and not (isinstance(scale, int | float) and 0 < scale < math.inf):
         raise SheetError(f"the scale is {scale!r}; give 'fit' or a number of mm per drawing unit above 0")

@@ -50,9 +50,7 @@ def parse_profile(text: str, name: str) -> Profile:
         raise FileFormatError(f"profile {name} is not valid TOML: {error}") from error
     known = {field.name for field in dataclasses.fields(Profile)}
     if unknown := sorted(values.keys() - known):
-        raise FileFormatError(
-            f"profile {name} has unknown keys: {', '.join(unknown)}; remove or correct them"
-        )
+        raise FileFormatError(f"profile {name} has unknown keys: {', '.join(unknown)}; remove or correct them")
     if missing := sorted(known - values.keys()):
         raise FileFormatError(f"profile {name} lacks the keys: {', '.join(missing)}; add them")
     for key, value in values.items():

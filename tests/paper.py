@@ -79,11 +79,7 @@ class Paper:
 
         faces = [[vertex(point) for point in layers[at].outline] for at in order]
         rank = list(order)
-        owner = {
-            side: face
-            for face, ring in enumerate(faces)
-            for side in zip(ring, ring[1:] + ring[:1], strict=True)
-        }
+        owner = {side: face for face, ring in enumerate(faces) for side in zip(ring, ring[1:] + ring[:1], strict=True)}
         edges, letters = [], []
         for (tail, head), face in owner.items():
             other = owner.get((head, tail))
@@ -96,9 +92,7 @@ class Paper:
         bottom_up = np.argsort(rank)
         if not layers[rank[0]].is_up:
             bottom_up = bottom_up[::-1]
-        pattern = CreasePattern(
-            points_array(coords), index_array(edges), np.array(letters), Ragged.from_rows(faces)
-        )
+        pattern = CreasePattern(points_array(coords), index_array(edges), np.array(letters), Ragged.from_rows(faces))
         return pattern, index_array(bottom_up)
 
 

@@ -1,5 +1,6 @@
 """The paper's own assignment, to the letter of its section 4, on our molecules: it satisfies every local theorem
-and does not fold (docs/assignment.md)."""
+and does not fold (docs/assignment.md).
+"""
 
 from __future__ import annotations
 
@@ -65,9 +66,7 @@ def papers_assignment(molecules: Molecules, face_inside: Bools) -> Chars:
         ]
     )
     # a side edge lies in the face of the molecules beside it
-    side_face = {
-        foot: bool(face_inside[molecules.face[number]]) for number, row in enumerate(feet) for foot in row
-    }
+    side_face = {foot: bool(face_inside[molecules.face[number]]) for number, row in enumerate(feet) for foot in row}
     halves = {(min(pair), max(pair)) for pair in tree}
     side_part = molecules.side_part.to_lists()
     assignment = []

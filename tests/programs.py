@@ -27,7 +27,7 @@ def missing(name: str, reason: str) -> NoReturn:
     pytest.skip(message)
 
 
-def run_node(script: str, *arguments: object) -> Any:  # noqa: ANN401  JSON may be anything
+def run_node(script: str, *arguments: object) -> Any:
     """Run a script of tests/node and return the JSON that it prints."""
     node = require_program("node")
     if not (NODE_FOLDER / "node_modules" / "rabbit-ear").is_dir():

@@ -31,9 +31,7 @@ def _is_valid(sectors: Sequence[float], creases: Sequence[str], order: Sequence[
         if (kind == "V") != (rank[down] > rank[up]):
             return False
         low, high = sorted((rank[one], rank[two]))
-        if any(
-            low < rank[k] < high and span[k][0] + EPSILON < place < span[k][1] - EPSILON for k in range(count)
-        ):
+        if any(low < rank[k] < high and span[k][0] + EPSILON < place < span[k][1] - EPSILON for k in range(count)):
             return False
     for (place, a, b), (other, c, d) in combinations(hinges, 2):
         same_line = abs(place - other) < EPSILON and not {a, b} & {c, d}

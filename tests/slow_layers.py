@@ -26,8 +26,7 @@ def slow_check(pattern: CreasePattern, layers: Ints) -> set[str]:
     maps = _fold(pattern.vertices_coords, edges, beside)
     rank = {face: place for place, face in enumerate(np.asarray(layers).tolist())}
     place = {
-        face: {v: maps[face] @ [*pattern.vertices_coords[v], 1.0] for v in ring}
-        for face, ring in enumerate(rings)
+        face: {v: maps[face] @ [*pattern.vertices_coords[v], 1.0] for v in ring} for face, ring in enumerate(rings)
     }
     polygons = [shapely.Polygon([place[face][v][:2] for v in ring]) for face, ring in enumerate(rings)]
     insides = [polygon.buffer(-NEAR) for polygon in polygons]

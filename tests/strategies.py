@@ -159,9 +159,7 @@ def near_collinear_polygons(off: float = 1e-3) -> st.SearchStrategy[Points]:
 def similarities() -> st.SearchStrategy[tuple[float, float, tuple[float, float]]]:
     """Return a strategy for (scale, rotation in radians, shift): 1e-3 to 1e3 in size, up to 1e4 away."""
     far = st.floats(-1e4, 1e4)
-    return st.tuples(
-        st.sampled_from([1e-3, 0.37, 1.0, 12.5, 1e3]), st.floats(0, math.tau), st.tuples(far, far)
-    )
+    return st.tuples(st.sampled_from([1e-3, 0.37, 1.0, 12.5, 1e3]), st.floats(0, math.tau), st.tuples(far, far))
 
 
 def moved(points: Points, similarity: tuple[float, float, tuple[float, float]]) -> Points:

@@ -37,9 +37,7 @@ def boundary_faults(stages: Stages) -> list[str]:
         if (off > tolerance.touching(radii, np.roll(radii, -1))).any():
             faults.append(f"consecutive disks are {off.max():.3g} mm from touching")
     for face in range(len(boundary.face_inside)):
-        mine = np.concatenate(
-            [row for row, f in zip(boundary.chains, boundary.chain_face, strict=True) if f == face]
-        )
+        mine = np.concatenate([row for row, f in zip(boundary.chains, boundary.chain_face, strict=True) if f == face])
         pairs, _ = overlapping_disks(
             boundary.centres[mine], boundary.radii[mine], np.zeros(len(mine), dtype=np.int32), tolerance
         )

@@ -90,9 +90,7 @@ def test_make_takes_a_sample_by_name_even_beside_a_folder_of_that_name(folder: P
 
 
 def test_report_for_programs_agrees_with_the_file(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
-    status, report = run_json(
-        capsys, "make", drawing, *SMALL, "-o", "box.fold", "--sheet", "80x60", "--scale", "1:2"
-    )
+    status, report = run_json(capsys, "make", drawing, *SMALL, "-o", "box.fold", "--sheet", "80x60", "--scale", "1:2")
     fold = json.loads(Path("box.fold").read_text())
     assert (status, report["ok"], report["findings"]) == (0, True, [])
     assert report["title"] == fold["file_title"] == "Square"
@@ -175,9 +173,7 @@ def test_errors_are_reported_to_programs_too(capsys: pytest.CaptureFixture[str])
     assert "SHAPE" in report["error"]["message"]
 
 
-def test_bad_paths_of_the_outputs_are_found_before_the_long_work(
-    drawing: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bad_paths_of_the_outputs_are_found_before_the_long_work(drawing: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pipeline, "fold", lambda *_, **__: pytest.fail("folded first"))
     for output in ("a.xyz", "missing/a.svg", "."):
         assert main(["make", drawing, *SMALL, "-o", output]) == 2
@@ -210,9 +206,7 @@ def test_a_pattern_that_is_not_verified_is_not_written(
     }
 
 
-@pytest.mark.parametrize(
-    ("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["ctrl-c", "sigterm"]
-)
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["ctrl-c", "sigterm"])
 def test_an_interrupt_while_writing_leaves_the_old_files_and_no_others(
     folder: Path,
     drawing: str,
@@ -273,7 +267,7 @@ def test_help_has_examples(command: list[str], capsys: pytest.CaptureFixture[str
     assert f"examples:\n  foldcut {(command or ['make'])[0]}" in capsys.readouterr().out
 
 
-def foldcut(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:  # noqa: ANN401  as subprocess.run
+def foldcut(*arguments: str, **options: Any) -> subprocess.CompletedProcess[str]:
     """Run the command line as a process of its own."""
     command = [sys.executable, "-m", "foldcut.cli", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, **options)
@@ -303,9 +297,7 @@ def test_a_reader_that_stops_reading_causes_no_traceback() -> None:
 
 
 def test_start_up_imports_nothing_slow() -> None:
-    program = (
-        "import sys, foldcut.cli; print(sorted({'numpy', 'scipy', 'shapely', 'rich'} & set(sys.modules)))"
-    )
+    program = "import sys, foldcut.cli; print(sorted({'numpy', 'scipy', 'shapely', 'rich'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 

@@ -122,9 +122,7 @@ def test_face_orders_follow_the_normal_of_the_second_face() -> None:
 def test_turning_the_folded_state_over_changes_no_face_order() -> None:
     pattern = letter_fold()
     mirrored = pattern.folded.vertices_coords * [-1, 1]
-    turned = dataclasses.replace(
-        pattern, folded=dataclasses.replace(pattern.folded, vertices_coords=mirrored)
-    )
+    turned = dataclasses.replace(pattern, folded=dataclasses.replace(pattern.folded, vertices_coords=mirrored))
     assert face_orders(turned)[0].tolist() == face_orders(pattern)[0].tolist()
 
 
@@ -148,9 +146,7 @@ def stack_of_polygons(seed: int, count: int) -> FoldedPattern:
         corners = int(rng.integers(3, 8))
         angles = np.sort(rng.uniform(0, 2 * np.pi, corners))
         radius = rng.uniform(2, 10, corners if face % 2 else 1)
-        star = rng.uniform(0, 50, 2) + np.column_stack([np.cos(angles), np.sin(angles)]) * np.reshape(
-            radius, (-1, 1)
-        )
+        star = rng.uniform(0, 50, 2) + np.column_stack([np.cos(angles), np.sin(angles)]) * np.reshape(radius, (-1, 1))
         order = 1 if rng.random() < 0.5 else -1
         faces.append([len(points) + at for at in range(corners)][::order])
         points += list(star)
@@ -166,9 +162,7 @@ def test_overlapping_faces_are_those_that_shapely_finds(seed: int) -> None:
     valid = [face for face, polygon in enumerate(polygons) if polygon.is_valid]
     assert len(valid) > 30
     expected = {
-        (f, g)
-        for f, g in itertools.combinations(valid, 2)
-        if polygons[f].intersection(polygons[g]).area > 1e-9
+        (f, g) for f, g in itertools.combinations(valid, 2) if polygons[f].intersection(polygons[g]).area > 1e-9
     }
     found = overlapping_faces(pattern)
     assert found is not None

@@ -62,8 +62,7 @@ def test_a_failure_before_all_are_written_leaves_everything_as_it_was(
     assert contents(tmp_path) == {"b": b"old"}
     if isinstance(error, OSError):
         assert (
-            str(caught.value)
-            == f"cannot write {tmp_path / 'abc'[failing]}: the disk is full; make room and try again"
+            str(caught.value) == f"cannot write {tmp_path / 'abc'[failing]}: the disk is full; make room and try again"
         )
 
 

@@ -81,4 +81,4 @@ def test_the_cut_line_is_height_zero_and_the_ribbon_lies_on_both_sides_of_it() -
         _, folded = fold_layers(stages.molecules, stages.assignment)
         heights = folded.vertices_coords[:, 1]
         assert heights.min() < -ribbon <= ribbon < heights.max()
-        assert not ((np.abs(heights) < ribbon - 1e-9)).any()
+        assert not (np.abs(heights) < ribbon - 1e-9).any()

@@ -85,7 +85,9 @@ def test_creases_meet_in_one_point_when_the_perpendicular_points_coincide() -> N
 
 def test_a_quadrilateral_with_a_straight_corner_has_a_gusset() -> None:
     # b lies on the line from a to c: the other diagonal has no radical centre
-    molecules = one_molecule([(0, 0), (2, 0), (4, 0), (2, 2 * np.sqrt(3) - 0.5)], [1, 1, 1, np.hypot(2, 2 * np.sqrt(3) - 0.5) - 1])
+    molecules = one_molecule(
+        [(0, 0), (2, 0), (4, 0), (2, 2 * np.sqrt(3) - 0.5)], [1, 1, 1, np.hypot(2, 2 * np.sqrt(3) - 0.5) - 1]
+    )
     assert molecule_faults(molecules, np.hypot(0, 4) * (2 * np.sqrt(3) - 0.5) / 2, Tolerance(1e-8, 1e-12)) == []
 
 

@@ -47,9 +47,7 @@ def pattern(request: pytest.FixtureRequest) -> FoldedPattern:
 @pytest.fixture(scope="module")
 def rabbit_ear(pattern: FoldedPattern, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """Give what rabbit-ear makes of the pattern."""
-    seen: dict[str, Any] = run_node(
-        "rabbit_ear.cjs", write(tmp_path_factory.mktemp("fold"), pattern, ".fold")
-    )
+    seen: dict[str, Any] = run_node("rabbit_ear.cjs", write(tmp_path_factory.mktemp("fold"), pattern, ".fold"))
     return seen
 
 
@@ -79,9 +77,7 @@ def assert_folds_like(pattern: FoldedPattern, coords: list[list[float]]) -> None
     assert_allclose(theirs, ours, rtol=0, atol=FOLDED_MM)
 
 
-def test_rabbit_ear_finds_our_faces_and_no_local_fault(
-    pattern: FoldedPattern, rabbit_ear: dict[str, Any]
-) -> None:
+def test_rabbit_ear_finds_our_faces_and_no_local_fault(pattern: FoldedPattern, rabbit_ear: dict[str, Any]) -> None:
     assert rabbit_ear["validate"] == "valid"
     assert rabbit_ear["planar_faces"] == len(pattern.creases.faces_vertices)
     assert rabbit_ear["kawasaki"] == []
@@ -118,9 +114,7 @@ def test_rabbit_ear_sees_a_flipped_mountain(tmp_path: Path) -> None:
     assert seen["neighbours_wrong"] == 1
 
 
-def test_the_fold_package_finds_our_faces_and_folds_them_alike(
-    pattern: FoldedPattern, tmp_path: Path
-) -> None:
+def test_the_fold_package_finds_our_faces_and_folds_them_alike(pattern: FoldedPattern, tmp_path: Path) -> None:
     seen = run_node("fold_package.cjs", write(tmp_path, pattern, ".fold"))
     assert seen["faces"] == len(pattern.creases.faces_vertices)
     assert seen["closure_error"] < FOLDED_MM
@@ -141,9 +135,7 @@ def test_rsvg_renders_every_layer_at_true_size(pattern: FoldedPattern, tmp_path:
 def test_inkscape_agrees_on_layers_and_sizes(pattern: FoldedPattern, tmp_path: Path) -> None:
     inkscape = require_program("inkscape")
     rows = run_program(inkscape, "--query-all", write(tmp_path, pattern, ".svg")).splitlines()
-    boxes = {
-        name: [float(number) for number in rest.split(",")] for name, rest in (r.split(",", 1) for r in rows)
-    }
+    boxes = {name: [float(number) for number in rest.split(",")] for name, rest in (r.split(",", 1) for r in rows)}
     # It does not list a layer with nothing in it.
     drawn = {"M": "mountain", "V": "valley"}
     filled = {drawn[letter] for letter in pattern.creases.edges_assignment if letter in drawn}
@@ -166,9 +158,7 @@ def test_svgelements_reads_sizes_in_mm(pattern: FoldedPattern, tmp_path: Path) -
     labels = [group.values["{http://www.inkscape.org/namespaces/inkscape}label"] for group in groups]
     assert labels == ["Shape", "Valley", "Mountain", "Cut", "Legend"]
     outline = groups[3].bbox()
-    assert_allclose(
-        outline, [0, 0, pattern.sheet.width, pattern.sheet.height], rtol=1e-6
-    )  # its mm has seven digits
+    assert_allclose(outline, [0, 0, pattern.sheet.width, pattern.sheet.height], rtol=1e-6)  # its mm has seven digits
     loop = pattern.shape.loops[0]
     x0, y0, x1, y1 = groups[0].bbox()
     assert_allclose(

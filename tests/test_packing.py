@@ -36,7 +36,20 @@ def test_ties_of_symmetric_shapes_are_taken_together(shape: np.ndarray) -> None:
 
 def test_a_neck_exactly_two_radii_wide_splits_into_touching_disks() -> None:
     # the corners of the neck are opposite each other: their disks touch across it
-    neck = [(0, 0), (20, 0), (20, 8), (24, 8), (24, 0), (44, 0), (44, 20), (24, 20), (24, 12), (20, 12), (20, 20), (0, 20)]
+    neck = [
+        (0, 0),
+        (20, 0),
+        (20, 8),
+        (24, 8),
+        (24, 0),
+        (44, 0),
+        (44, 20),
+        (24, 20),
+        (24, 12),
+        (20, 12),
+        (20, 20),
+        (0, 20),
+    ]
     stages = run_stages([neck])
     assert packing_faults(stages.packing, stages.area, stages.tolerance) == []
 
@@ -59,7 +72,7 @@ def test_a_turned_shape_needs_as_many_disks() -> None:
         (lambda radii: radii * 1.01, "overlap"),
     ],
 )
-def test_the_checker_sees_wrong_disks(change, fault: str) -> None:  # noqa: ANN001
+def test_the_checker_sees_wrong_disks(change, fault: str) -> None:
     stages = run_stages([star(5, 0.4)])
     wrong = dataclasses.replace(stages.packing, radii=change(stages.packing.radii))
     assert any(fault in text for text in packing_faults(wrong, stages.area, stages.tolerance))

@@ -120,9 +120,7 @@ def test_an_unverified_pattern_is_not_handed_out(fish: foldcut.Result) -> None:
 def test_progress_names_the_stages_and_ends_at_one(fish: foldcut.Result) -> None:
     seen: list[tuple[str, float]] = []
     foldcut.fold([star(5, 0.4)], progress=lambda stage, part: seen.append((stage, part)))
-    assert list(dict.fromkeys(stage for stage, _ in seen)) == [
-        stage for stage in fish.seconds if stage != "build"
-    ]
+    assert list(dict.fromkeys(stage for stage, _ in seen)) == [stage for stage in fish.seconds if stage != "build"]
     assert seen[-1] == ("verify", 1.0)
 
 

@@ -108,9 +108,7 @@ def test_all_outlines_of_an_svg_are_one_set_of_loops_in_their_order(read: Readin
         ('width="100%" height="100%" viewBox="0 0 24 24"', None),
     ],
 )
-def test_the_unit_follows_from_width_height_and_viewbox(
-    read: Reading, attributes: str, unit_mm: float | None
-) -> None:
+def test_the_unit_follows_from_width_height_and_viewbox(read: Reading, attributes: str, unit_mm: float | None) -> None:
     drawing = read(".svg", svg('<polygon points="0,0 4,0 0,3"/>', attributes))
     assert drawing.unit_mm == (None if unit_mm is None else pytest.approx(unit_mm, rel=1e-15))
 
@@ -151,9 +149,7 @@ def test_what_is_not_an_outline_is_ignored_and_noted(read: Reading) -> None:
 def test_an_svg_without_a_namespace_or_with_a_prefix_is_read(read: Reading) -> None:
     plain = '<svg><polygon points="0,0 4,0 0,3"/></svg>'
     prefixed = '<s:svg xmlns:s="http://www.w3.org/2000/svg"><s:polygon points="0,0 4,0 0,3"/></s:svg>'
-    doctype = (
-        '<?xml version="1.0"?><!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://example.org/svg11.dtd">'
-    )
+    doctype = '<?xml version="1.0"?><!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://example.org/svg11.dtd">'
     for text in (plain, prefixed, doctype + plain, "\ufeff" + plain):
         assert loops_of(read(".svg", text)) == [TRIANGLE]
 
@@ -304,9 +300,7 @@ def test_senseless_numbers_of_a_wkt_file_are_left_for_make_shape_to_refuse(read:
 @pytest.mark.parametrize(
     ("units", "unit_mm"), [({}, None), ({"units": "mm"}, 1), ({"units": "cm"}, 10), ({"units": "in"}, 25.4)]
 )
-def test_json_loops_are_read_with_their_unit(
-    read: Reading, units: dict[str, str], unit_mm: float | None
-) -> None:
+def test_json_loops_are_read_with_their_unit(read: Reading, units: dict[str, str], unit_mm: float | None) -> None:
     text = json.dumps({"loops": [TRIANGLE, [[9, 9], [8, 9], [8, 8]]], "source": {"any": ["thing"]}, **units})
     drawing = read(".json", text)
     assert loops_of(drawing) == [TRIANGLE, [[9, 9], [8, 9], [8, 8]]]
@@ -376,9 +370,7 @@ def test_a_suffix_is_known_in_either_case(tmp_path: Path) -> None:
 
 
 def test_paths_that_lead_to_no_drawing_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(
-        FileFormatError, match=r"drawings do not end in '\.png'; give a file that ends in \.svg, "
-    ):
+    with pytest.raises(FileFormatError, match=r"drawings do not end in '\.png'; give a file that ends in \.svg, "):
         read_shape(tmp_path / "fish.png")
     with pytest.raises(FileFormatError, match=r"drawings do not end in ''; give a file that ends in \.svg"):
         read_shape("fish")
@@ -391,9 +383,7 @@ def test_paths_that_lead_to_no_drawing_are_refused(tmp_path: Path) -> None:
 
 
 @given(simple_polygons(4, 30))
-def test_all_formats_give_back_the_same_numbers(
-    tmp_path_factory: pytest.TempPathFactory, points: Points
-) -> None:
+def test_all_formats_give_back_the_same_numbers(tmp_path_factory: pytest.TempPathFactory, points: Points) -> None:
     folder = tmp_path_factory.mktemp("formats")
     pairs = [f"{x!r} {y!r}" for x, y in points]
     flipped = " ".join(f"{x!r} {-y!r}" for x, y in points)

@@ -171,10 +171,7 @@ def test_a_bad_drawing_is_refused_with_what_where_and_a_remedy(loops: list[Point
 
 
 SIMILARITIES = [
-    (scale, angle, shift)
-    for scale in (1e-3, 1.0, 1e3)
-    for angle in (0.0, 0.3)
-    for shift in ((0.0, 0.0), (1e4, -1e4))
+    (scale, angle, shift) for scale in (1e-3, 1.0, 1e3) for angle in (0.0, 0.3) for shift in ((0.0, 0.0), (1e4, -1e4))
 ]
 
 
@@ -192,9 +189,7 @@ def test_the_place_of_a_crossing_is_given_in_the_drawing_s_own_coordinates() -> 
 
 
 def test_a_hole_that_touches_the_outer_loop_is_refused_with_the_place() -> None:
-    with pytest.raises(
-        ShapeError, match=r"loop 2 touches loop 1 at \(10, 5\); separate the two edges by at least"
-    ):
+    with pytest.raises(ShapeError, match=r"loop 2 touches loop 1 at \(10, 5\); separate the two edges by at least"):
         make_shape([BIG, [(10, 5), (5, 8), (5, 2)]])
 
 
@@ -221,9 +216,7 @@ def test_size_and_place_do_not_change_the_verdict_or_the_corners(
 
 
 @given(simple_polygons(4, 20), st.integers(0, 19), st.booleans())
-def test_the_first_corner_and_the_direction_do_not_matter(
-    points: Points, first: int, backwards: bool
-) -> None:
+def test_the_first_corner_and_the_direction_do_not_matter(points: Points, first: int, backwards: bool) -> None:
     first %= len(points)
     other = points[first:] + points[:first]
     shape = make_shape([other[::-1] if backwards else other])
@@ -232,9 +225,7 @@ def test_the_first_corner_and_the_direction_do_not_matter(
 
 
 @given(simple_polygons(6, 20), st.data())
-def test_swapping_two_corners_is_accepted_only_without_a_crossing(
-    points: Points, data: st.DataObject
-) -> None:
+def test_swapping_two_corners_is_accepted_only_without_a_crossing(points: Points, data: st.DataObject) -> None:
     i, j = data.draw(st.permutations(range(len(points))))[:2]
     points[i], points[j] = points[j], points[i]
     accepted([points])
@@ -278,9 +269,7 @@ def test_the_minimum_feature_is_that_of_the_definition(points: Points) -> None:
         ([[(0, 0), (10, 0), (10, 1), (9.5, 1), (0, 1)]], 1, (0, 0)),
     ],
 )
-def test_the_minimum_feature_and_its_corner(
-    loops: list[Points], distance: float, place: tuple[float, float]
-) -> None:
+def test_the_minimum_feature_and_its_corner(loops: list[Points], distance: float, place: tuple[float, float]) -> None:
     found, corner = minimum_feature(make_shape(loops))
     assert found == pytest.approx(distance)
     assert corner == pytest.approx(place)

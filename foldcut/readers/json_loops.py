@@ -46,9 +46,7 @@ def _loop(loop: object, place: str) -> Floats:
     for number, point in enumerate(loop):
         pair = isinstance(point, list) and len(point) == 2
         if not pair or not all(type(value) in (int, float) for value in point):
-            raise FileFormatError(
-                f"{place}[{number}] is {json.dumps(point)[:40]}; give [x, y] with two numbers"
-            )
+            raise FileFormatError(f"{place}[{number}] is {json.dumps(point)[:40]}; give [x, y] with two numbers")
     try:
         return points_array(loop)
     except OverflowError:

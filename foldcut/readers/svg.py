@@ -115,9 +115,7 @@ def _side_mm(root: ET.Element, attribute: str) -> float | None:
         return None
     side = _user_units(text, f"the {attribute} of the file") * MM_PER_UNIT["px"]
     if not 0 < side < np.inf:
-        raise FileFormatError(
-            f"the {attribute} of the file is {text!r}; give a positive length such as 100mm"
-        )
+        raise FileFormatError(f"the {attribute} of the file is {text!r}; give a positive length such as 100mm")
     return side
 
 
@@ -183,9 +181,7 @@ def _outlines(element: ET.Element, name: str) -> Iterator[list[tuple[float, floa
         numbers = _numbers(element.get("points", ""), f"points of {name}")
         points = list(zip(numbers[::2], numbers[1::2], strict=False))
         if not points or len(numbers) % 2:
-            raise FileFormatError(
-                f"{name} has {len(numbers)} numbers in points; give an x and a y for each point"
-            )
+            raise FileFormatError(f"{name} has {len(numbers)} numbers in points; give an x and a y for each point")
         yield points if tag == "polygon" else _closed(points, name)
 
 

@@ -24,9 +24,7 @@ def read_wkt(path: Path) -> Drawing:
     if _depth(text) > _DEEPEST:
         raise FileFormatError(f"brackets are nested more than {_DEEPEST} deep; give one flat MULTIPOLYGON")
     try:
-        with np.errstate(
-            all="ignore"
-        ):  # "nan" and "1e999" come back as such; make_shape refuses them by place
+        with np.errstate(all="ignore"):  # "nan" and "1e999" come back as such; make_shape refuses them by place
             geometry = shapely.from_wkt(text)
     except (shapely.errors.ShapelyError, NotImplementedError) as error:
         raise FileFormatError(f"not WKT: {error}; give a POLYGON or MULTIPOLYGON with closed rings") from None

@@ -78,7 +78,9 @@ def main(argv: list[str]) -> None:
 
     def row(name: str, what: str) -> dict[str, float]:
         numbers = in_own_process(what)
-        cells = "".join(f"{numbers[c]:>16.2f}" if isinstance(numbers[c], float) else f"{numbers[c]:>16}" for c in columns)
+        cells = "".join(
+            f"{numbers[c]:>16.2f}" if isinstance(numbers[c], float) else f"{numbers[c]:>16}" for c in columns
+        )
         print(f"{name:<16}{cells}{'' if numbers['verified'] else '  NOT VERIFIED'}", flush=True)
         return numbers
 
