@@ -1,0 +1,174 @@
+"""The cut: whether one straight line through the folded sheet cuts out exactly the shape.
+
+Pattern, folded faces and shape on the sheet -> findings. The shape's boundary must fold onto one line, no
+crease may lie on it, and what is inside the shape must fold to one side of the line, what is outside to the
+other.
+
+Why looking at vertices is enough: the height over the line is continuous on the sheet and linear on each
+face, of slope 1. The boundary divides the faces into pieces that are wholly inside or wholly outside, and
+whose corners are pattern vertices and points of the boundary, where the height is 0. A linear function is
+least and greatest at corners; so if no inner vertex is below and no outer one above, every piece is on its
+side, and reaches the line at most with an edge: a point strictly within a piece is strictly off the line.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from foldcut.flatfold import FaceMaps, folded_edges
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
+from foldcut.stacking import collinear_overlap
+
+__all__ = ["check_cut"]
+
+Indices = NDArray[np.intp]
+
+
+def check_cut(
+    pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, shape: Shape, tolerance: float
+) -> list[Finding]:
+    """Find where one straight cut would not follow the shape's boundary, all of it and nothing else.
+
+    ``faces_of_edges`` is ``planar.edge_faces(pattern)``, ``maps`` its folded faces, ``shape`` on the sheet in
+    mm, ``tolerance`` in mm. Creases on the line but not on the boundary are not findings.
+    """
+    if not shape.loops:
+        return [Finding("cut", "the shape has no loops; give at least one")]
+    starts = np.concatenate(shape.loops)
+    sides = np.stack([starts, np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])], axis=1)
+    findings = _check_on_sheet(pattern, faces_of_edges, sides, tolerance)
+    if findings:
+        return findings
+    findings = _check_creases(pattern, sides, tolerance)
+    pieces = _divide(pattern, sides, tolerance)
+    faces = _faces_at(pattern, pieces.mean(axis=1))
+    folded = np.concatenate([maps.apply(faces, pieces[:, end]) for end in (0, 1)])
+    along, level = _line_through(folded)
+    heights = _heights(folded, along, level)
+    off = np.abs(heights).reshape(2, -1).max(axis=0)
+    for at in np.flatnonzero(off > 2 * tolerance).tolist():
+        message = f"the shape's boundary folds {off[at]:.3g} mm away from the cut line"
+        findings.append(_finding(message, pieces[at].mean(axis=0), off[at]))
+    return findings or _check_sides(pattern, faces_of_edges, maps, shape, along, level, 2 * tolerance)
+
+
+def _check_on_sheet(pattern: CreasePattern, faces_of_edges: Ints, sides: Floats, tolerance: float) -> list[Finding]:
+    border = pattern.edges_vertices[(faces_of_edges < 0).any(axis=1)]
+    outline = shapely.polygonize(shapely.linestrings(pattern.vertices_coords[border]).tolist())
+    sheet = shapely.buffer(outline, tolerance)
+    shapely.prepare(sheet)
+    return [
+        _finding("the shape reaches over the sheet's border; use a larger sheet", sides[at].mean(axis=0))
+        for at in np.flatnonzero(~shapely.covers(sheet, shapely.linestrings(sides))).tolist()
+    ]
+
+
+def _check_creases(pattern: CreasePattern, sides: Floats, tolerance: float) -> list[Finding]:
+    """Find mountains and valleys that lie along the boundary."""
+    crease = np.flatnonzero(folded_edges(pattern))
+    ends = pattern.vertices_coords[pattern.edges_vertices[crease]]
+    tree = shapely.STRtree(shapely.linestrings(ends))
+    side, at = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=2 * tolerance)
+    length, _ = collinear_overlap(sides[side], ends[at], 2 * tolerance)
+    findings = []
+    for pair in np.flatnonzero(length > 2 * tolerance).tolist():
+        message = f"crease {crease[at[pair]]} lies on the shape's boundary for {length[pair]:.3g} mm"
+        findings.append(_finding(message, ends[at[pair]].mean(axis=0), length[pair]))
+    return findings
+
+
+def _divide(pattern: CreasePattern, sides: Floats, tolerance: float) -> Floats:
+    """Return the sides cut up where they meet edges of the pattern, ``(n, 2, 2)``: each within one face.
+
+    A piece may lie on an edge that is not folded; then it belongs to either face.
+    """
+    ends = pattern.vertices_coords[pattern.edges_vertices]
+    tree = shapely.STRtree(shapely.linestrings(ends))
+    side, edge = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=tolerance)
+    base, along = sides[side, 0], sides[side, 1] - sides[side, 0]
+    across = ends[edge, 1] - ends[edge, 0]
+    to_edge = ends[edge] - base[:, None]
+    slope = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        meet = (to_edge[:, 0, 0] * across[:, 1] - to_edge[:, 0, 1] * across[:, 0]) / slope
+    length_squared = (along**2).sum(axis=1)
+    # The ends count as well: the quotient says little when side and edge are nearly parallel.
+    near = (to_edge * along[:, None]).sum(axis=2) / length_squared[:, None]
+    at = np.concatenate([meet, near[:, 0], near[:, 1], np.zeros(len(sides)), np.ones(len(sides))])
+    owner = np.concatenate([side, side, side, np.arange(len(sides)), np.arange(len(sides))])
+    inside = (at >= 0) & (at <= 1)
+    at, owner = at[inside], owner[inside]
+    order = np.lexsort((at, owner))
+    at, owner = at[order], owner[order]
+    same = owner[1:] == owner[:-1]
+    start, stop, owner = at[:-1][same], at[1:][same], owner[1:][same]
+    base, along = sides[owner, 0], sides[owner, 1] - sides[owner, 0]
+    pieces = np.stack([base + start[:, None] * along, base + stop[:, None] * along], axis=1)
+    kept: Floats = pieces[(stop - start) * np.hypot(*along.T) > 1e-3 * tolerance]
+    return kept
+
+
+def _faces_at(pattern: CreasePattern, points: Floats) -> Indices:
+    """Return a face at each point: the one it is in, or one it borders."""
+    faces = pattern.faces_vertices
+    rings = shapely.linearrings(pattern.vertices_coords[faces.values], indices=faces.rows)
+    return np.asarray(shapely.STRtree(shapely.polygons(rings)).nearest(shapely.points(points)))
+
+
+def _line_through(points: Floats) -> tuple[Floats, float]:
+    """Return the line through two far-apart points: its unit direction, and its level across that."""
+    one = points[np.hypot(*(points - points[0]).T).argmax()]
+    other = points[np.hypot(*(points - one).T).argmax()]
+    along = (other - one) / np.hypot(*(other - one))
+    middle = (one + other) / 2
+    return along, float(along[0] * middle[1] - along[1] * middle[0])
+
+
+def _heights(points: Floats, along: Floats, level: float) -> Floats:
+    heights: Floats = along[0] * points[:, 1] - along[1] * points[:, 0] - level
+    return heights
+
+
+def _check_sides(
+    pattern: CreasePattern,
+    faces_of_edges: Ints,
+    maps: FaceMaps,
+    shape: Shape,
+    along: Floats,
+    level: float,
+    tolerance: float,
+) -> list[Finding]:
+    """Find vertices that fold to the wrong side of the cut line."""
+    coords = pattern.vertices_coords
+    face = np.zeros(len(coords), dtype=np.int32)
+    face[pattern.faces_vertices.values] = pattern.faces_vertices.rows
+    height = _heights(maps.apply(face, coords), along, level)
+    inside = _contains(shape, coords)
+    # Which side is the inside? Ask the vertex that is surest.
+    surest = np.abs(height).argmax()
+    if (height[surest] > 0) != inside[surest]:
+        height = -height
+    wrong = np.where(inside, -height, height)
+    findings = []
+    for vertex in np.flatnonzero(wrong > tolerance).tolist():
+        where = "inside" if inside[vertex] else "outside"
+        message = f"vertex {vertex}, {where} the shape, folds {wrong[vertex]:.3g} mm over the cut line"
+        findings.append(_finding(message, coords[vertex], wrong[vertex]))
+    return findings
+
+
+def _contains(shape: Shape, points: Floats) -> Bools:
+    """Return whether points are inside: in an odd number of loops."""
+    depth = np.zeros(len(points), dtype=np.intp)
+    for loop in shape.loops:
+        polygon = shapely.Polygon(loop)
+        shapely.prepare(polygon)
+        depth += shapely.contains_xy(polygon, points)
+    odd: Bools = depth % 2 == 1
+    return odd
+
+
+def _finding(message: str, place: Floats, size: float = 0.0) -> Finding:
+    return Finding("cut", message, (float(place[0]), float(place[1])), float(size))

@@ -1,0 +1,89 @@
+"""Who borders whom: half-edges, the two faces of every edge, and faces traced from edges alone.
+
+A half-edge is one side of one face, walked with the face on its left. In a proper crease pattern the two
+half-edges of a crease point in opposite directions and each appears once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from foldcut.model import CreasePattern, Floats, Ints, Ragged
+
+__all__ = ["edge_faces", "half_edges", "signed_areas", "trace_faces"]
+
+Keys = NDArray[np.int64]
+
+
+def half_edges(faces: Ragged) -> tuple[Ints, Ints]:
+    """Return the start and end vertex of every side, each ``(m,)``, in the order of ``faces.values``.
+
+    No face may be empty.
+    """
+    following = np.arange(1, len(faces.values) + 1)
+    following[faces.offsets[1:] - 1] = faces.offsets[:-1]
+    return faces.values, faces.values[following]
+
+
+def pair_keys(start: Ints, end: Ints) -> Keys:
+    """Return one number for each directed pair of vertices."""
+    return (start.astype(np.int64) << 32) | end
+
+
+def edge_faces(pattern: CreasePattern) -> Ints:
+    """Return the faces on the left and on the right of every edge, ``(e, 2)``, -1 where there is none.
+
+    Left and right as seen from ``edges_vertices[:, 0]`` to ``edges_vertices[:, 1]``, on the sheet.
+    """
+    keys = pair_keys(*half_edges(pattern.faces_vertices))
+    order = np.argsort(keys)
+    tail, head = pattern.edges_vertices.T
+    wanted = pair_keys(np.stack([tail, head], axis=1), np.stack([head, tail], axis=1))
+    at = np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)
+    found = order[at]
+    faces: Ints = np.where(keys[found] == wanted, pattern.faces_vertices.rows[found], -1).astype(np.int32)
+    return faces
+
+
+def signed_areas(vertices_coords: Floats, faces: Ragged) -> Floats:
+    """Return the area of every face, ``(f,)``, positive where it runs counter-clockwise."""
+    start, end = half_edges(faces)
+    # Taken about each face's own first vertex: small faces far from the origin keep their digits.
+    base = np.repeat(vertices_coords[faces.values[faces.offsets[:-1]]], faces.lengths, axis=0)
+    (ax, ay), (bx, by) = (vertices_coords[start] - base).T, (vertices_coords[end] - base).T
+    return np.bincount(faces.rows, weights=ax * by - ay * bx, minlength=len(faces)) / 2
+
+
+def trace_faces(vertices_coords: Floats, edges_vertices: Ints) -> Ragged:
+    """Return the bounded faces of a plane graph, counter-clockwise.
+
+    The edges must not cross. The ring that runs clockwise around each connected part is left out, and so are
+    rings without area.
+    """
+    tail = edges_vertices.reshape(-1)
+    head = edges_vertices[:, ::-1].reshape(-1)  # half-edge h and its opposite h ^ 1 lie side by side
+    dx, dy = (vertices_coords[head] - vertices_coords[tail]).T
+    order = np.lexsort((np.arctan2(dy, dx), tail))
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    first = np.searchsorted(tail[order], np.arange(len(vertices_coords)))
+    degree = np.bincount(tail, minlength=len(vertices_coords))
+    # Arriving at a vertex, the face on the left goes on along the next edge clockwise from the last one.
+    opposite = np.arange(len(tail)) ^ 1
+    clockwise = first[head] + (place[opposite] - first[head] - 1) % degree[head]
+    following: list[int] = order[clockwise].tolist()
+
+    rings, seen = [], [False] * len(following)
+    for start in range(len(following)):
+        ring = []
+        here = start
+        while not seen[here]:
+            seen[here] = True
+            ring.append(here)
+            here = following[here]
+        if len(ring) > 2:
+            rings.append(tail[ring].tolist())
+    faces = Ragged.from_rows(rings)
+    bounded = signed_areas(vertices_coords, faces) > 0
+    return Ragged.from_rows(ring for ring, keep in zip(rings, bounded, strict=True) if keep)

@@ -1,0 +1,303 @@
+"""Can the layers lie in the given order? The checks of a flat-folded state that angles cannot make.
+
+Layer order and folded faces -> findings. Following Justin, nothing passes through anything when:
+
+- a crease's mountain or valley is what the order of its two faces makes it;
+- no face that a crease runs across lies between the crease's two faces (taco-tortilla; across an edge that is
+  not folded, tortilla-tortilla);
+- where two edges coincide, their faces do not interleave: ``a c b d`` with folds a-b and c-d on the same side
+  (taco-taco), ``a c b`` with c running on across the fold a-b (taco-tortilla), or two unfolded sheets that
+  change places (tortilla-tortilla).
+
+One linear order of all faces is given, so that "lies over" is transitive needs no check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import NDArray
+
+from foldcut.flatfold import FaceMaps, folded_edges
+from foldcut.layertree import LayerTree
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints
+from foldcut.outlines import Outlines, runs
+
+__all__ = ["check_layer_order", "check_mountains", "check_stacking", "collinear_overlap"]
+
+Indices = NDArray[np.intp]
+
+SHORTEST_OVERLAP = 6
+"""Edges coincide on at least so many tolerances of length; with less they only end at the same point."""
+
+MOST_FINDINGS = 100
+"""Each kind of crossing is reported for so many creases; a shuffled order has them everywhere."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Folds:
+    """The inner edges in the folded state: what the crossing checks look at.
+
+    ``edges`` ``(n,)`` are edge numbers, ``ends`` ``(n, 2, 2)`` folded, ``ranks`` ``(n, 2)`` the layers of the
+    faces left and right of the edge on the sheet, ``left`` ``(n, 2)`` whether they lie left of the folded
+    edge, ``folded`` ``(n,)`` mountains and valleys, ``middles`` ``(n, 2)`` on the sheet.
+    """
+
+    edges: Indices
+    ends: Floats
+    ranks: Indices
+    left: Bools
+    folded: Bools
+    middles: Floats
+
+    @property
+    def low(self) -> Indices:
+        """The lower of the two layers."""
+        low: Indices = self.ranks.min(axis=1)
+        return low
+
+    @property
+    def high(self) -> Indices:
+        """The upper of the two layers."""
+        high: Indices = self.ranks.max(axis=1)
+        return high
+
+
+def check_layer_order(layers: Ints, face_count: int) -> list[Finding]:
+    """Find faces that the layer order leaves out or repeats."""
+    layers = np.asarray(layers)
+    if layers.ndim == 1 and np.array_equal(np.sort(layers), np.arange(face_count)):
+        return []
+    return [
+        Finding(
+            "layers",
+            f"the layer order is not a permutation of the {face_count} faces; name each face exactly once",
+            size=float(abs(layers.size - face_count)),
+        )
+    ]
+
+
+def check_mountains(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, layers: Ints) -> list[Finding]:
+    """Find creases whose assignment is not what the layer order makes them.
+
+    Seen from above, the face that shows its upper side makes a valley with a partner above it.
+    """
+    rank = np.argsort(layers)
+    crease = np.flatnonzero(folded_edges(pattern))
+    left, right = faces_of_edges[crease].T
+    upper = np.where(maps.up[left], left, right)
+    lower = np.where(maps.up[left], right, left)
+    expected = np.where(rank[lower] > rank[upper], "V", "M")
+    findings = []
+    for at in np.flatnonzero(expected != pattern.edges_assignment[crease]):
+        edge = crease[at]
+        x, y = pattern.vertices_coords[pattern.edges_vertices[edge]].mean(axis=0)
+        message = (
+            f"edge {edge} is {pattern.edges_assignment[edge]}, but the order of its faces {left[at]} and "
+            f"{right[at]} folds it {expected[at]}; swap the layers or the assignment"
+        )
+        findings.append(Finding("mountain-valley", message, (float(x), float(y))))
+    return findings
+
+
+def check_stacking(
+    pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, layers: Ints, tolerance: float
+) -> list[Finding]:
+    """Find layers that pass through each other.
+
+    ``faces_of_edges`` is ``planar.edge_faces(pattern)``, ``layers`` a permutation, ``tolerance`` in mm:
+    overlaps that are no deeper do not count.
+    """
+    folds = _inner_edges(pattern, faces_of_edges, maps, np.argsort(layers))
+    if not len(folds.edges):
+        return []
+    axes = _axes(folds)
+    outlines = _folded_faces(pattern, maps, layers, tolerance)
+    return [
+        *_faces_between(folds, outlines, layers, axes),
+        *_interleaved_folds(folds, axes, tolerance),
+        *_swapped_sheets(folds, axes, tolerance),
+    ]
+
+
+def collinear_overlap(one: Floats, other: Floats, tolerance: float) -> tuple[Floats, Bools]:
+    """Return the length on which segments coincide, and whether they point the same way.
+
+    ``one`` and ``other`` are ``(n, 2, 2)``. The length is 0 where an end of the shorter segment is farther
+    than ``tolerance`` from the line of the longer.
+    """
+    first, second = one[:, 1] - one[:, 0], other[:, 1] - other[:, 0]
+    swap = np.hypot(*second.T) > np.hypot(*first.T)
+    base = np.where(swap[:, None, None], other, one)
+    probe = np.where(swap[:, None, None], one, other)
+    along = base[:, 1] - base[:, 0]
+    length = np.hypot(*along.T)
+    along = along / length[:, None]
+    away = probe - base[:, :1]
+    aside = np.abs(along[:, None, 0] * away[..., 1] - along[:, None, 1] * away[..., 0]).max(axis=1)
+    on = (away * along[:, None]).sum(axis=2)
+    overlap = np.minimum(on.max(axis=1), length) - np.maximum(on.min(axis=1), 0)
+    return np.where(aside <= tolerance, np.maximum(overlap, 0), 0), (first * second).sum(axis=1) > 0
+
+
+def _inner_edges(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, rank: Indices) -> _Folds:
+    inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
+    faces = faces_of_edges[inner]
+    ends = pattern.vertices_coords[pattern.edges_vertices[inner]]
+    folded_ends = np.stack([maps.apply(faces[:, 0], ends[:, side]) for side in (0, 1)], axis=1)
+    # Turning a face over swaps its sides of the edge.
+    left = maps.up[faces] == np.array([True, False])
+    return _Folds(inner, folded_ends, rank[faces], left, folded_edges(pattern)[inner], ends.mean(axis=1))
+
+
+def _axes(folds: _Folds) -> Floats:
+    """Return the directions, ``(4, 2)``, along which boxes are measured.
+
+    Along and across the line that most creases fold onto (the spine, or the cut line), so that layers which
+    only touch it do not meet the boxes of the creases on it; and the two diagonals.
+    """
+    along = folds.ends[:, 1] - folds.ends[:, 0]
+    length = np.hypot(*along.T)
+    turn = np.arctan2(along[:, 1], along[:, 0]) % np.pi
+    bins = np.minimum((turn * (4096 / np.pi)).astype(np.intp), 4095)
+    common = np.flatnonzero(bins == np.bincount(bins, weights=length).argmax())
+    best = common[length[common].argmax()]
+    x, y = along[best] / length[best]
+    half = np.sqrt(0.5)
+    return np.array([(x, y), (-y, x), ((x - y) * half, (x + y) * half), ((x + y) * half, (y - x) * half)])
+
+
+def _folded_faces(pattern: CreasePattern, maps: FaceMaps, layers: Ints, tolerance: float) -> Outlines:
+    """Return the faces in the folded state, bottom layer first."""
+    faces = pattern.faces_vertices
+    count = faces.lengths[layers]
+    corner = runs(faces.offsets[layers], count)
+    corners = maps.apply(faces.rows[corner], pattern.vertices_coords[faces.values[corner]])
+    return Outlines(corners, np.concatenate([[0], np.cumsum(count)]), tolerance)
+
+
+def _faces_between(folds: _Folds, outlines: Outlines, layers: Ints, axes: Floats) -> list[Finding]:
+    """Find faces that an edge runs across while they lie between its two faces."""
+    tree = LayerTree(*outlines.bounds(axes))
+    along = folds.ends @ axes.T
+    reports = _Reports()
+    for query, rank in tree.meetings(along.min(axis=1), along.max(axis=1), folds.low + 1, folds.high):
+        bad = outlines.crossed(folds.ends[query], rank)
+        if reports.add(query[bad], rank[bad]):
+            break
+    findings = []
+    for fold, item in reports:
+        below, above = layers[folds.low[fold]], layers[folds.high[fold]]
+        edge = folds.edges[fold]
+        if folds.folded[fold]:
+            message = f"face {layers[item]} runs across crease {edge}, between its faces {below} and {above}"
+            findings.append(_finding("taco-tortilla", folds, fold, message))
+        else:
+            message = f"face {layers[item]} cuts through the sheet of faces {below} and {above} at edge {edge}"
+            findings.append(_finding("tortilla-tortilla", folds, fold, message))
+    return findings
+
+
+def _interleaved_folds(folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
+    """Find a fold whose two faces have, between them, one face of a coinciding edge and not the other.
+
+    An edge that is not folded has one face on either side of the crease's line; what is on the crease's side
+    may not lie between its faces at all.
+    """
+    flat = np.repeat(np.flatnonzero(~folds.folded), 2)
+    taco = np.flatnonzero(folds.folded)
+    fold = np.concatenate([taco, flat])
+    side = np.tile([0, 1], len(flat) // 2)
+    low = np.concatenate([folds.low[taco], folds.ranks[flat, side]])
+    high = np.concatenate([folds.high[taco].astype(np.float64), np.full(len(flat), np.inf)])
+    left = np.concatenate([folds.left[taco, 0], folds.left[flat, side]])
+    order = np.argsort(low)
+    fold, low, high, left = fold[order], low[order], high[order], left[order]
+
+    # A last column keeps only what ends above the query's fold: in a valid state, nothing that meets its box.
+    box_low, box_high = _boxes(folds.ends[fold], axes, tolerance)
+    endless = np.full(len(fold), np.inf)
+    tree = LayerTree(np.column_stack([box_low, -endless]), np.column_stack([box_high, high]))
+    at = np.flatnonzero(folds.folded[fold])
+    meetings = tree.meetings(
+        np.column_stack([box_low, high])[at],
+        np.column_stack([box_high, endless])[at],
+        np.searchsorted(low, low[at], side="right"),
+        np.searchsorted(low, high[at], side="left"),
+    )
+    reports = _Reports()
+    for query, item in meetings:
+        one, other = at[query], item
+        length, same_way = collinear_overlap(folds.ends[fold[one]], folds.ends[fold[other]], 2 * tolerance)
+        same_side = (left[one] == left[other]) == same_way
+        bad = (length > SHORTEST_OVERLAP * tolerance) & same_side & (high[one] < high[other])
+        if reports.add(fold[one[bad]], fold[other[bad]]):
+            break
+    findings = []
+    for first, second in reports:
+        check = "taco-taco" if folds.folded[second] else "taco-tortilla"
+        edges = f"edges {folds.edges[first]} and {folds.edges[second]}"
+        findings.append(_finding(check, folds, first, f"the faces of {edges} interleave where they coincide"))
+    return findings
+
+
+def _swapped_sheets(folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
+    """Find two unfolded edges that coincide, and whose sheets change places there."""
+    flat = np.flatnonzero(~folds.folded)
+    if not len(flat):
+        return []
+    flat = flat[np.argsort(folds.low[flat], kind="stable")]
+    low, high = folds.low[flat], folds.high[flat]
+    box_low, box_high = _boxes(folds.ends[flat], axes, tolerance)
+    # Sheets can only change places where their layers overlap: search from the one that starts lower.
+    meetings = LayerTree(box_low, box_high).meetings(
+        box_low, box_high, np.searchsorted(low, low, side="right"), np.searchsorted(low, high, side="left")
+    )
+    reports = _Reports()
+    for query, item in meetings:
+        one, other = flat[query], flat[item]
+        length, same_way = collinear_overlap(folds.ends[one], folds.ends[other], 2 * tolerance)
+        aligned = (folds.left[one, 0] == folds.left[other, 0]) == same_way
+        beside = np.where(aligned[:, None], folds.ranks[other], folds.ranks[other][:, ::-1])
+        below = folds.ranks[one] < beside
+        bad = (length > SHORTEST_OVERLAP * tolerance) & (below[:, 0] != below[:, 1])
+        if reports.add(one[bad], other[bad]):
+            break
+    findings = []
+    for first, second in reports:
+        edges = f"edges {folds.edges[first]} and {folds.edges[second]}"
+        message = f"the sheets at {edges} change places where they coincide"
+        findings.append(_finding("tortilla-tortilla", folds, first, message))
+    return findings
+
+
+class _Reports:
+    """What is wrong, once for each fold: (fold, what it conflicts with)."""
+
+    def __init__(self) -> None:
+        self._pairs: dict[int, int] = {}
+
+    def add(self, folds: Indices, others: Indices) -> bool:
+        """Note conflicts, and return whether there are enough."""
+        self._pairs |= dict(zip(folds.tolist(), others.tolist(), strict=True))
+        return len(self._pairs) >= MOST_FINDINGS
+
+    def __iter__(self) -> Iterator[tuple[int, int]]:
+        return islice(self._pairs.items(), MOST_FINDINGS)
+
+
+def _boxes(ends: Floats, axes: Floats, tolerance: float) -> tuple[Floats, Floats]:
+    """Return boxes that meet where edges coincide, and mostly not where they only end at the same point."""
+    along = ends[:, 1] - ends[:, 0]
+    unit = along / np.hypot(*along.T)[:, None]
+    shorter = ends + 3 * tolerance * np.stack([unit, -unit], axis=1)
+    along = shorter @ axes.T
+    return along.min(axis=1) - tolerance, along.max(axis=1) + tolerance
+
+
+def _finding(check: str, folds: _Folds, fold: int, message: str) -> Finding:
+    x, y = folds.middles[fold].tolist()
+    return Finding(check, message, (x, y))

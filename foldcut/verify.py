@@ -1,0 +1,304 @@
+"""Whether a crease pattern folds flat, in this layer order, so that one cut cuts out this shape.
+
+Crease pattern, layer order and shape on the sheet (mm) -> findings; none means valid. Nothing is believed:
+the folded state is worked out anew from the creases, however the pattern was made.
+
+The checks, each resting on those before it: the arrays make sense; the faces tile the sheet; angles and
+mountains around every vertex (Kawasaki, Maekawa); every face's folded place agrees with its neighbours';
+the layers can lie in their order (``stacking``); the shape's boundary comes to lie on one line (``cutline``).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from foldcut.cutline import check_cut
+from foldcut.flatfold import FaceMaps, fold_faces, folded_edges
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
+from foldcut.planar import edge_faces, half_edges, pair_keys, signed_areas
+from foldcut.stacking import check_layer_order, check_mountains, check_stacking
+
+__all__ = ["COINCIDENT", "verify"]
+
+COINCIDENT = 1e-8
+"""What lies this close, relative to the sheet's diagonal, is taken as touching.
+
+Patterns are made to about 1e-12 and paper is cut to about 1e-4; whatever is between the two does.
+"""
+
+ASSIGNMENTS = ("B", "M", "V", "F", "U")
+
+
+def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = None) -> list[Finding]:
+    """Return everything that keeps the pattern from folding flat and being cut; an empty list means valid.
+
+    ``layers`` are the face numbers from bottom to top, up being the normal of face 0; ``shape`` is on the
+    sheet, in mm. Without a shape the cut is not checked; without layers the pattern is not verified, and the
+    findings say so. Edges assigned F or U are taken as not folded.
+    """
+    findings = _check_arrays(pattern)
+    if findings:
+        return findings
+    coords = pattern.vertices_coords
+    tolerance = COINCIDENT * float(np.hypot(*np.ptp(coords, axis=0)))
+    findings = _check_planar(pattern, tolerance)
+    if findings:
+        return findings
+    faces_of_edges = edge_faces(pattern)
+    maps = fold_faces(pattern, faces_of_edges)
+    findings = [
+        *_check_vertices(pattern, faces_of_edges, tolerance),
+        *_check_closure(pattern, faces_of_edges, maps, tolerance),
+    ]
+    if findings:
+        return findings
+    if layers is None:
+        findings = [Finding("layers", "no layer order: whether the layers can lie flat is not verified")]
+    else:
+        findings = check_layer_order(layers, len(pattern.faces_vertices))
+        if not findings:
+            findings = [
+                *check_mountains(pattern, faces_of_edges, maps, layers),
+                *check_stacking(pattern, faces_of_edges, maps, layers, tolerance),
+            ]
+    if shape is not None:
+        findings += check_cut(pattern, faces_of_edges, maps, shape, tolerance)
+    return findings
+
+
+def _check_arrays(pattern: CreasePattern) -> list[Finding]:
+    """Find numbers that point nowhere, and letters that mean nothing."""
+    coords, edges, faces = pattern.vertices_coords, pattern.edges_vertices, pattern.faces_vertices
+    if not len(coords) or not len(edges) or not len(faces):
+        return [Finding("arrays", "the pattern has no vertices, no edges or no faces; give all three")]
+    findings = [
+        Finding("arrays", f"vertex {vertex} is not at a finite place")
+        for vertex in np.flatnonzero(~np.isfinite(coords).all(axis=1)).tolist()
+    ]
+    for name, values in (("edges_vertices", edges), ("faces_vertices", faces.values)):
+        wrong = values[(values < 0) | (values >= len(coords))]
+        if wrong.size:
+            findings.append(Finding("arrays", f"{name} names vertex {wrong[0]}; there are {len(coords)}"))
+    if len(pattern.edges_assignment) != len(edges):
+        counts = f"{len(pattern.edges_assignment)} assignments for {len(edges)} edges"
+        findings.append(Finding("arrays", f"there are {counts}; give one each"))
+    else:
+        findings += [
+            Finding(
+                "arrays",
+                f"edge {edge} is assigned {str(pattern.edges_assignment[edge])!r}; use B, M, V, F or U",
+            )
+            for edge in np.flatnonzero(~np.isin(pattern.edges_assignment, ASSIGNMENTS)).tolist()
+        ]
+    findings += [
+        Finding("arrays", f"face {face} has {faces.lengths[face]} vertices; a face has at least three")
+        for face in np.flatnonzero(faces.lengths < 3).tolist()
+    ]
+    return findings
+
+
+def _check_planar(pattern: CreasePattern, tolerance: float) -> list[Finding]:
+    """Find whatever keeps the faces from tiling a sheet with one simple outline, edge to edge.
+
+    Why this is enough: each face is a simple counter-clockwise polygon, the sides of two faces at an inner
+    edge cancel, and what remains is one simple counter-clockwise closed curve. So the winding numbers of the
+    faces add up to 1 inside that curve and to 0 outside: every point of the sheet is covered once. Then areas
+    add up, V - E + F = 1, edges do not cross, and no vertex lies inside an edge or a face, since the faces
+    around every vertex already fill a full turn. Crossings are searched for all the same: to name the place.
+    """
+    findings = _check_edges(pattern, tolerance)
+    if findings:
+        return findings
+    findings = [*_check_face_outlines(pattern), *_check_sides(pattern), *_check_crossings(pattern, tolerance)]
+    return findings or _check_outline(pattern)
+
+
+def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
+    """Find edges without length, edges given twice, and vertices that no edge reaches."""
+    coords, edges = pattern.vertices_coords, pattern.edges_vertices
+    lengths = np.hypot(*(coords[edges[:, 1]] - coords[edges[:, 0]]).T)
+    findings = [
+        _at_edge(pattern, edge, "planar", f"edge {edge} is only {lengths[edge]:.3g} mm long; merge its vertices")
+        for edge in np.flatnonzero(lengths <= tolerance).tolist()
+    ]
+    keys = pair_keys(*np.sort(edges, axis=1).T)
+    first = np.unique(keys, return_index=True)[1]
+    findings += [
+        _at_edge(pattern, edge, "planar", f"edge {edge} repeats another edge; leave one out")
+        for edge in np.setdiff1d(np.arange(len(edges)), first).tolist()
+    ]
+    lonely = np.setdiff1d(np.arange(len(coords)), edges)
+    findings += [
+        _finding("planar", f"vertex {vertex} is on no edge; leave it out", coords[vertex]) for vertex in lonely.tolist()
+    ]
+    return findings
+
+
+def _check_face_outlines(pattern: CreasePattern) -> list[Finding]:
+    """Find faces that are not simple polygons, or run clockwise."""
+    coords, faces = pattern.vertices_coords, pattern.faces_vertices
+    polygons = shapely.polygons(shapely.linearrings(coords[faces.values], indices=faces.rows))
+    findings = []
+    simple = shapely.is_valid(polygons)
+    clockwise = signed_areas(coords, faces) <= 0
+    for face in np.flatnonzero(~simple | clockwise).tolist():
+        problem = "runs clockwise; reverse it" if simple[face] else "is not a simple polygon; its sides cross or touch"
+        findings.append(_finding("planar", f"face {face} {problem}", coords[faces[face]].mean(axis=0)))
+    return findings
+
+
+def _check_sides(pattern: CreasePattern) -> list[Finding]:
+    """Find sides of faces that do not pair up at the edges."""
+    start, end = half_edges(pattern.faces_vertices)
+    rows = pattern.faces_vertices.rows
+    keys = pair_keys(start, end)
+    findings = []
+    first = np.unique(keys, return_index=True)[1]
+    for side in np.setdiff1d(np.arange(len(keys)), first).tolist():
+        message = f"face {rows[side]} lies on the same side of an edge as another face; faces must not overlap"
+        findings.append(_at_side(pattern, start[side], end[side], message))
+    known = pair_keys(*np.sort(pattern.edges_vertices, axis=1).T)
+    sides = pair_keys(np.minimum(start, end), np.maximum(start, end))
+    for side in np.flatnonzero(~np.isin(sides, known)).tolist():
+        message = f"face {rows[side]} has a side, vertices {start[side]} to {end[side]}, that is not an edge"
+        findings.append(_at_side(pattern, start[side], end[side], message))
+
+    borders = (edge_faces(pattern) >= 0).sum(axis=1)
+    border = pattern.edges_assignment == "B"
+    for wrong, problem in (
+        (borders == 0, "borders no face"),
+        ((borders == 1) & ~border, "has a face on one side only; assign B at the sheet's border"),
+        (
+            (borders == 2) & border,
+            "is assigned B but has faces on both sides; cuts in the sheet are not supported",
+        ),
+    ):
+        findings += [
+            _at_edge(pattern, edge, "planar", f"edge {edge} {problem}") for edge in np.flatnonzero(wrong).tolist()
+        ]
+    return findings
+
+
+def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
+    """Find edges that cross, and vertices that lie on an edge without being an end of it."""
+    coords, edges = pattern.vertices_coords, pattern.edges_vertices
+    lines = shapely.linestrings(coords[edges])
+    tree = shapely.STRtree(lines)
+    one, other = tree.query(lines, predicate="crosses")
+    once = one < other
+    one, other = one[once], other[once]
+    places = shapely.get_coordinates(shapely.centroid(shapely.intersection(lines[one], lines[other])))
+    findings = [
+        _finding("planar", f"edges {a} and {b} cross; divide both there", place)
+        for a, b, place in zip(one.tolist(), other.tolist(), places, strict=True)
+    ]
+    vertex, edge = tree.query(shapely.points(coords), predicate="dwithin", distance=tolerance)
+    apart = (edges[edge] != vertex[:, None]).all(axis=1)
+    findings += [
+        _finding("planar", f"vertex {v} lies on edge {e}; divide the edge there", coords[v])
+        for v, e in zip(vertex[apart].tolist(), edge[apart].tolist(), strict=True)
+    ]
+    return findings
+
+
+def _check_outline(pattern: CreasePattern) -> list[Finding]:
+    """Find out whether the border edges make one simple counter-clockwise curve."""
+    start, end = half_edges(pattern.faces_vertices)
+    border = ~np.isin(pair_keys(start, end), pair_keys(end, start))
+    following = dict(zip(start[border].tolist(), end[border].tolist(), strict=True))
+    if len(following) < border.sum():
+        values, counts = np.unique(start[border], return_counts=True)
+        place = pattern.vertices_coords[values[counts > 1][0]]
+        return [_finding("planar", "the sheet's border meets itself; the sheet must be one piece there", place)]
+    first = next(iter(following))
+    outline = [first]
+    while following[outline[-1]] != first:
+        outline.append(following[outline[-1]])
+    coords = pattern.vertices_coords
+    if len(outline) < len(following):
+        rest = next(vertex for vertex in following if vertex not in set(outline))
+        message = "the sheet has a second border; it must be one piece without holes"
+        return [_finding("planar", message, coords[rest])]
+    ring = shapely.linearrings(coords[outline])
+    if not shapely.is_simple(ring) or not shapely.is_ccw(ring):
+        return [_finding("planar", "the sheet's border crosses itself", coords[first])]
+    return []
+
+
+def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: float) -> list[Finding]:
+    """Find inner vertices where the creases' angles or kinds rule out flat folding.
+
+    Kawasaki: every other angle adds up to a half turn. The error allowed is one that moves the end of the
+    vertex's shortest crease by ``tolerance``. Maekawa: mountains and valleys differ by two.
+    """
+    coords = pattern.vertices_coords
+    inner = np.ones(len(coords), dtype=np.bool_)
+    inner[pattern.edges_vertices[(faces_of_edges < 0).any(axis=1)]] = False
+    crease = folded_edges(pattern)
+    tail, head = np.concatenate([pattern.edges_vertices[crease], pattern.edges_vertices[crease][:, ::-1]]).T
+    kind = np.tile(np.where(pattern.edges_assignment[crease] == "M", 1, -1), 2)
+    dx, dy = (coords[head] - coords[tail]).T
+    angle, length = np.arctan2(dy, dx), np.hypot(dx, dy)
+    order = np.lexsort((angle, tail))
+    tail, angle, kind, length = tail[order], angle[order], kind[order], length[order]
+
+    count = len(coords)
+    degree = np.bincount(tail, minlength=count)
+    position = np.arange(len(tail)) - (np.cumsum(degree) - degree)[tail]
+    # Of the angles a0 <= a1 <= ..., all signs alternating, the sum is minus a half turn.
+    alternating = np.bincount(tail, weights=np.where(position % 2, -angle, angle), minlength=count)
+    excess = alternating + np.pi
+    shortest = np.full(count, np.inf)
+    np.minimum.at(shortest, tail, length)
+    surplus = np.bincount(tail, weights=kind, minlength=count)
+
+    creased = inner & (degree > 0)
+    findings = []
+    for vertex in np.flatnonzero(creased & (degree % 2 == 1)).tolist():
+        message = f"{degree[vertex]} creases meet; an even number must"
+        findings.append(_finding("kawasaki", message, coords[vertex], 1.0))
+    off = creased & (degree % 2 == 0)
+    bent = off & (np.abs(excess) * np.where(off, shortest, 0) > tolerance)
+    for vertex in np.flatnonzero(bent).tolist():
+        degrees = float(np.degrees(abs(excess[vertex])))
+        message = f"every other angle adds up to {degrees:.3g} degrees more or less than 180"
+        findings.append(_finding("kawasaki", message, coords[vertex], degrees))
+    for vertex in np.flatnonzero(off & (np.abs(surplus) != 2)).tolist():
+        mountains = int(degree[vertex] + surplus[vertex]) // 2
+        message = f"{mountains} mountains and {degree[vertex] - mountains} valleys; they must differ by two"
+        findings.append(_finding("maekawa", message, coords[vertex], abs(abs(surplus[vertex]) - 2)))
+    return findings
+
+
+def _check_closure(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, tolerance: float) -> list[Finding]:
+    """Find edges whose two faces, folded, do not meet, or are not turned as the edge's assignment says."""
+    inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
+    left, right = faces_of_edges[inner].T
+    ends = pattern.vertices_coords[pattern.edges_vertices[inner]]
+    gap = np.zeros(len(inner))
+    for side in (0, 1):
+        apart = maps.apply(left, ends[:, side]) - maps.apply(right, ends[:, side])
+        gap = np.maximum(gap, np.hypot(*apart.T))
+    turned: Bools = (maps.up[left] != maps.up[right]) == folded_edges(pattern)[inner]
+    findings = []
+    for at in np.flatnonzero((gap > tolerance) | ~turned).tolist():
+        faces = f"faces {left[at]} and {right[at]}"
+        problem = f"fold to places {gap[at]:.3g} mm apart" if turned[at] else "cannot be turned as it says"
+        findings.append(
+            _at_edge(pattern, int(inner[at]), "closure", f"at edge {inner[at]}, {faces} {problem}", gap[at])
+        )
+    return findings
+
+
+def _finding(check: str, message: str, place: Floats, size: float = 0.0) -> Finding:
+    return Finding(check, message, (float(place[0]), float(place[1])), float(size))
+
+
+def _at_edge(pattern: CreasePattern, edge: int, check: str, message: str, size: float = 0.0) -> Finding:
+    middle = pattern.vertices_coords[pattern.edges_vertices[edge]].mean(axis=0)
+    return _finding(check, message, middle, size)
+
+
+def _at_side(pattern: CreasePattern, start: int, end: int, message: str) -> Finding:
+    return _finding("planar", message, pattern.vertices_coords[[start, end]].mean(axis=0))
