@@ -13,7 +13,6 @@ of the gaps tile the sheet (less the ribbon).
 
 from __future__ import annotations
 
-import heapq
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -27,9 +26,12 @@ from foldcut.plane import contains_point, left_normal, signed_area
 from foldcut.tolerance import Tolerance
 
 Chain = list[int]
+Leaf = tuple[int, int]
 TURN = 2 * math.pi
 # A disk that nearly touches another, by this part of the smaller one, makes creases far too short: take another disk.
 NEARLY = 1e-3
+# Radii that differ by less than this part are equal: the choice between them must not depend on rounding.
+EQUAL = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,8 +119,8 @@ class _Filler:
     def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance) -> None:
         self.tolerance = tolerance
         self.count = len(boundary.radii)
-        self.rolled: dict[tuple[int, int], _Candidate | None] = {}  # by leaf, until a disk is placed in its way
-        self.ears: set[tuple[int, int]] = set()  # leaves whose disk would not help; this lasts as long as the disk
+        self.rolled: dict[Leaf, _Candidate | None] = {}  # by leaf, until a disk is placed in its way
+        self.ears: set[Leaf] = set()  # leaves whose disk would not help; this lasts as long as the disk
         self.centres = np.concatenate([boundary.centres, np.empty((self.count + 16, 2))])
         self.radii = np.concatenate([boundary.radii, np.empty(self.count + 16)])
 
@@ -205,7 +207,7 @@ class _Filler:
 
     def _best_leaf(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk rolled in from a leaf that merges chains or divides the only one."""
-        candidates = []
+        rolled: list[tuple[_Candidate, Leaf]] = []
         for leaf in _leaves(gap):
             if leaf in self.ears:
                 continue
@@ -213,11 +215,9 @@ class _Filler:
                 self.rolled[leaf] = self._roll(*leaf, disks)
             candidate = self.rolled[leaf]
             if candidate is not None:
-                candidates.append((-candidate.radius, leaf, candidate))
-        heapq.heapify(candidates)
+                rolled.append((candidate, leaf))
         second_best = None
-        while candidates:
-            _, leaf, candidate = heapq.heappop(candidates)
+        for candidate, leaf in _largest_first(rolled):
             placement = self._try(gap, disks, candidate)
             if placement is None:
                 self.ears.add(leaf)
@@ -271,13 +271,13 @@ class _Filler:
 
         An ear touches the visits i, j, k in a row; going on between i and k, away from j, leads to the next disk.
         """
-        found = []
+        found: list[tuple[_Candidate, Leaf]] = []
         for chain in gap:
             for i, j, k in zip(chain, chain[1:] + chain[:1], chain[2:] + chain[:2], strict=True):
                 ear = self.rolled.get((i, j))
                 if ear is not None and i != k and self._touches(ear, k):
-                    found += self._beyond(ear, i, j, k, disks)
-        for candidate in sorted(found, key=lambda c: -c.radius):
+                    found += [(candidate, (i, j)) for candidate in self._beyond(ear, i, j, k, disks)]
+        for candidate, _ in _largest_first(found):
             placement = self._try(gap, disks, candidate)
             if placement is not None:
                 return placement
@@ -289,18 +289,17 @@ class _Filler:
         return abs(slack) <= 1e-6 * min(candidate.radius, radius)
 
     def _beyond(self, ear: _Candidate, i: int, j: int, k: int, disks: Ints) -> list[_Candidate]:
-        """Return the first disk met by one that grows away from ``ear``, always touching i and k."""
-        normal = left_normal(self.centres[k] - self.centres[i])
-        if normal @ (self.centres[j] - self.centres[i]) > 0:
-            normal = -normal
+        """Return the first disks met by one that grows away from ``ear``, always touching i and k.
+
+        The very first is the one; when rounding makes that doubtful, the next ones are.
+        """
+        normal = left_normal(self.centres[k] - self.centres[i])  # the gap is left of i -> j -> k
         others = disks[(disks != i) & (disks != j) & (disks != k)]
         centres, radii = self._apollonius(i, k, others)
         ahead = (centres - np.array(ear.centre)) @ normal
         usable = np.isfinite(radii) & (radii > 0) & (ahead > 1e-6 * ear.radius * math.hypot(*normal))
-        if not usable.any():
-            return []
-        first = int(np.where(usable, ahead, np.inf).argmin())
-        return [_Candidate((float(centres[first, 0]), float(centres[first, 1])), float(radii[first]))]
+        order = np.argsort(np.where(usable, ahead, np.inf), kind="stable")[: min(2, int(usable.sum()))]
+        return [_Candidate((float(centres[n, 0]), float(centres[n, 1])), float(radii[n])) for n in order]
 
     def _apollonius(self, i: int, j: int, others: Ints) -> tuple[Floats, Floats]:
         """Return centres and radii of the disks that touch i, j and one of ``others`` from outside.
@@ -394,7 +393,18 @@ class _Filler:
         return centre, radius
 
 
-def _leaves(gap: list[Chain]) -> list[tuple[int, int]]:
+def _largest_first(found: list[tuple[_Candidate, Leaf]]) -> Iterator[tuple[_Candidate, Leaf]]:
+    """Yield the largest candidates first; of those equal up to rounding, as in symmetric shapes, the lower leaf."""
+    found.sort(key=lambda item: -item[0].radius)
+    start = 0
+    while start < len(found):
+        smallest = found[start][0].radius * (1 - EQUAL)
+        end = next((k for k in range(start, len(found)) if found[k][0].radius < smallest), len(found))
+        yield from sorted(found[start:end], key=lambda item: item[1])
+        start = end
+
+
+def _leaves(gap: list[Chain]) -> list[Leaf]:
     """The pairs of consecutive visits of all chains."""
     return [leaf for chain in gap for leaf in zip(chain, chain[1:] + chain[:1], strict=True)]
 
