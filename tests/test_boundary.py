@@ -7,7 +7,7 @@ import pytest
 from stages import Stages, run_stages
 from strategies import rectangle, regular, star, star_shaped
 
-from foldcut.boundary import boundary_disks, overlapping_disks
+from foldcut.boundary import boundary_disks, near_disks, overlapping_disks
 from foldcut.errors import RibbonError
 
 RING = [[(0, 0), (30, 0), (30, 30), (0, 30)], [(10, 10), (20, 10), (20, 20), (10, 20)]]
@@ -66,6 +66,19 @@ def test_a_symmetric_shape_gets_symmetric_disks() -> None:
     inside = boundary.chains[list(boundary.chain_face).index(1)]
     disks = {tuple(row) for row in np.round(np.c_[boundary.centres, boundary.radii][inside], 9)}
     assert disks == {(148 - x, y, r) for x, y, r in disks} == {(x, 210 - y, r) for x, y, r in disks}
+
+
+def test_disks_that_would_nearly_touch_are_kept_apart() -> None:
+    # The foot of (0, 10) on the bottom edge is just beside its end (0.01, 0): half the distance to the edge and half
+    # the distance to the corner differ by 2e-6. Found by a random polygon, whose gusset was 1e-7 mm high.
+    corners = [(-10, 0), (0.01, 0), (14, -8), (16, 19), (0, 10), (-9, 14)]
+    stages = run_stages([corners])
+    boundary = stages.boundary
+    inside = boundary.chains[list(boundary.chain_face).index(1)]
+    i, j, slack = near_disks(boundary.centres[inside], boundary.radii[inside], np.zeros(len(inside), dtype=np.int32))
+    radii = boundary.radii[inside]
+    touching = stages.tolerance.touching(radii[i], radii[j])
+    assert np.all((slack <= touching) | (slack > 1e-3 * np.minimum(radii[i], radii[j])))
 
 
 def test_disks_on_either_side_of_the_ribbon_face_each_other() -> None:
