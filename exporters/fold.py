@@ -5,8 +5,8 @@ millimetres, frame 1 the folded form, which inherits everything but the coordina
 with all digits of a float64, because layer solvers give no verdict on lines that nearly coincide.
 
 Own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
-drawing to the sheet; ``foldcut:faceOrders`` = "adjacent" where only faces that share a crease are ordered
-(see ``face_orders``).
+drawing to the sheet, both with y up (so an SVG's y must change its sign first); ``foldcut:faceOrders`` =
+"adjacent" where only faces that share a crease are ordered (see ``face_orders``).
 """
 
 from __future__ import annotations

@@ -171,11 +171,20 @@ class _Filler:
         return self._share([_arc(chain, a[1], b[1]), _arc(chain, b[1], a[1])], others)
 
     def _share(self, parts: list[Chain], others: list[Chain]) -> list[list[Chain]]:
-        """Give each of the remaining chains to the part of the gap it lies in."""
+        """Give each of the remaining chains to the part of the gap it lies in.
+
+        Of the parts of a chain that the gap surrounds, one still runs clockwise: it has what is in none of the others.
+        """
         gaps = [[part] for part in parts]
+        areas = [signed_area(self.centres[part] - self.centres[part[0]]) for part in parts]
+        around = gaps[areas.index(min(areas))]
         for chain in others:
-            inside = (gap for gap in gaps if contains_point(self.centres[gap[0]], self.centres[chain[0]]))
-            next(inside, gaps[-1]).append(chain)
+            inside = (
+                gap
+                for gap, area in zip(gaps, areas, strict=True)
+                if area > 0 and contains_point(self.centres[gap[0]], self.centres[chain[0]])
+            )
+            next(inside, around).append(chain)
         return gaps
 
     def _visit(self, gap: list[Chain], disk: int, toward: Floats) -> tuple[int, int] | None:

