@@ -18,7 +18,8 @@ from collections import defaultdict
 import numpy as np
 
 from foldcut.assignment import Assignment
-from foldcut.model import CreasePattern, FoldedState, Ints, Ragged, index_array, points_array
+from foldcut.faces import assemble, merge_stacks, outline
+from foldcut.model import CreasePattern, FoldedState
 from foldcut.molecules import Molecules
 
 
@@ -33,14 +34,12 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
     outside = _walk(molecules, assignment, outside_root)[::-1]
     joined, face_of = _join_unfolded(molecules, assignment)
     shared = {face for face, parts in joined.items() if len(parts) > 1}
-    order = _merge([face_of[f] for f in inside], [face_of[f] for f in outside], shared)[::-1]
-    rings = [_outline([molecules.facets[f].tolist() for f in joined[face]]) for face in order]
-
+    order = merge_stacks([face_of[f] for f in inside], [face_of[f] for f in outside], shared)[::-1]
+    rings = [outline([molecules.facets[f].tolist() for f in joined[face]]) for face in order]
     keep = np.isin(assignment.crease_assignment, ("M", "V", "B"))
-    edges, kinds = molecules.creases[keep].tolist(), assignment.crease_assignment[keep].tolist()
-    edges, kinds, straight = _dissolve_straight(edges, kinds, molecules)
-    rings = [[v for v in ring if v not in straight] for ring in rings]
-    return _assemble(molecules, rings, edges, kinds)
+    edges = [(a, b) for a, b in molecules.creases[keep].tolist()]
+    kinds = assignment.crease_assignment[keep].tolist()
+    return assemble(molecules.vertices, molecules.folded, rings, edges, kinds, _sheet_corners(molecules))
 
 
 def _walk(molecules: Molecules, assignment: Assignment, root: int) -> list[int]:
@@ -91,62 +90,6 @@ def _join_unfolded(molecules: Molecules, assignment: Assignment) -> tuple[dict[i
     return joined, [face(facet) for facet in range(len(face_of))]
 
 
-def _merge(inside: list[int], outside: list[int], shared: set[int]) -> list[int]:
-    """Merge two lists that have the shared faces in the same order; before each, first what ``outside`` has."""
-    order: list[int] = []
-    rest = iter(outside)
-    for face in inside:
-        if face in shared:
-            for other in rest:
-                if other == face:
-                    break
-                assert other not in shared, "the layers inside and outside do not match along the shape's boundary"
-                order.append(other)
-        order.append(face)
-    return order + list(rest)
-
-
-def _outline(rings: list[list[int]]) -> list[int]:
-    """The outline of counter-clockwise facets joined side to side."""
-    if len(rings) == 1:
-        return rings[0]
-    sides = {pair for ring in rings for pair in zip(ring, ring[1:] + ring[:1], strict=True)}
-    following = {a: b for a, b in sides if (b, a) not in sides}
-    start = min(following)
-    outline = [start]
-    while (vertex := following[outline[-1]]) != start:
-        outline.append(vertex)
-    return outline
-
-
-def _dissolve_straight(
-    edges: list[list[int]], kinds: list[str], molecules: Molecules
-) -> tuple[list[list[int]], list[str], set[int]]:
-    """Join the two edges at every vertex where nothing turns: by Kawasaki's theorem two creases alone are one line."""
-    at: dict[int, list[int]] = defaultdict(list)
-    for number, (a, b) in enumerate(edges):
-        at[a].append(number)
-        at[b].append(number)
-    corners = _sheet_corners(molecules)
-    straight = {v for v, mine in at.items() if len(mine) == 2 and v not in corners}
-    joined, types = [], []
-    done: set[int] = set()
-    for first, (a, b) in enumerate(edges):
-        if first in done or (a in straight and b in straight):
-            continue
-        vertex, number = (b, first) if a not in straight else (a, first)
-        start = a if vertex == b else b
-        done.add(number)
-        while vertex in straight:
-            number = next(other for other in at[vertex] if other != number)
-            done.add(number)
-            one, other_end = edges[number]
-            vertex = other_end if one == vertex else one
-        joined.append([start, vertex])
-        types.append(kinds[first])
-    return joined, types, straight
-
-
 def _sheet_corners(molecules: Molecules) -> set[int]:
     """The vertices at the corners of the sheet."""
     border = molecules.boundary_sides[molecules.boundary_sides[:, 3] == 0]
@@ -155,31 +98,3 @@ def _sheet_corners(molecules: Molecules) -> set[int]:
     turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     sharp = turn > 0.5 * np.hypot(*before.T) * np.hypot(*after.T)
     return set(border[sharp, 0].tolist())
-
-
-def _assemble(
-    molecules: Molecules, rings: list[list[int]], edges: list[list[int]], kinds: list[str]
-) -> tuple[CreasePattern, FoldedState]:
-    """Number the vertices anew; face 0 is one that looks up, the others follow the layer order."""
-    used = np.unique(np.array(edges, dtype=np.int32))
-    number = np.full(len(molecules.vertices), -1, dtype=np.int32)
-    number[used] = np.arange(len(used), dtype=np.int32)
-    renumber = number.tolist()
-    folded = molecules.folded[used]
-    faces = [[renumber[v] for v in ring] for ring in rings]
-    first = next(k for k, ring in enumerate(faces) if _looks_up(folded[ring]))
-    layers: Ints = np.arange(len(faces), dtype=np.int32)
-    layers[[0, first]] = layers[[first, 0]]
-    faces[0], faces[first] = faces[first], faces[0]
-    pattern = CreasePattern(
-        points_array(molecules.vertices[used]),
-        index_array([[renumber[a], renumber[b]] for a, b in edges]),
-        np.array(kinds, dtype="<U1"),
-        Ragged.from_rows(faces),
-    )
-    return pattern, FoldedState(points_array(folded), index_array(layers))
-
-
-def _looks_up(polygon: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> bool:
-    following = np.roll(polygon, -1, axis=0)
-    return bool((polygon[:, 0] * following[:, 1] - following[:, 0] * polygon[:, 1]).sum() > 0)

@@ -1,0 +1,166 @@
+"""The compact pattern: one molecule inside the shape, one outside it, and nothing else.
+
+A chain of corners with reaches -> ``CreasePattern``, ``FoldedState``.
+
+The outside is the molecule of the reversed chain. Its wavefront grows until it has left the sheet, and is clipped
+there: what is left of a flat-folded sheet that is trimmed is folded flat. The two stacks of layers are merged along the
+shape's boundary, where facets inside and outside are one face; mountains and valleys are read off the stack.
+
+Invariants: those of ``faces``; every edge has the same length flat and folded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from foldcut.faces import Ring, assemble, creases_of_stack, merge_stacks, outline
+from foldcut.model import CreasePattern, Floats, FoldedState, Sheet
+from foldcut.plane import signed_area
+from foldcut.universal import NO_FOOT, Molecule, Vertices, partners
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The boundary of a shape as it goes to and fro on the cut line when folded.
+
+    ``corners`` ``(k, 2)`` mm, counter-clockwise, the shape's own and those added on its sides; ``reach`` ``(k,)``: how
+    far from the root a corner lands; ``depth`` ``(k,)``: where the foot on the side after it lands, infinite where a
+    side goes straight from a valley to a peak. The root is the foot on the last side, with another one as low; or it
+    is corner 0, a valley, when the last side has no foot. Nothing is lower.
+    """
+
+    corners: Floats
+    reach: Floats
+    depth: Floats
+
+    @property
+    def lengths(self) -> Floats:
+        """The lengths of the sides, ``(k,)`` mm."""
+        lengths: Floats = np.hypot(*(np.roll(self.corners, -1, axis=0) - self.corners).T)
+        return lengths
+
+
+@dataclass(frozen=True, eq=False)
+class Molecules:
+    """The two molecules of a compact pattern, on common vertices."""
+
+    vertices: Vertices
+    inside: Molecule
+    outside: Molecule
+
+
+def build_molecules(chain: Chain, sheet: Sheet) -> Molecules:
+    """Fold the inside and the outside of ``chain``.
+
+    Raises ``UnfoldableError`` with the place when a molecule does not close.
+    """
+    count = len(chain.corners)
+    sides = (np.roll(chain.corners, -1, axis=0) - chain.corners) / chain.lengths[:, None]
+    feet_at = chain.corners + sides * np.where(chain.depth == NO_FOOT, 0.0, chain.reach - chain.depth)[:, None]
+    vertices = Vertices()
+    corners = [vertices.add(p, (float(x), 0.0)) for p, x in zip(chain.corners, chain.reach, strict=True)]
+    feet = [-1 if x == NO_FOOT else vertices.add(p, (float(x), 0.0)) for p, x in zip(feet_at, chain.depth, strict=True)]
+    size = float(np.ptp(chain.corners, axis=0).max())
+    inside = Molecule(vertices, corners, feet, sides, chain.reach, chain.depth, sign=1, limit=None, size=size)
+    # The reversed chain keeps its root last: on the last side, or else on corner 0.
+    turn = 0 if chain.depth[-1] == NO_FOOT else 1
+    back_corners = (-turn - np.arange(count)) % count
+    back = (back_corners - 1) % count  # the side after each corner of the reversed chain
+    outside = Molecule(
+        vertices,
+        [corners[k] for k in back_corners],
+        [feet[k] for k in back],
+        -sides[back],
+        chain.reach[back_corners],
+        chain.depth[back],
+        sign=-1,
+        limit=2 * sheet.diagonal,
+        size=size,
+    )
+    return Molecules(vertices, inside, outside)
+
+
+def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, FoldedState]:
+    """Clip the outside at the sheet, stack all layers, and read off the creases."""
+    inside, outside = molecules.inside, molecules.outside
+    count = len(inside.facets)
+    own = partners(inside, outside)
+    number = [own.get(facet, count + facet) for facet in range(len(outside.facets))]
+    shared = set(own.values())
+    order = merge_stacks(inside.order, [number[facet] for facet in reversed(outside.order)], shared)[::-1]
+    clip = _Clip(molecules.vertices, sheet)
+    rings: dict[int, list[Ring]] = {facet: [ring] for facet, ring in enumerate(inside.rings()) if ring}
+    for facet, ring in enumerate(outside.rings()):
+        rings.setdefault(number[facet], []).extend(clip.clip(ring))
+    flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
+    faces = [outline(rings[face]) for face in order if rings.get(face)]
+    edges, kinds = creases_of_stack(folded, faces)
+    return assemble(flat, folded, faces, edges, kinds, clip.corners())
+
+
+class _Clip:
+    """Cuts rings off at the sheet's four sides; an edge that two rings share is cut once."""
+
+    def __init__(self, vertices: Vertices, sheet: Sheet) -> None:
+        self.vertices = vertices
+        self.sheet = sheet
+        self.tie = 1e-11 * sheet.diagonal
+        self.sides = ((0, -1.0, 0.0), (0, 1.0, sheet.width), (1, -1.0, 0.0), (1, 1.0, sheet.height))
+        self.cuts: dict[tuple[int, int, int], int] = {}
+
+    def clip(self, ring: Ring) -> list[Ring]:
+        """Return what is left of a ring inside the sheet: none or one ring."""
+        for side, (axis, sign, limit) in enumerate(self.sides):
+            if not ring:
+                break
+            beyond = [sign * (self.vertices.flat[v][axis] - limit) for v in ring]
+            kept: Ring = []
+            for k, (v, d) in enumerate(zip(ring, beyond, strict=True)):
+                after = (k + 1) % len(ring)
+                if d <= self.tie:
+                    kept.append(v)
+                if (d < -self.tie and beyond[after] > self.tie) or (d > self.tie and beyond[after] < -self.tie):
+                    kept.append(self._cut(v, ring[after], side))
+            ring = kept if any(d < -self.tie for d in beyond) else []
+        return [ring] if len(ring) > 2 else []
+
+    def _cut(self, a: int, b: int, side: int) -> int:
+        key = (min(a, b), max(a, b), side)
+        if key not in self.cuts:
+            axis, _, limit = self.sides[side]
+            start, end = np.array(self.vertices.flat[key[0]]), np.array(self.vertices.flat[key[1]])
+            part = (limit - start[axis]) / (end[axis] - start[axis])
+            place = start + (end - start) * part
+            place[axis] = limit
+            (x0, z0), (x1, z1) = self.vertices.folded[key[0]], self.vertices.folded[key[1]]
+            self.cuts[key] = self.vertices.add(place, (x0 + (x1 - x0) * part, z0 + (z1 - z0) * part))
+        return self.cuts[key]
+
+    def corners(self) -> set[int]:
+        """The vertices at the sheet's corners."""
+        flat = np.array(self.vertices.flat)
+        return {
+            int(v)
+            for corner in self.sheet.corners
+            for v in np.flatnonzero(np.abs(flat - corner).max(axis=1) <= self.tie)
+        }
+
+
+def molecule_faults(molecules: Molecules) -> list[str]:
+    """List edges of facets that do not keep their length when folded, and facets turned over."""
+    flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
+    limit = 1e-9 * float(np.ptp(flat, axis=0).max())
+    faults = []
+    for name, molecule in (("inside", molecules.inside), ("outside", molecules.outside)):
+        for number, ring in enumerate(molecule.rings()):
+            if not ring:
+                continue
+            step = np.hypot(*(flat[ring] - np.roll(flat[ring], 1, axis=0)).T)
+            image = np.hypot(*(folded[ring] - np.roll(folded[ring], 1, axis=0)).T)
+            if np.abs(step - image).max() > limit:
+                faults.append(f"facet {number} {name} is stretched by {np.abs(step - image).max():.3g} mm")
+            if signed_area(flat[ring]) <= 0:
+                faults.append(f"facet {number} {name} is not counter-clockwise")
+    return faults

@@ -1,0 +1,141 @@
+"""Where the sides of a polygon vanish when it is inset: the nodes of its straight skeleton, seen from the sides.
+
+Loop -> for each side, where along it the perpendiculars from the nodes stand in which it vanishes or is split.
+
+A foot at such a place lets the molecule above the side close without a gusset (see ``universal``): the two corners of
+the side come down to the foot just when they meet. Only a guide for the search: nothing depends on its being exact.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from foldcut.model import Floats
+from foldcut.plane import cross, left_normal
+
+TIE = 1e-9
+
+
+@dataclass(frozen=True)
+class Node:
+    """A node above a side: ``along`` the side from its start in mm, ``height`` in mm, ``split`` if the side goes on."""
+
+    side: int
+    along: float
+    height: float
+    split: bool
+
+
+@dataclass
+class _Corner:
+    """A corner of the wavefront between two sides."""
+
+    arriving: int
+    leaving: int
+    position: Floats
+    height: float
+    velocity: Floats
+    reflex: bool
+
+
+def side_nodes(loop: Floats, *, outside: bool = False) -> list[Node]:
+    """Return the nodes above the sides of a counter-clockwise loop, ``(n, 2)``, lowest first.
+
+    ``outside``: of the unbounded region around it. Source: Aichholzer and Aurenhammer 1996 (the wavefront).
+    """
+    return _Wavefront(np.asarray(loop, dtype=np.float64), outside).nodes
+
+
+class _Wavefront:
+    def __init__(self, loop: Floats, outside: bool) -> None:
+        count = len(loop)
+        self.start = loop
+        along = np.roll(loop, -1, axis=0) - loop
+        self.length = np.hypot(*along.T)
+        self.direction = along / self.length[:, None]
+        self.normal = left_normal(self.direction) * (-1 if outside else 1)
+        self.offset = np.sum(self.normal * loop, axis=1)
+        self.turn = -1 if outside else 1
+        self.tie = TIE * float(np.ptp(loop, axis=0).max())
+        self.nodes: list[Node] = []
+        # seen with the region on the left: outside the sides follow each other backwards
+        sides = list(range(count - 1, -1, -1)) if outside else list(range(count))
+        corners = []
+        for before, after in zip(sides[-1:] + sides[:-1], sides, strict=True):
+            place = loop[before] if outside else loop[after]
+            corners.append(self._corner(before, after, place, 0.0))
+        stack = [(corners, 0.0)]
+        steps = 0
+        while stack and steps < 20 * count + 50:
+            steps += 1
+            stack += self._step(*stack.pop())
+        self.nodes.sort(key=lambda node: node.height)
+
+    def _corner(self, before: int, after: int, position: Floats, height: float) -> _Corner:
+        arriving, leaving = self.direction[before] * self.turn, self.direction[after] * self.turn
+        across, dot = float(cross(arriving, leaving)), float(arriving @ leaving)
+        half = math.tan(math.atan2(across, dot) / 2)
+        velocity = left_normal(leaving) + leaving * half
+        return _Corner(before, after, position, height, velocity, across < -1e-9)
+
+    def _note(self, side: int, place: Floats, height: float, *, split: bool = False) -> None:
+        self.nodes.append(Node(side, float((place - self.start[side]) @ self.direction[side]), height, split))
+
+    def _step(self, corners: list[_Corner], height: float) -> list[tuple[list[_Corner], float]]:
+        count = len(corners)
+        if count < 3:
+            for corner in corners:
+                self._note(corner.leaving, corner.position + corner.velocity * (height - corner.height), height)
+            return []
+        velocity = np.array([c.velocity for c in corners])
+        place = (
+            np.array([c.position for c in corners])
+            + velocity * (height - np.array([c.height for c in corners]))[:, None]
+        )
+        sides = np.array([c.leaving for c in corners])
+        direction = self.direction[sides] * self.turn
+        length = np.sum((np.roll(place, -1, axis=0) - place) * direction, axis=1)
+        rate = -np.sum((np.roll(velocity, -1, axis=0) - velocity) * direction, axis=1)
+        with np.errstate(all="ignore"):
+            times = np.where(rate > 1e-12, np.maximum(length, 0) / rate, np.inf)
+        k = int(times.argmin())
+        best, split = float(times[k]), -1
+        for v, corner in enumerate(corners):
+            if not corner.reflex:
+                continue
+            closing = 1 - self.normal[sides] @ corner.velocity
+            gap = self.normal[sides] @ place[v] - self.offset[sides] - height
+            for s in range(count):
+                if s in (v, (v - 1) % count) or closing[s] <= 1e-12:
+                    continue
+                time = gap[s] / closing[s]
+                if not -self.tie <= time < best - self.tie:
+                    continue
+                hit = place[v] + corner.velocity * time
+                left = (hit - place[s] - velocity[s] * time) @ direction[s]
+                end = (s + 1) % count
+                right = (place[end] + velocity[end] * time - hit) @ direction[s]
+                if min(left, right) > self.tie:
+                    best, k, split = max(0.0, float(time)), s, v
+        if not math.isfinite(best):
+            return []
+        height += best
+        now = place + velocity * best
+        if split < 0:
+            after = (k + 1) % count
+            self._note(int(sides[k]), now[k], height)
+            new = self._corner(corners[k].arriving, corners[after].leaving, now[k], height)
+            rest = [c for n, c in enumerate(corners) if n not in (k, after)]
+            place_of_new = k if after else 0
+            rest.insert(min(place_of_new, len(rest)), new)
+            return [(rest, height)]
+        self._note(int(sides[k]), now[split], height, split=True)
+        v, s = split, k
+        one = self._corner(corners[v].arriving, corners[s].leaving, now[v], height)
+        two = self._corner(corners[s].leaving, corners[v].leaving, now[v], height)
+        after_s = [corners[n % count] for n in range(s + 1, (v if v > s else v + count))]
+        after_v = [corners[n % count] for n in range(v + 1, (s if s > v else s + count) + 1)]
+        return [([one, *after_s], height), ([two, *after_v], height)]
