@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from foldcut.errors import (
         BadInputError,
+        CreaseTooShortError,
         FileFormatError,
         FoldcutError,
         RibbonError,
@@ -26,14 +27,17 @@ if TYPE_CHECKING:
         UnfoldableError,
         VerificationError,
     )
+    from foldcut.foldability import Foldability
     from foldcut.model import CreasePattern, Finding, FoldedPattern, FoldedState, Placement, Shape, Sheet
     from foldcut.pipeline import Result, fold
 
 __all__ = [
     "BadInputError",
     "CreasePattern",
+    "CreaseTooShortError",
     "FileFormatError",
     "Finding",
+    "Foldability",
     "FoldcutError",
     "FoldedPattern",
     "FoldedState",
@@ -49,7 +53,7 @@ __all__ = [
     "fold",
 ]
 
-_HOMES = ("foldcut.errors", "foldcut.model", "foldcut.pipeline")
+_HOMES = ("foldcut.errors", "foldcut.model", "foldcut.foldability", "foldcut.pipeline")
 
 
 def __getattr__(name: str) -> object:

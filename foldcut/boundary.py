@@ -6,6 +6,9 @@ The loops are numbered with the sheet's border as loop 0 and the shape's loops a
 region right inside loop f. A loop's point (a *node*) carries one disk in the face on its left and one in the face on
 its right, the sheet's border only the left one. Without a ribbon the two are the same disk twice.
 
+Without a ribbon, sides of molecules between corners on the shape's boundary fold onto the cut line itself, and the cut
+severs the paper there; ``default_ribbon`` is the remedy.
+
 Invariants: along a loop each disk touches the next one; disks of one face do not overlap.
 """
 
@@ -23,11 +26,15 @@ from foldcut.tolerance import Tolerance
 
 # A vertex disk may shrink to this part of its size to make room for the ribbon.
 RIBBON_SLACK = 0.2
+# Narrower ribbons, relative to the sheet's diagonal, have creases that verification takes for points on the cut line.
+NARROWEST_RIBBON = 1e-7
 # Disks that nearly touch, by this part of the smaller one, leave gaps that fold to creases far too short: vertex disks
 # are shrunk then, others split. (Vertex disks do so often: half the distance to an edge is nearly half the distance to
 # that edge's end.)
 NEARLY = 0.02
 MAX_DISKS = 1_000_000
+# A pencil line's width on either side: less is hard to crease, more is a visible strip.
+DEFAULT_RIBBON_MM = 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,9 +92,16 @@ def boundary_disks(shape: Shape, sheet: Sheet, ribbon: float, tolerance: Toleran
     """Cover every edge of ``shape`` and ``sheet`` with disks centred on it.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is the half-width in mm of the unfolded strip along the shape's boundary.
-    Raises ``RibbonError`` with the largest width that works, ``UnfoldableError`` when a feature needs too many disks.
+    Raises ``RibbonError`` with the largest, or the least, width that works, ``UnfoldableError`` when a feature needs
+    too many disks.
     Source: paper section 2 (vertex disks, crowded edges) and section 5.
     """
+    least = NARROWEST_RIBBON * sheet.diagonal
+    if 0 < ribbon < least:
+        raise RibbonError(
+            f"a ribbon of half-width {ribbon:.2g} mm is too narrow to tell its two borders apart; it needs "
+            f"{least:.2g} mm: ask for a wider one, or leave more room between the drawing's edges and to the border"
+        )
     loops = _loops(shape, sheet, ribbon)
     radii = _vertex_radii(loops)
     if radii is None:
@@ -96,6 +110,28 @@ def boundary_disks(shape: Shape, sheet: Sheet, ribbon: float, tolerance: Toleran
     pieces = _split_crowded(loops, radii, tolerance)
     inside = np.array([False] + [shape.depth(i) % 2 == 0 for i in range(len(shape.loops))])
     return _assemble(loops, radii, pieces, inside, ribbon)
+
+
+def largest_ribbon(shape: Shape, sheet: Sheet, at_most: float) -> float:
+    """Return the largest half-width, up to ``at_most``, of a ribbon that the shape has room for; all in mm."""
+    if _vertex_radii(_loops(shape, sheet, at_most)) is not None:
+        return at_most
+    low, high = 0.0, at_most
+    for _ in range(40):
+        middle = (low + high) / 2
+        if _vertex_radii(_loops(shape, sheet, middle)) is None:
+            high = middle
+        else:
+            low = middle
+    return low
+
+
+def default_ribbon(shape: Shape, sheet: Sheet) -> float:
+    """Return the half-width in mm of a ribbon that keeps creases off the cut line and changes little else.
+
+    ``shape`` is in the sheet's mm. It is ``DEFAULT_RIBBON_MM``, or half the largest that works where that is less.
+    """
+    return largest_ribbon(shape, sheet, 2 * DEFAULT_RIBBON_MM) / 2
 
 
 def _loops(shape: Shape, sheet: Sheet, ribbon: float) -> list[_Loop]:
@@ -153,17 +189,10 @@ def _point_segment_distances(points: Floats, starts: Floats, ends: Floats) -> Fl
 
 
 def _too_wide(shape: Shape, sheet: Sheet, ribbon: float) -> str:
-    low, high = 0.0, ribbon
-    for _ in range(40):
-        middle = (low + high) / 2
-        if _vertex_radii(_loops(shape, sheet, middle)) is None:
-            high = middle
-        else:
-            low = middle
-    widest = float(f"{low * 0.999:.2e}")
+    widest = float(f"{largest_ribbon(shape, sheet, ribbon) * 0.999:.2e}")
     return (
-        f"a ribbon of half-width {ribbon:g} mm is too wide for the smallest feature of the shape; "
-        f"the largest half-width that works is {widest:g} mm"
+        f"a ribbon of half-width {ribbon:g} mm is too wide for the shape's smallest feature or its distance from the "
+        f"sheet's border; the largest half-width that works is {widest:g} mm"
     )
 
 

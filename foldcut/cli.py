@@ -20,6 +20,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from foldcut.errors import BadInputError, FoldcutError, UnfoldableError
+from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
     from foldcut.model import Finding
@@ -43,9 +44,12 @@ examples:
   foldcut make logo.svg --sheet letter --margin 15mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
   foldcut make fish -o fish.fold --json > report.json
+  foldcut make swan --method compact --effort best --seconds 60
+  foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
+  foldcut make fish --method paper --ribbon 0.5mm
 
 Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder.
-Existing files are replaced.
+Existing files are replaced. Ctrl-C during the search goes on with the best pattern found so far.
 """
 
 CHECK_EPILOG = """\
@@ -125,7 +129,11 @@ def _make(args: argparse.Namespace) -> int:
             offset=_parse_offset(args.offset),
             rotation=args.rotate,
             method=args.method,
-            ribbon=parse_length(args.ribbon),
+            ribbon=None if args.ribbon is None else parse_length(args.ribbon),
+            min_crease=None if args.min_crease is None else parse_length(args.min_crease),
+            simplify=parse_length(args.simplify),
+            effort=args.effort,
+            seconds=args.seconds,
             progress=bar,
         )
     files = []
@@ -146,15 +154,19 @@ def _check(args: argparse.Namespace) -> int:
     from foldcut.verify import verify
 
     read = read_fold(Path(args.file))
-    shape = None
+    shape, notes = None, read.notes
     if args.shape:
-        loops = read_shape(_shape_path(args.shape)).loops
+        drawing = read_shape(_shape_path(args.shape))
         if read.placement is not None:
-            loops = tuple(read.placement.apply(loop) for loop in loops)
+            loops = [read.placement.apply(loop) for loop in drawing.loops]
+        else:
+            loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
+            notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
         shape = make_shape(loops)
     findings = verify(read.pattern, read.layers, shape)
-    checked = report.check_report(read.pattern, findings, shape is not None, read.notes)
-    return _finish(checked, report.check_lines(checked), findings, "mend the pattern", args)
+    checked = report.check_report(read.pattern, findings, shape is not None, notes)
+    remedy = "mend the pattern" + (", or give the drawing it was made from" if args.shape else "")
+    return _finish(checked, report.check_lines(checked), findings, remedy, args)
 
 
 def _samples(args: argparse.Namespace) -> int:
@@ -347,12 +359,38 @@ def _add_make(commands: Any) -> None:
         default=0.0,
         help="turn the drawing counter-clockwise (default: 0)",
     )
-    make.add_argument("--method", choices=["paper"], default="paper", help="how to fold (default: %(default)s)")
+    make.add_argument(
+        "--method",
+        choices=METHODS,
+        default=DEFAULT_METHOD,
+        help="compact: few creases, to fold by hand; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
+        "thousands of creases (default: %(default)s)",
+    )
+    make.add_argument(
+        "--effort",
+        choices=EFFORTS,
+        default="normal",
+        help="how long compact searches for fewer and longer creases (default: %(default)s)",
+    )
+    make.add_argument(
+        "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
+    )
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",
+        help="half the width of an unfolded ribbon along the cut (default: none; with --method paper, which needs one, "
+        "0.25mm or what the drawing has room for)",
+    )
+    make.add_argument(
+        "--min-crease",
+        metavar="LENGTH",
+        help="refuse patterns with a shorter crease (default: 0.5mm; with --method paper 0mm)",
+    )
+    make.add_argument(
+        "--simplify",
+        metavar="LENGTH",
         default="0mm",
-        help="half the width of a ribbon around the cut (default: none)",
+        help="leave out corners that are no more than this off, on the sheet (default: none)",
     )
     _add_common(make)
 

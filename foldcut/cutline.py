@@ -1,8 +1,8 @@
 """The cut: whether one straight line through the folded sheet cuts out exactly the shape.
 
 Pattern, folded faces and shape on the sheet -> findings. The shape's boundary must fold onto one line, no
-crease may lie on it, and what is inside the shape must fold to one side of the line, what is outside to the
-other.
+crease, wherever it is on the sheet, may fold onto that line, and what is inside the shape must fold to one
+side of the line, what is outside to the other.
 
 Why looking at vertices is enough: the height over the line is continuous on the sheet and linear on each
 face, of slope 1. The boundary divides the faces into pieces that are wholly inside or wholly outside, and
@@ -25,6 +25,15 @@ __all__ = ["check_cut"]
 
 Indices = NDArray[np.intp]
 
+ON_THE_LINE = 2e-8
+"""A crease is on the cut line when its ends are this close, relative to the sheet's diagonal.
+
+Not the verifier's tolerance: there less is stricter, here it would let creases pass that the cut cannot spare.
+"""
+
+SEVERED = 6e-8
+"""Shorter creases, relative to the sheet's diagonal, only cross the line or end on it."""
+
 
 def check_cut(
     pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, shape: Shape, tolerance: float
@@ -32,7 +41,7 @@ def check_cut(
     """Find where one straight cut would not follow the shape's boundary, all of it and nothing else.
 
     ``faces_of_edges`` is ``planar.edge_faces(pattern)``, ``maps`` its folded faces, ``shape`` on the sheet in
-    mm, ``tolerance`` in mm. Creases on the line but not on the boundary are not findings.
+    mm, ``tolerance`` in mm.
     """
     if not shape.loops:
         return [Finding("cut", "the shape has no loops; give at least one")]
@@ -51,7 +60,7 @@ def check_cut(
     for at in np.flatnonzero(off > 2 * tolerance).tolist():
         message = f"the shape's boundary folds {off[at]:.3g} mm away from the cut line"
         findings.append(_finding(message, pieces[at].mean(axis=0), off[at]))
-    return findings or _check_sides(pattern, faces_of_edges, maps, shape, along, level, 2 * tolerance)
+    return findings or _check_heights(pattern, maps, shape, along, level, 2 * tolerance)
 
 
 def _check_on_sheet(pattern: CreasePattern, faces_of_edges: Ints, sides: Floats, tolerance: float) -> list[Finding]:
@@ -131,20 +140,19 @@ def _heights(points: Floats, along: Floats, level: float) -> Floats:
     return heights
 
 
-def _check_sides(
-    pattern: CreasePattern,
-    faces_of_edges: Ints,
-    maps: FaceMaps,
-    shape: Shape,
-    along: Floats,
-    level: float,
-    tolerance: float,
+def _check_heights(
+    pattern: CreasePattern, maps: FaceMaps, shape: Shape, along: Floats, level: float, tolerance: float
 ) -> list[Finding]:
-    """Find vertices that fold to the wrong side of the cut line."""
+    """Find vertices that fold to the wrong side of the cut line, and creases that fold onto it."""
     coords = pattern.vertices_coords
     face = np.zeros(len(coords), dtype=np.int32)
     face[pattern.faces_vertices.values] = pattern.faces_vertices.rows
     height = _heights(maps.apply(face, coords), along, level)
+    return [*_check_sides(coords, height, shape, tolerance), *_check_severed(pattern, height, shape)]
+
+
+def _check_sides(coords: Floats, height: Floats, shape: Shape, tolerance: float) -> list[Finding]:
+    """Find vertices that fold to the wrong side of the cut line."""
     inside = _contains(shape, coords)
     # Which side is the inside? Ask the vertex that is surest.
     surest = np.abs(height).argmax()
@@ -156,6 +164,25 @@ def _check_sides(
         where = "inside" if inside[vertex] else "outside"
         message = f"vertex {vertex}, {where} the shape, folds {wrong[vertex]:.3g} mm over the cut line"
         findings.append(_finding(message, coords[vertex], wrong[vertex]))
+    return findings
+
+
+def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list[Finding]:
+    """Find mountains and valleys that fold onto the cut line: there the cut would go through the fold itself."""
+    diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
+    level = np.abs(height)[pattern.edges_vertices] <= ON_THE_LINE * diagonal
+    crease = np.flatnonzero(folded_edges(pattern) & level.all(axis=1))
+    ends = pattern.vertices_coords[pattern.edges_vertices[crease]]
+    length, middle = np.hypot(*(ends[:, 1] - ends[:, 0]).T), ends.mean(axis=1)
+    inside = _contains(shape, middle)
+    findings = []
+    for at in np.flatnonzero(length > SEVERED * diagonal).tolist():
+        where = "inside" if inside[at] else "outside"
+        message = (
+            f"crease {crease[at]}, {where} the shape, folds onto the cut line for {length[at]:.3g} mm: the cut would "
+            "sever the paper there; keep creases off the line, for example with a ribbon"
+        )
+        findings.append(_finding(message, middle[at], length[at]))
     return findings
 
 

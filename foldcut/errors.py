@@ -40,6 +40,15 @@ class UnfoldableError(FoldcutError, RuntimeError):
     """The method found no pattern for a valid shape."""
 
 
+class CreaseTooShortError(UnfoldableError):
+    """A verified pattern has a crease that is shorter than asked for: ``length`` in mm, its middle at ``place``."""
+
+    def __init__(self, message: str, length: float, place: tuple[float, float]) -> None:
+        self.length = length
+        self.place = place
+        super().__init__(message)
+
+
 class VerificationError(UnfoldableError):
     """A pattern did not pass verification; ``findings`` says where and by how much."""
 

@@ -7,7 +7,7 @@ import pytest
 from stages import Stages, run_stages
 from strategies import rectangle, regular, star, star_shaped
 
-from foldcut.boundary import boundary_disks, near_disks, overlapping_disks
+from foldcut.boundary import boundary_disks, default_ribbon, largest_ribbon, near_disks, overlapping_disks
 from foldcut.errors import RibbonError
 
 RING = [[(0, 0), (30, 0), (30, 30), (0, 30)], [(10, 10), (20, 10), (20, 20), (10, 20)]]
@@ -100,3 +100,29 @@ def test_a_ribbon_that_is_too_wide_is_refused_with_the_largest_width_that_works(
     assert boundary_faults(stages) == []
     with pytest.raises(RibbonError):
         boundary_disks(stages.shape, stages.sheet, widest * 1.02, stages.tolerance)
+
+
+@pytest.mark.parametrize("ribbon", [1e-300, 1e-9, 2e-5])
+def test_a_ribbon_that_is_too_narrow_to_verify_is_refused_with_the_least_width(ribbon: float) -> None:
+    with pytest.raises(RibbonError, match=r"it needs 2\.6e-05 mm"):
+        run_stages([star(5, 0.4)], ribbon=ribbon)
+    assert boundary_faults(run_stages([star(5, 0.4)], ribbon=2.6e-5)) == []
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_there_is_room_for_the_default_ribbon(name: str) -> None:
+    plain = run_stages(SHAPES[name])
+    width = default_ribbon(plain.shape, plain.sheet)
+    assert width == (pytest.approx(largest_ribbon(plain.shape, plain.sheet, 0.5) / 2) if name == "needle" else 0.25)
+    assert 0 < width <= 0.25
+    assert boundary_faults(run_stages(SHAPES[name], ribbon=width)) == []
+
+
+def test_the_largest_ribbon_is_no_more_than_asked_for_and_no_more_than_works() -> None:
+    stages = run_stages([star(5, 0.4)])
+    assert largest_ribbon(stages.shape, stages.sheet, 0.1) == 0.1
+    widest = largest_ribbon(stages.shape, stages.sheet, 100.0)
+    assert widest == pytest.approx(largest_ribbon(stages.shape, stages.sheet, 1000.0), rel=1e-6)
+    boundary_disks(stages.shape, stages.sheet, widest, stages.tolerance)
+    with pytest.raises(RibbonError):
+        boundary_disks(stages.shape, stages.sheet, widest * 1.001, stages.tolerance)

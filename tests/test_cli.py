@@ -8,18 +8,19 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from patterns import book_fold, letter_fold, square_out_of_square
+from patterns import square_out_of_square
 
 from foldcut import pipeline
 from foldcut.cli import main
 from foldcut.exporters import export
-from foldcut.model import Finding
+from foldcut.model import Finding, Sheet
 from foldcut.progress import ProgressBar
-from foldcut.report import layers_at_cut
+from foldcut.verify import CHECKS
 
 SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
 SMALL = ["--sheet", "60x60"]
@@ -63,7 +64,7 @@ def test_make_writes_the_files_and_says_what_was_verified(
     assert main(["make", drawing, *SMALL, "-o", "box.svg", "-o", "box.fold"]) == 0
     out, error = capsys.readouterr()
     assert error == ""
-    assert "planar, isometry, Kawasaki, Maekawa, assignment, layers, cut" in out
+    assert "  verified  arrays, planar, kawasaki, maekawa, closure, layers, " in out
     assert f"box.svg ({(folder / 'box.svg').stat().st_size:,} bytes)" in out
     assert names(folder) == {"box.json", "box.svg", "box.fold"}
 
@@ -102,7 +103,7 @@ def test_report_for_programs_agrees_with_the_file(drawing: str, capsys: pytest.C
     assert report["scale_mm_per_unit"] == pytest.approx(0.5)
     assert report["files"][0]["bytes"] == Path("box.fold").stat().st_size
     assert report["seconds"].keys() >= {"build", "verify"}
-    assert report["verified"] == ["planar", "isometry", "Kawasaki", "Maekawa", "assignment", "layers", "cut"]
+    assert report["verified"] == list(CHECKS)
     ends = np.array(fold["vertices_coords"])[fold["edges_vertices"]]
     lengths = np.hypot(*(ends[:, 0] - ends[:, 1]).T)[np.array(fold["edges_assignment"]) != "B"]
     assert report["shortest_crease_mm"] == pytest.approx(lengths.min())
@@ -138,7 +139,11 @@ BAD_INPUT = {
     "is no scale": ["make", "box.json", "--scale", "1:0"],
     "is no pair": ["make", "box.json", "--offset", "3"],
     "invalid float value": ["make", "box.json", "--rotate", "left"],
-    "invalid choice": ["make", "box.json", "--method", "origami"],
+    "invalid choice: 'origami'": ["make", "box.json", "--method", "origami"],
+    "invalid choice: 'some'": ["make", "box.json", "--effort", "some"],
+    "time to search is -1.0 s": ["make", "box.json", "--seconds", "-1"],
+    "'thin' is not a length": ["make", "box.json", "--simplify", "thin"],
+    "'short' is not a length": ["make", "box.json", "--min-crease", "short"],
     "unrecognized arguments: --colour": ["make", "box.json", "--colour", "red"],
     "required: COMMAND": [],
     "broken.json: ": ["make", "broken.json"],
@@ -230,7 +235,7 @@ def test_check_accepts_what_make_wrote_and_rejects_another_shape(
 ) -> None:
     main(["make", drawing, *SMALL, "-o", "box.fold", "--quiet"])
     assert main(["check", "box.fold"]) == 0
-    assert "Maekawa, assignment, layers\n" in capsys.readouterr().out
+    assert "taco-taco\n" in capsys.readouterr().out  # the check before the cut
     status, report = run_json(capsys, "check", "box.fold", "--shape", drawing)
     assert (status, report["ok"], report["verified"][-1]) == (0, True, "cut")
     assert main(["check", "box.fold", "--shape", "triangle"]) == 1
@@ -250,6 +255,131 @@ def test_check_finds_a_flipped_crease(folder: Path, capsys: pytest.CaptureFixtur
     assert (status, report["ok"], report["verified"]) == (1, False, [])
     assert report["findings"]
     assert report["error"]["message"].startswith("the pattern is not verified: ")
+
+
+def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["make", drawing, *SMALL, "--method", "paper", "-o", "box.fold"]
+    status, report = run_json(capsys, *arguments)
+    assert status == 0
+    assert report["lines"] <= report["creases"]
+    assert report["thickness_mm"] == pytest.approx(report["layers"] * 0.1)
+    assert report["layers"] >= report["layers_at_cut"] > 0
+    assert report["sheet_used"] == pytest.approx(40**2 / 60**2)
+    assert report["ribbon_mm"] == 0.25
+    (warning,) = report["warnings"]
+    assert main(arguments) == 0
+    out = capsys.readouterr().out
+    assert "ribbon 0.25 mm (the paper's method needs one)" in out
+    assert "44% of it is the shape" in out
+    assert f"; on {report['lines']} lines\n" in out
+    assert f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of office paper" in out
+    assert f"  warning   {warning}\n" in out
+
+
+def test_simplification_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (folder / "bumpy.json").write_text(json.dumps({"loops": [[[0, 0], [20, 0.2], [40, 0], [40, 40], [0, 40]]]}))
+    arguments = ["make", "bumpy.json", *SMALL, "--scale", "1", "--method", "paper", "-o", "b.fold"]
+    assert main([*arguments, "--simplify", "0.05cm"]) == 0
+    assert "  note      simplified: 5 -> 4 corners, at most 0.2 mm off\n" in capsys.readouterr().out
+
+
+def test_too_short_a_crease_is_status_1_and_writes_nothing(
+    folder: Path, drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["make", drawing, *SMALL, "--method", "paper", "--min-crease", "2cm"]) == 1
+    error = capsys.readouterr().err
+    assert_one_line(error)
+    assert "shorter than 20 mm" in error
+    assert names(folder) == {drawing}
+
+
+def fake_search(monkeypatch: pytest.MonkeyPatch, *, interrupted: bool = False) -> dict[str, Any]:
+    """Let the search for a compact pattern find the square of ``patterns``; return what it was called with."""
+    seen: dict[str, Any] = {}
+    pattern = square_out_of_square()
+
+    def fold_compact(loop: np.ndarray, sheet: Sheet, **options: Any) -> Any:
+        seen.update(options, loop=loop, sheet=sheet)
+        options["progress"]("searching: 8 creases", 0.5)
+        tried = 3
+        try:
+            if interrupted:
+                signal.raise_signal(signal.SIGINT)
+        except KeyboardInterrupt:
+            tried = 2
+        return SimpleNamespace(creases=pattern.creases, folded=pattern.folded, tried=tried, interrupted=interrupted)
+
+    monkeypatch.setitem(sys.modules, "foldcut.search", SimpleNamespace(fold_compact=fold_compact))
+    return seen
+
+
+COMPACT = ["--sheet", "48x48", "--margin", "4mm", "--method", "compact", "-o", "box.fold"]
+
+
+def test_the_search_is_given_the_options(
+    drawing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seen = fake_search(monkeypatch)
+    status, report = run_json(capsys, "make", drawing, *COMPACT, "--effort", "fast", "--seconds", "2.5")
+    assert status == 0
+    assert (seen["effort"], seen["seconds"], seen["ribbon"]) == ("fast", 2.5, 0.0)
+    assert sorted(seen["loop"].tolist()) == [[4, 4], [4, 44], [44, 4], [44, 44]]
+    assert (report["method"], report["tried"], report["interrupted"], report["creases"]) == ("compact", 3, False, 8)
+    assert report["ribbon_mm"] == 0
+    fake_search(monkeypatch)
+    assert main(["make", drawing, *COMPACT]) == 0
+    assert "best of 3 tried" in capsys.readouterr().out
+
+
+def test_an_interrupted_search_goes_on_to_verify_and_write(
+    folder: Path, drawing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fake_search(monkeypatch, interrupted=True)
+    assert main(["make", drawing, *COMPACT]) == 0
+    out = capsys.readouterr().out
+    assert "interrupted: best of 2 tried" in out
+    assert "  verified  " in out
+    assert names(folder) == {drawing, "box.fold"}
+
+
+def test_compact_patterns_have_a_shortest_crease_by_default(
+    drawing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(pipeline.MIN_CREASE_MM, "compact", 30.0)
+    fake_search(monkeypatch)
+    assert main(["make", drawing, *COMPACT]) == 1
+    assert "is only 24 mm long, shorter than 30 mm" in capsys.readouterr().err
+    assert main(["make", drawing, *COMPACT, "--min-crease", "24mm"]) == 0
+
+
+def test_progress_shows_the_best_count_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    fake_search(monkeypatch)
+    seen: list[tuple[str, float]] = []
+    pipeline.fold(
+        SQUARE["loops"],  # type: ignore[arg-type]
+        "48x48",
+        margin=4,
+        method="compact",
+        progress=lambda stage, part: seen.append((stage, part)),
+    )
+    assert ("searching: 8 creases", 0.5) in seen
+    assert seen[-1] == ("verify", 1.0)
+
+
+def test_check_takes_the_drawing_as_it_lies_when_the_file_has_no_placement(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pattern = square_out_of_square()
+    fold = json.loads(export(pattern, ".fold"))
+    del fold["foldcut:placement"]
+    (folder / "pattern.fold").write_text(json.dumps(fold))
+    loops = [(loop / 10).tolist() for loop in pattern.shape.loops]
+    (folder / "cm.json").write_text(json.dumps({"loops": loops, "units": "cm"}))
+    status, report = run_json(capsys, "check", "pattern.fold", "--shape", "cm.json")
+    assert (status, report["ok"]) == (0, True)
+    assert report["notes"] == [
+        "foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up"
+    ]
 
 
 def test_samples_lists_names_that_make_takes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -319,8 +449,3 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
     out, error = capsys.readouterr()
     assert out == ""
     assert "layers" in error
-
-
-def test_layers_at_the_cut_are_counted_where_the_cut_is_thickest() -> None:
-    for pattern, layers in [(book_fold(), 2), (letter_fold(), 3), (square_out_of_square(), 8)]:
-        assert layers_at_cut(pattern.creases.faces_vertices, pattern.folded) == layers

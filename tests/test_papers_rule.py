@@ -70,9 +70,9 @@ def test_our_assignment_folds_at_every_vertex_of_the_same_creases(stages: Stages
 
 def test_verification_rejects_it(stages: Stages, folded: tuple[CreasePattern, FoldedState]) -> None:
     pattern, state = folded
-    findings = verify(pattern, state.layers, stages.shape)
+    findings = verify(pattern, state.layers)
     assert findings
     assert {finding.check for finding in findings} <= {"mountain-valley", "layers"}
     ours, its_state = fold_layers(stages.molecules, stages.assignment)
-    assert verify(ours, its_state.layers, stages.shape) == []
+    assert verify(ours, its_state.layers) == []
     assert np.array_equal(ours.vertices_coords, pattern.vertices_coords)

@@ -52,6 +52,59 @@ def test_a_ribbon_is_verified_too(name: str) -> None:
     assert np.abs(result.folded_pattern.folded.vertices_coords[:, 1]).min() == pytest.approx(0.5)
 
 
+@pytest.mark.parametrize("name", ["star", "triangle", "swan"])
+def test_the_papers_method_without_a_ribbon_has_creases_that_the_cut_would_sever(name: str) -> None:
+    result = foldcut.fold(sample_path(name), method="paper", ribbon=0)
+    pattern = result.folded_pattern
+    assert {finding.check for finding in result.findings} == {"cut"}
+    creases = pattern.creases
+    on_line = np.isin(creases.edges_assignment, ("M", "V"))
+    on_line &= (np.abs(pattern.folded.vertices_coords[creases.edges_vertices, 1]) < 1e-6).all(axis=1)
+    middles = creases.vertices_coords[creases.edges_vertices[on_line]].mean(axis=1)
+    lengths = np.hypot(*np.diff(creases.vertices_coords[creases.edges_vertices[on_line]], axis=1)[:, 0].T)
+    np.testing.assert_allclose([finding.place for finding in result.findings], middles)
+    np.testing.assert_allclose([finding.size for finding in result.findings], lengths)
+    for where in ("inside", "outside"):
+        words = f"{where} the shape, folds onto the cut line"
+        assert any(words in finding.message and "would sever" in finding.message for finding in result.findings)
+
+
+def test_the_papers_method_takes_a_small_ribbon_by_default() -> None:
+    result = foldcut.fold(sample_path("star"), method="paper")
+    assert result.ribbon == 0.25
+    assert result.findings == ()
+    needle = foldcut.fold([[(0, 0), (40, 0), (0, 1)]], method="paper")
+    assert 0 < needle.ribbon < 0.25
+    assert needle.findings == ()
+
+
+def test_a_crease_that_is_too_short_is_refused_with_place_and_remedies() -> None:
+    result = foldcut.fold([rectangle(3, 1)], method="paper")
+    shortest = result.foldability
+    assert shortest.shortest_crease_mm is not None
+    allowed = foldcut.fold([rectangle(3, 1)], method="paper", min_crease=shortest.shortest_crease_mm)
+    assert allowed.verified
+    wanted = shortest.shortest_crease_mm * 2.5
+    with pytest.raises(
+        foldcut.CreaseTooShortError, match="use a sheet 2.5 times as large .*--simplify.*--min-crease"
+    ) as no:
+        foldcut.fold([rectangle(3, 1)], method="paper", min_crease=wanted)
+    assert no.value.length == shortest.shortest_crease_mm
+    assert no.value.place == shortest.shortest_crease_at
+    assert "about 525 x 743 mm" in str(no.value)
+    allowance = float(str(no.value).split("--min-crease ")[1].removesuffix("mm"))
+    assert foldcut.fold([rectangle(3, 1)], method="paper", min_crease=allowance).verified
+
+
+def test_a_simplified_shape_is_what_is_folded_and_cut() -> None:
+    bumpy = [(0, 0), (50, 0.3), (100, 0), (100, 60), (0, 60)]
+    result = foldcut.fold([bumpy], "a4-landscape", scale=1.0, method="paper", simplify=0.5)
+    assert result.verified
+    assert result.folded_pattern.shape.corner_count == 4
+    assert result.notes == ("simplified: 5 -> 4 corners, at most 0.3 mm off",)
+    assert foldcut.fold([bumpy], "a4-landscape", scale=1.0, method="paper").notes == ()
+
+
 @pytest.mark.parametrize("name", SYMMETRIC)
 def test_symmetric_shapes_with_exact_coordinates_are_verified(name: str) -> None:
     assert foldcut.fold([SYMMETRIC[name]]).findings == ()
@@ -117,10 +170,10 @@ def test_an_unverified_pattern_is_not_handed_out(fish: foldcut.Result) -> None:
     assert fish.require_verified() is fish.folded_pattern
 
 
-def test_progress_names_the_stages_and_ends_at_one(fish: foldcut.Result) -> None:
+def test_progress_names_the_stages_and_ends_at_one() -> None:
     seen: list[tuple[str, float]] = []
-    foldcut.fold([star(5, 0.4)], progress=lambda stage, part: seen.append((stage, part)))
-    assert list(dict.fromkeys(stage for stage, _ in seen)) == [stage for stage in fish.seconds if stage != "build"]
+    result = foldcut.fold([star(5, 0.4)], method="paper", progress=lambda stage, part: seen.append((stage, part)))
+    assert list(dict.fromkeys(stage for stage, _ in seen)) == [stage for stage in result.seconds if stage != "build"]
     assert seen[-1] == ("verify", 1.0)
 
 
@@ -136,10 +189,15 @@ def test_the_placement_takes_the_drawing_to_the_sheet(fish: foldcut.Result) -> N
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"method": "magic"}, "unknown method 'magic'; known: paper"),
+        ({"method": "magic"}, "unknown method 'magic'; known: compact, paper"),
+        ({"effort": "none"}, "unknown effort 'none'; known: fast, normal, best"),
+        ({"seconds": 0.0}, "time to search is 0.0 s"),
+        ({"min_crease": -1.0}, "shortest crease allowed is -1.0 mm"),
+        ({"simplify": -1.0}, "tolerance to simplify with is -1.0 mm"),
+        ({"simplify": float("nan")}, "tolerance to simplify with is nan mm"),
         ({"ribbon": -1.0}, "half-width is -1.0 mm"),
         ({"ribbon": float("nan")}, "half-width is nan mm"),
-        ({"ribbon": 50.0}, "largest half-width that works"),
+        ({"ribbon": 50.0, "method": "paper"}, "largest half-width that works"),
         ({"sheet": "a99"}, "a99"),
         ({"margin": 200.0}, "margin"),
         ({"scale": 1e6}, "fit"),

@@ -22,12 +22,14 @@ SIZES = (20, 40, 80, 160, 320)
 def measure(shape: object) -> dict[str, float]:
     """Fold one shape on A4 and return its numbers."""
     import foldcut
+    from foldcut.pipeline import PaperStages
 
-    result = foldcut.fold(shape)  # type: ignore[arg-type]
+    result = foldcut.fold(shape, method="paper")  # type: ignore[arg-type]
+    assert isinstance(result.stages, PaperStages)
     creases = result.folded_pattern.creases
     return {
-        "boundary_disks": int(result.packing.boundary_count),
-        "disks": len(result.packing.radii),
+        "boundary_disks": int(result.stages.packing.boundary_count),
+        "disks": len(result.stages.packing.radii),
         "creases": creases.crease_count,
         "build_s": result.seconds["build"],
         "verify_s": result.seconds["verify"],
