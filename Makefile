@@ -33,6 +33,7 @@ lint: $(VENV)/installed-dev
 ## Draw the pictures in docs/ anew.
 pictures: $(VENV)/installed
 	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg
+	$(BIN)/foldcut make star --method compact -o docs/star.svg
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:

@@ -1,0 +1,141 @@
+"""The k-cornered molecule, inside and outside a chain, and what the layers make of it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from strategies import cross, rectangle, regular, star
+
+from foldcut.compact import Chain, Molecules, build_molecules, fold_molecules, molecule_faults
+from foldcut.model import Finding, Shape, Sheet, points_array
+from foldcut.molecules import Kind
+from foldcut.shape import make_shape
+from foldcut.sheet import place
+from foldcut.universal import NO_FOOT
+from foldcut.verify import verify
+
+SHEET = Sheet(200.0, 200.0)
+
+
+def placed(points: list[tuple[float, float]]) -> Shape:
+    return place(make_shape([points]), SHEET, margin=30)[0]
+
+
+def chain(shape: Shape, reach: list[float], valleys: tuple[int, ...] = (), root: int | None = None) -> Chain:
+    """A chain with the given reaches, in units of the longest side; ``root`` is a valley, else the last side's foot."""
+    loop = shape.loops[0]
+    length = np.hypot(*(np.roll(loop, -1, axis=0) - loop).T)
+    reaches = np.array(reach) * length.max()
+    depth = (reaches + np.roll(reaches, -1) - length) / 2
+    depth[np.abs(depth) < 1e-9] = 0.0
+    for valley in valleys:
+        depth[[valley - 1, valley]] = NO_FOOT
+    turn = -(root or 0)
+    return Chain(np.roll(loop, turn, axis=0), np.roll(reaches, turn), np.roll(depth, turn))
+
+
+def fold(shape: Shape, its_chain: Chain) -> tuple[Molecules, int, list[Finding]]:
+    """Fold a chain; return the molecules, the number of creases, and what verification finds."""
+    molecules = build_molecules(its_chain, SHEET)
+    assert molecule_faults(molecules) == []
+    creases, folded = fold_molecules(molecules, SHEET)
+    return molecules, creases.crease_count, verify(creases, folded.layers, shape)
+
+
+def test_a_triangle_is_a_rabbit_ear_and_needs_six_creases_with_its_outside() -> None:
+    shape = placed([(0, 0), (4, 0), (0, 3)])
+    molecules, count, findings = fold(shape, chain(shape, [0.2, 0.6, 0.4]))
+    assert (count, findings) == (6, [])
+    flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
+    apex = flat[np.argmax(folded[:, 1])]
+    corner, unit = shape.loops[0][0], np.ptp(shape.loops[0][:, 0]) / 4
+    assert np.allclose(apex, corner + unit, atol=1e-9), "the incentre of a 3-4-5 triangle"
+
+
+@pytest.mark.parametrize("n", range(3, 13))
+def test_regular_polygons_close_in_one_point_and_need_two_creases_a_corner(n: int) -> None:
+    shape = placed(regular(n))
+    molecules, count, findings = fold(shape, chain(shape, [0.5] * n))
+    assert (count, findings) == (2 * n, [])
+    assert molecules.inside.gussets == molecules.outside.gussets == 0
+
+
+def test_a_quadrilateral_has_the_gusset_of_the_papers_formulas() -> None:
+    # Four tangent disks about a quadrilateral; the same molecule by the closed formulas of the paper's method.
+    from test_molecules import one_molecule
+
+    radii = [1.0, 1.5, 1.0, 1.5]
+    half = math.sqrt(2.5**2 - 1.1**2)
+    corners = [(0.0, -1.1), (half, 0.0), (0.0, 1.1), (-half, 0.0)]
+    formula = one_molecule(corners, radii)
+    molecules = build_molecules(Chain(np.array(corners), np.array(radii), np.zeros(4)), Sheet(10, 10))
+    assert molecules.inside.gussets == 1
+    theirs = {tuple(np.round(point, 9)) for point in formula.vertices.tolist()}
+    inside = {v for ring in molecules.inside.rings() for v in ring}
+    ours = {tuple(np.round(molecules.vertices.flat[v], 9)) for v in inside}
+    assert ours == theirs
+    edges = {
+        frozenset(pair) for ring in molecules.inside.rings() for pair in zip(ring, ring[1:] + ring[:1], strict=True)
+    }
+    by_place = {tuple(np.round(molecules.vertices.flat[v], 9)): v for v in inside}
+    creases = {
+        frozenset(by_place[tuple(np.round(formula.vertices[v], 9).tolist())] for v in pair)
+        for pair, kind in zip(formula.creases.tolist(), formula.crease_kind.tolist(), strict=True)
+        if kind != Kind.RIBBON
+    }
+    assert edges == creases
+
+
+def test_a_long_rectangle_folds_over_two_hubs_without_added_corners() -> None:
+    # One hub would need ten corners: here a river joins the hubs of the two ends.
+    shape = placed(rectangle(3, 1))
+    r = 0.5 / 3
+    _, count, findings = fold(shape, chain(shape, [r, 1 - r, 1 - r, r]))
+    assert findings == []
+    assert count <= 10
+
+
+def test_a_five_pointed_star_folds_like_a_fan_with_ten_creases() -> None:
+    shape = placed(star(5, 0.4))
+    _, count, findings = fold(shape, chain(shape, [1, 0] * 5, valleys=(1, 3, 5, 7, 9), root=1))
+    assert (count, findings) == (10, [])
+
+
+def test_a_plus_sign_on_one_hub_has_gussets_inside_and_outside() -> None:
+    shape = placed(cross())
+    loop = shape.loops[0]
+    before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
+    reflex = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0
+    reach = [0.45 if notch else 0.55 for notch in reflex]
+    its_chain = chain(shape, reach)
+    first = int(np.flatnonzero(its_chain.depth == 0)[0]) + 1
+    its_chain = Chain(
+        *(np.roll(array, -first, axis=0) for array in (its_chain.corners, its_chain.reach, its_chain.depth))
+    )
+    molecules, _, findings = fold(shape, its_chain)
+    assert findings == []
+    assert molecules.inside.gussets > 0
+    assert molecules.outside.gussets > 0
+
+
+def test_the_sheet_may_be_any_rectangle_that_holds_the_shape() -> None:
+    shape = placed(regular(5))
+    molecules = build_molecules(chain(shape, [0.5] * 5), SHEET)
+    low, high = shape.loops[0].min(axis=0), shape.loops[0].max(axis=0)
+    for room in (0.001, 1.0, 25.0):
+        size = high - low + 2 * room
+        moved = Shape((points_array(shape.loops[0] - low + room),), (-1,))
+        sheet = Sheet(float(size[0]), float(size[1]))
+        creases, folded = fold_molecules(build_molecules(chain(moved, [0.5] * 5), sheet), sheet)
+        assert verify(creases, folded.layers, moved) == []
+    assert molecule_faults(molecules) == []
+
+
+def test_the_checker_sees_a_reach_that_does_not_fit() -> None:
+    shape = placed(regular(5))
+    right = chain(shape, [0.5] * 5)
+    wrong = dataclasses.replace(right, reach=right.reach + np.array([0, 0, 1.0, 0, 0]))
+    assert molecule_faults(build_molecules(wrong, SHEET)) != []
