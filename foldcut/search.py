@@ -35,7 +35,7 @@ CLEARANCES = (0.02, 0.01, 0.004, 0.0015)
 FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
 MOST_DISKS = 1500
 IN_VAIN_COST = 0.3  # of a trial, for a program without a solution
-IN_VAIN = 60  # programs without a solution, before corners are added
+IN_VAIN = 120  # programs without a solution, before corners are added
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,20 +162,25 @@ def _plain_solutions(loop: Floats) -> Iterator[Solution | None]:
             return
         root = roots[0] if number % 3 == 0 else int(rng.choice(roots))
         second = roots[1 + number % (count - 1)]
-        if root == second:
-            continue
-        # all pockets as valleys, none, or some of them; never two in a row nor one beside the root
-        share = (1.0, 0.0, 0.5)[number % 3] if number < 9 else float(rng.choice([0.0, 0.3, 0.7, 1.0]))
         valleys: set[int] = set()
+        if number % 2:
+            # the root may also be a corner, the lowest valley of all
+            root, second = (second - 1) % count, second
+            valleys.add(second)
+        elif root == second:
+            continue
+        # all pockets as valleys, none, or some of them; never two in a row nor one beside a foot that is the root
+        share = (1.0, 0.0, 0.5)[number // 2 % 3] if number < 18 else float(rng.choice([0.0, 0.3, 0.7, 1.0]))
         for corner in pockets:
             ends = {(corner - 1) % count, (corner + 1) % count}
-            if rng.random() < share and not ends & valleys and root not in (corner, (corner - 1) % count):
+            beside_root = not number % 2 and root in (corner, (corner - 1) % count)
+            if rng.random() < share and not ends & valleys and not beside_root:
                 valleys.add(corner)
         clearance = CLEARANCES[(number // 3) % len(CLEARANCES)]
-        wish = _wishes(layout, inside, outside, rng, plain=number < 6)
+        wish = _wishes(layout, inside, outside, rng, plain=number < 12)
         for valley in valleys:
             wish[[valley - 1, valley]] = np.nan
-        weight = np.ones(count) if number < 6 else rng.uniform(0.2, 1.8, count)
+        weight = np.ones(count) if number < 12 else rng.uniform(0.2, 1.8, count)
         program = Program(layout, root, second, clearance=clearance, valleys=frozenset(valleys))
         solution = program.solve(wish, weight)
         possible = possible or solution is not None

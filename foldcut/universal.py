@@ -473,7 +473,7 @@ class _State:
         rate = self.shrink + np.roll(self.shrink, -1)
         with np.errstate(all="ignore"):
             time = np.where(rate > 0, np.maximum(length, 0.0) / rate, np.inf)
-        time = np.where(length <= tie, np.where(rate > -tie, 0.0, time), time)
+        time = np.where(length <= tie, 0.0, time)
         k = int(time.argmin())
         return k, float(time[k])
 

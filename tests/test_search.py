@@ -26,13 +26,14 @@ def loop_of(points: list[tuple[float, float]], sheet: Sheet = A4) -> Floats:
 @pytest.mark.parametrize(
     ("shape", "most"),
     [
-        ([(0, 0), (4, 0), (2, 3.4641016151377544)], 6),
-        ([(0, 0), (4, 0), (1, 3)], 6),
-        *((regular(n), 2 * n) for n in range(3, 13)),
+        ([(0, 0), (4, 0), (2, 3.4641016151377544)], 4),
+        ([(0, 0), (4, 0), (1, 3)], 4),
+        *((regular(n), 2 * n - 2) for n in range(3, 13)),
         (rectangle(3, 1), 10),
         (star(5, 0.4), 10),
         (star(6, 0.5), 12),
         (cross(), 90),
+        ([(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)], 12),
     ],
 )
 def test_simple_shapes_need_as_few_creases_as_measured(shape: list[tuple[float, float]], most: int) -> None:
@@ -68,7 +69,7 @@ def test_ctrl_c_returns_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(search, "_fold", interrupted)
     found = fold_compact(loop_of(regular(5)), A4, effort="best")
     assert found.interrupted
-    assert found.creases.crease_count == 10
+    assert found.creases.crease_count <= 10
 
 
 def test_ctrl_c_before_the_first_pattern_is_passed_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,7 +84,7 @@ def test_ctrl_c_before_the_first_pattern_is_passed_on(monkeypatch: pytest.Monkey
 def test_progress_shows_the_best_count_so_far() -> None:
     seen: list[tuple[str, float]] = []
     fold_compact(loop_of(regular(6)), A4, effort="fast", progress=lambda text, part: seen.append((text, part)))
-    assert seen[-1][0] == "searching: 12 creases"
+    assert seen[-1][0] == "searching: 10 creases"
     assert all(0 <= part < 1 for _, part in seen)
 
 
