@@ -5,7 +5,7 @@ millimetres, frame 1 the folded form, which inherits everything but the coordina
 with all digits of a float64, because layer solvers give no verdict on lines that nearly coincide.
 
 Own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
-drawing to the sheet, both with y up (so an SVG's y must change its sign first); ``foldcut:faceOrders`` =
+drawing's own coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:faceOrders`` =
 "adjacent" where only faces that share a crease are ordered (see ``face_orders``).
 """
 

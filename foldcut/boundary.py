@@ -32,7 +32,7 @@ NARROWEST_RIBBON = 1e-7
 # are shrunk then, others split. (Vertex disks do so often: half the distance to an edge is nearly half the distance to
 # that edge's end.)
 NEARLY = 0.02
-MAX_DISKS = 1_000_000
+MAX_DISKS = 100_000
 # A pencil line's width on either side: less is hard to crease, more is a visible strip.
 DEFAULT_RIBBON_MM = 0.25
 

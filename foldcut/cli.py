@@ -158,7 +158,7 @@ def _check(args: argparse.Namespace) -> int:
     if args.shape:
         drawing = read_shape(_shape_path(args.shape))
         if read.placement is not None:
-            loops = [read.placement.apply(loop) for loop in drawing.loops]
+            loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
         else:
             loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
             notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)

@@ -129,7 +129,7 @@ class Sheet:
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """The similarity that takes the drawing's coordinates to the sheet's millimetres.
+    """The similarity, or with a y axis that points down its mirror image, from the drawing's to the sheet's mm.
 
     ``matrix`` is ``(2, 3)``: ``sheet = matrix[:, :2] @ drawing + matrix[:, 2]``.
     """
@@ -139,6 +139,10 @@ class Placement:
     def apply(self, points: Floats) -> Floats:
         """Return ``points``, ``(n, 2)``, moved to the sheet."""
         return points_array(points @ self.matrix[:, :2].T + self.matrix[:, 2])
+
+    def from_y_down(self) -> Placement:
+        """Return the same for a drawing whose y axis points down."""
+        return Placement(self.matrix * (1.0, -1.0, 1.0))
 
     @property
     def scale(self) -> float:

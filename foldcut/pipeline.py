@@ -125,6 +125,7 @@ def fold(
     with stages("reading"):
         drawing = read_shape(Path(shape)) if isinstance(shape, str | PathLike) else shape
         notes: list[str] = []
+        y_down = isinstance(drawing, Drawing) and drawing.y_down
         if isinstance(drawing, Drawing):
             title = title or drawing.title
             notes += drawing.notes
@@ -134,6 +135,8 @@ def fold(
         sheet = parse_sheet(sheet) if isinstance(sheet, str) else sheet
         require_one_loop(outline)
         placed, placement = place(outline, sheet, margin=margin, scale=scale, offset=offset, rotation=rotation)
+        if y_down:
+            placement = placement.from_y_down()
         if simplify:
             simplified = simplify_shape(placed, simplify)
             placed = simplified.shape

@@ -181,7 +181,9 @@ def test_the_placement_takes_the_drawing_to_the_sheet(fish: foldcut.Result) -> N
     from foldcut.readers import read_shape
 
     pattern = fish.folded_pattern
-    loop = pattern.placement.apply(np.array(read_shape(sample_path("fish")).loops[0]))
+    (own,) = read_shape(sample_path("fish")).own_coordinates()
+    assert own[:, 1].min() > 0, "an SVG's y points down from its upper edge"
+    loop = pattern.placement.apply(own)
     distance = np.abs(loop[:, None] - pattern.shape.loops[0][None]).max(axis=2).min(axis=1)
     assert distance.max() < 1e-9
 

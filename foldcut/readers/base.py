@@ -14,13 +14,18 @@ class Drawing:
     """The closed loops of a file, as drawn: nothing is checked but that they are lists of points.
 
     ``loops`` are ``(n, 2)``, y up, in drawing units of ``unit_mm`` mm each (None: the file does not say).
-    ``notes`` say what in the file was ignored.
+    ``notes`` say what in the file was ignored. ``y_down``: the file's own y axis points down, and y here is minus its.
     """
 
     loops: tuple[Floats, ...]
     unit_mm: float | None
     title: str
     notes: tuple[str, ...] = ()
+    y_down: bool = False
+
+    def own_coordinates(self) -> tuple[Floats, ...]:
+        """The loops in the file's own coordinates."""
+        return tuple(loop * (1.0, -1.0) for loop in self.loops) if self.y_down else self.loops
 
 
 def read_text(path: Path) -> str:

@@ -67,7 +67,7 @@ def read_svg(path: Path) -> Drawing:
     if not loops:
         raise FileFormatError("the file has no polygon, polyline, rect or path; draw a closed outline")
     notes = tuple(f"ignored: {count} {what}" for what, count in sorted(ignored.items()))
-    return Drawing(tuple(loops), unit_mm, _title(root) or path.stem, notes)
+    return Drawing(tuple(loops), unit_mm, _title(root) or path.stem, notes, y_down=True)
 
 
 def _parse(text: str) -> ET.Element:
