@@ -15,6 +15,8 @@ from programs import require_program, run_node, run_program
 
 from foldcut.exporters import export
 from foldcut.model import Floats, FoldedPattern
+from foldcut.pipeline import fold
+from foldcut.samples import sample_names, sample_path
 
 FOLDED_MM = 1e-6
 """How far our folded coordinates may be from another program's."""
@@ -23,9 +25,6 @@ FOLDED_MM = 1e-6
 @cache
 def folded_sample(name: str) -> FoldedPattern:
     """Fold a sample on A4."""
-    from foldcut.pipeline import fold
-    from foldcut.samples import sample_path
-
     return fold(sample_path(name)).require_verified()
 
 
@@ -83,6 +82,26 @@ def test_rabbit_ear_finds_our_faces_and_no_local_fault(pattern: FoldedPattern, r
     assert rabbit_ear["kawasaki"] == []
     assert rabbit_ear["maekawa"] == []
     assert_folds_like(pattern, rabbit_ear["folded_coords"])
+
+
+ONE_LOOP = sorted(set(sample_names()) - {"letter-a", "ring", "two-triangles"})
+
+
+@pytest.mark.parametrize(
+    ("name", "method"),
+    [*((name, "paper") for name in ONE_LOOP), ("star", "compact"), ("fish", "compact"), ("letter-l", "compact")],
+)
+def test_rabbit_ear_and_the_fold_package_accept_every_sample(name: str, method: str, tmp_path: Path) -> None:
+    result = fold(sample_path(name), method=method, effort="fast", min_crease=0)
+    pattern = result.require_verified()
+    path = write(tmp_path, pattern, ".fold")
+    seen = run_node("rabbit_ear.cjs", path, "local")
+    assert (seen["validate"], seen["kawasaki"], seen["maekawa"]) == ("valid", [], [])
+    assert seen["planar_faces"] == len(pattern.creases.faces_vertices)
+    assert_folds_like(pattern, seen["folded_coords"])
+    seen = run_node("fold_package.cjs", path)
+    assert seen["faces"] == len(pattern.creases.faces_vertices)
+    assert_folds_like(pattern, seen["folded_coords"])
 
 
 def test_rabbit_ear_finds_our_layers_possible(pattern: FoldedPattern, rabbit_ear: dict[str, Any]) -> None:

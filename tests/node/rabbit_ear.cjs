@@ -1,4 +1,5 @@
-// What rabbit-ear makes of a FOLD file: node rabbit_ear.cjs FILE.fold -> JSON on stdout.
+// What rabbit-ear makes of a FOLD file: node rabbit_ear.cjs FILE.fold [local] -> JSON on stdout.
+// "local" leaves the layers out, which take long with thousands of faces.
 // Only the file's creases go in; faces, folded coordinates, single-vertex conditions and layer constraints are
 // rabbit-ear's own. The file's faceOrders are then put to the constraints.
 const fs = require("fs");
@@ -15,6 +16,18 @@ const planar = ear.graph.populate({ ...bare });
 
 const creases = ear.graph.populate({ ...bare, faces_vertices });
 const folded_coords = ear.graph.makeVerticesCoordsFlatFolded(creases, 0);
+
+const local = {
+  planar_faces: planar.faces_vertices.length,
+  validate: ear.graph.validate({ ...bare, faces_vertices }).summary,
+  kawasaki: ear.singleVertex.validateKawasaki(creases, EPSILON),
+  maekawa: ear.singleVertex.validateMaekawa(creases),
+  folded_coords,
+};
+if (process.argv[3] === "local") {
+  console.log(JSON.stringify(local));
+  return;
+}
 
 const folded = { ...creases, vertices_coords: folded_coords };
 const upright = ear.graph.makeFacesWinding(folded);
@@ -61,11 +74,7 @@ const neighbours = ear.layer.solveEdgeAdjacentFacePairs(folded, Object.keys(orde
 const overlapping = ear.layer.makeFacePairs(folded, ear.graph.makeFacesFacesOverlap(folded, EPSILON));
 
 console.log(JSON.stringify({
-  planar_faces: planar.faces_vertices.length,
-  validate: ear.graph.validate({ ...bare, faces_vertices }).summary,
-  kawasaki: ear.singleVertex.validateKawasaki(creases, EPSILON),
-  maekawa: ear.singleVertex.validateMaekawa(creases),
-  folded_coords,
+  ...local,
   layers,
   neighbours: Object.keys(neighbours).length,
   neighbours_wrong: Object.keys(neighbours).filter((key) => neighbours[key] !== orders[key]).length,
