@@ -6,7 +6,10 @@ const file = JSON.parse(fs.readFileSync(process.argv[2], "utf8"));
 const { vertices_coords, edges_vertices, edges_assignment } = file;
 const bare = () => FOLD.convert.deepCopy({ vertices_coords, edges_vertices, edges_assignment });
 
-const faces = FOLD.convert.edges_vertices_to_faces_vertices(bare());
+// In micrometres: the package takes edges shorter than 0.001 for points.
+const fine = bare();
+fine.vertices_coords = fine.vertices_coords.map((point) => point.map((x) => 1000 * x));
+const faces = FOLD.convert.edges_vertices_to_faces_vertices(fine);
 // The file's own faces, so that face 0 is the same in both.
 const folded = { ...bare(), faces_vertices: file.faces_vertices };
 FOLD.convert.faces_vertices_to_faces_edges(folded);
