@@ -7,10 +7,11 @@ CODE := foldcut exporters profiles samples tests
 
 .PHONY: demo test bench sweep pictures lint tools clean
 
-## Fold the sample fish on A4 and write it into out/.
+## Fold two samples on A4 into out/: a fish by the paper's method, and a star that folds in five lines.
 demo: $(VENV)/installed
 	@mkdir -p out
 	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold
+	$(BIN)/foldcut make samples/star.svg --sheet a4 --method compact --effort fast -o out/star.svg -o out/star.fold
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
