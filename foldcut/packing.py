@@ -53,11 +53,6 @@ class Packing:
     ribbon: float
     boundary_count: int
 
-    @property
-    def on_sheet_border(self) -> Bools:
-        """Whether each disk is centred on the sheet's border, ``(n,)``."""
-        return np.isin(self.node, self.loop_nodes[0])
-
 
 @dataclass(frozen=True)
 class _Candidate:

@@ -60,8 +60,7 @@ class Layout:
 class Solution:
     """Reaches and depths, ``(k,)`` each, in mm, and the clearance they keep, relative to distances.
 
-    ``valleys``: corners that are no peaks, where the depths beside them are their reach; ``binding``: corners for
-    which there is no more room.
+    ``valleys``: corners that are no peaks, where the depths beside them are their reach.
     """
 
     layout: Layout
@@ -70,7 +69,6 @@ class Solution:
     clearance: float
     root: int
     valleys: frozenset[int]
-    binding: tuple[int, ...]
 
     def corners(self) -> Floats:
         """Where the corners are, ``(k, 2)`` mm."""
@@ -155,11 +153,11 @@ class Program:
         goal = _Goal.build(self, wish, weight)
         if self.free:
             x = goal.minimise([])
-            return None if x is None else self._solution(x, goal)
+            return None if x is None else self._solution(x)
         if any(self.layout.added):
             return self._solve_by_tangents(goal, start)
         x = self._minimise_near(goal, np.zeros(2 * self.count + 1))
-        return None if x is None else self._solution(x, goal)
+        return None if x is None else self._solution(x)
 
     def _solve_by_tangents(self, goal: _Goal, start: Solution | None) -> Solution | None:
         """Where added corners may move along their sides: from evenly divided sides, tangents at the last places."""
@@ -191,7 +189,7 @@ class Program:
         if goal.wishes is None:
             found = found.copy()
             found[2 * self.count] = min(self.wanted, self._clearance(found), found[2 * self.count])
-        return self._solution(found, goal)
+        return self._solution(found)
 
     def without(self, start: Solution, corner: int) -> Solution | None:
         """Go on from a solution to one without an added corner: its flap is made shorter until nothing is left.
@@ -227,7 +225,7 @@ class Program:
         depth = np.delete(x[count : 2 * count], corner)
         both = np.concatenate([reach, depth])
         both -= np.linalg.lstsq(program.equal, program.equal @ both - program.equal_to, rcond=None)[0]
-        solution = Solution(smaller, both[: count - 1], both[count - 1 :], self.wanted, root, frozenset(), ())
+        solution = Solution(smaller, both[: count - 1], both[count - 1 :], self.wanted, root, frozenset())
         return solution if program.keeps(solution) else None
 
     def keeps(self, solution: Solution) -> bool:
@@ -235,14 +233,12 @@ class Program:
         x = np.concatenate([solution.reach, solution.depth, [solution.clearance]])
         return self._clearance(x) >= self.wanted * (1 - 1e-4)
 
-    def _solution(self, x: Floats, goal: _Goal) -> Solution:
+    def _solution(self, x: Floats) -> Solution:
         count = self.count
         # the solver leaves 1e-9 in the equations: project onto them, so that ties stay ties
         both = x[: 2 * count]
         both = both - np.linalg.lstsq(self.equal, self.equal @ both - self.equal_to, rcond=None)[0]
-        return Solution(
-            self.layout, both[:count], both[count:], float(x[2 * count]), self.root, self.valleys, goal.binding(count)
-        )
+        return Solution(self.layout, both[:count], both[count:], float(x[2 * count]), self.root, self.valleys)
 
     def _clearance(self, x: Floats) -> float:
         """The clearance that corners that see each other really have."""
@@ -352,8 +348,6 @@ class _Goal:
         self.wishes: Ints | None = None
         self.limits: Floats = np.empty((0, 2))
         self.rows: list[Row] = []
-        self.last_rows: list[Row] = []
-        self.slack: Floats = np.empty(0)
 
     @classmethod
     def build(
@@ -395,12 +389,12 @@ class _Goal:
     def minimise(self, more: list[Row]) -> Floats | None:
         """Solve with more rows; None when nothing satisfies them all."""
         width, program = len(self.cost), self.program
-        self.last_rows = self.rows + more
+        rows = self.rows + more
         equal = np.hstack([program.equal, np.zeros((len(program.equal), width - 2 * program.count))])
         result: Any = linprog(  # type: ignore[call-overload]  # the stubs know no sparse rows
             self.cost,
-            A_ub=_matrix(self.last_rows, width),
-            b_ub=np.array([bound for _, _, bound in self.last_rows]),
+            A_ub=_matrix(rows, width),
+            b_ub=np.array([bound for _, _, bound in rows]),
             A_eq=equal,
             b_eq=program.equal_to,
             bounds=np.array(
@@ -410,16 +404,8 @@ class _Goal:
         )
         if result.status != 0:
             return None
-        self.slack = np.asarray(result.slack)
         x: Floats = np.asarray(result.x)
         return x
-
-    def binding(self, count: int) -> tuple[int, ...]:
-        """The corners between which there was no more room in the last solution."""
-        tight = np.flatnonzero(self.slack <= 1e-7 * self.program.size)
-        return tuple(
-            sorted({int(c) for n in tight for c in self.last_rows[n][0][:2] if n >= len(self.rows) and c < count})
-        )
 
 
 def _matrix(rows: list[Row], width: int) -> csr_matrix:

@@ -30,7 +30,7 @@ EFFORTS = {"fast": 0.7, "normal": 6.0, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_trial_seconds``."""
 
 CLEARANCES = (0.02, 0.01, 0.004, 0.0015)
-"""How much nearer than their distance two corners' ways must be, relative; the first that can be kept is used."""
+"""How much nearer than their distance two corners' ways must be, relative; they are tried in turn."""
 
 FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
 MOST_DISKS = 1500
@@ -276,7 +276,7 @@ def crowded_chain(loop: Floats, clearance: float, shrink: Floats | float = 0.0) 
         ]
     layout = Layout.build(loop, [len(pieces) for pieces in stretches])
     reach = [r for s in range(count) for r in (float(radius[s]), *((b - a) / 2 for a, b in stretches[s]))]
-    return Solution(layout, np.array(reach), np.zeros(len(reach)), clearance, len(reach) - 1, frozenset(), ())
+    return Solution(layout, np.array(reach), np.zeros(len(reach)), clearance, len(reach) - 1, frozenset())
 
 
 def _fewer_corners(start: Solution, clearance: float) -> Iterator[Solution | None]:

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from foldcut.errors import ShapeError
 from foldcut.model import Floats, Ints, Shape, index_array, points_array
+from foldcut.plane import signed_area
 
 #: A corner nearer than this to the line between its neighbours is left out (relative to the diagonal).
 COLLINEAR_TOLERANCE = 1e-7
@@ -57,7 +58,7 @@ def make_shape(loops: Sequence[ArrayLike]) -> Shape:
     corners: list[Floats] = []
     for number, points in enumerate(drawn, start=1):
         kept = points[_corner_indices(frame.to_unit(points), number, frame)]
-        clockwise = _signed_area(frame.to_unit(kept)) < 0
+        clockwise = signed_area(frame.to_unit(kept)) < 0
         corners.append(points_array(np.roll(kept[::-1], 1, axis=0) if clockwise else kept))
     boundary = _Boundary.of([frame.to_unit(loop) for loop in corners])
     _refuse_repeated(corners, frame)
@@ -94,7 +95,7 @@ def invariant_faults(shape: Shape) -> list[str]:
     rings = [frame.to_unit(loop) for loop in shape.loops]
     for number, ring in enumerate(rings, start=1):
         before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
-        if _signed_area(ring) <= 0:
+        if signed_area(ring) <= 0:
             faults.append(f"loop {number} is not counter-clockwise")
         if not shapely.is_valid(shapely.polygons(ring)):
             faults.append(f"loop {number}: {shapely.is_valid_reason(shapely.polygons(ring))}")
@@ -242,11 +243,6 @@ def _distance_to_segment(points: Floats, starts: Floats, ends: Floats) -> Floats
     share = np.divide((along * chord).sum(axis=1), square, out=np.zeros(len(points)), where=square > 0)
     distances: Floats = np.hypot(*(along - share.clip(0, 1)[:, None] * chord).T)
     return distances
-
-
-def _signed_area(points: Floats) -> float:
-    x, y = points.T
-    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
 
 
 def _refuse_repeated(loops: Sequence[Floats], frame: _Frame) -> None:
