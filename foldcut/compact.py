@@ -1,8 +1,8 @@
 """The compact pattern: one molecule inside the shape, one outside it, and nothing else.
 
-A chain of corners with reaches -> ``CreasePattern``, ``FoldedState``.
+A walk along the boundary -> ``CreasePattern``, ``FoldedState``.
 
-The outside is the molecule of the reversed chain. Its wavefront grows until it has left the sheet, and is clipped
+The outside is the molecule of the reversed walk. Its wavefront grows until it has left the sheet, and is clipped
 there: what is left of a flat-folded sheet that is trimmed is folded flat. The two stacks of layers are merged along the
 shape's boundary, where facets inside and outside are one face; mountains and valleys are read off the stack.
 
@@ -16,30 +16,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.faces import Ring, assemble, creases_of_stack, merge_stacks, outline
-from foldcut.model import CreasePattern, Floats, FoldedState, Sheet
+from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Ints, Sheet
 from foldcut.plane import signed_area
-from foldcut.universal import NO_FOOT, Molecule, Vertices, partners
+from foldcut.universal import Border, Molecule, Vertices
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
-    """The boundary of a shape as it goes to and fro on the cut line when folded.
+class Walk:
+    """How the boundary of a shape goes to and fro on the cut line when folded: its turns, counter-clockwise.
 
-    ``corners`` ``(k, 2)`` mm, counter-clockwise, the shape's own and those added on its sides; ``reach`` ``(k,)``: how
-    far from the root a corner lands; ``depth`` ``(k,)``: where the foot on the side after it lands, infinite where a
-    side goes straight from a valley to a peak. The root is the foot on the last side, with another one as low; or it
-    is corner 0, a valley, when the last side has no foot. Nothing is lower.
+    ``points`` ``(n, 2)`` mm on the sheet, the shape's corners and points on its sides; ``x`` ``(n,)`` mm where they land;
+    ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)`` unit vectors of the sides after
+    them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)`` the pockets outside the shape that a turn
+    belongs to, as bits; ``turned`` those that are folded with the tree over the peaks.
     """
 
-    corners: Floats
-    reach: Floats
-    depth: Floats
-
-    @property
-    def lengths(self) -> Floats:
-        """The lengths of the sides, ``(k,)`` mm."""
-        lengths: Floats = np.hypot(*(np.roll(self.corners, -1, axis=0) - self.corners).T)
-        return lengths
+    points: Floats
+    x: Floats
+    peaks: Bools
+    directions: Floats
+    pockets: Ints
+    turned: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,44 +48,30 @@ class Molecules:
     outside: Molecule
 
 
-def build_molecules(chain: Chain, sheet: Sheet) -> Molecules:
-    """Fold the inside and the outside of ``chain``.
+def build_molecules(walk: Walk, sheet: Sheet) -> Molecules:
+    """Fold the inside and the outside of ``walk``.
 
     Raises ``UnfoldableError`` with the place when a molecule does not close.
     """
-    count = len(chain.corners)
-    sides = (np.roll(chain.corners, -1, axis=0) - chain.corners) / chain.lengths[:, None]
-    feet_at = chain.corners + sides * np.where(chain.depth == NO_FOOT, 0.0, chain.reach - chain.depth)[:, None]
     vertices = Vertices()
-    corners = [vertices.add(p, (float(x), 0.0)) for p, x in zip(chain.corners, chain.reach, strict=True)]
-    feet = [-1 if x == NO_FOOT else vertices.add(p, (float(x), 0.0)) for p, x in zip(feet_at, chain.depth, strict=True)]
-    size = float(np.ptp(chain.corners, axis=0).max())
-    inside = Molecule(vertices, corners, feet, sides, chain.reach, chain.depth, sign=1, limit=None, size=size)
-    # The reversed chain keeps its root last: on the last side, or else on corner 0.
-    turn = 0 if chain.depth[-1] == NO_FOOT else 1
-    back_corners = (-turn - np.arange(count)) % count
-    back = (back_corners - 1) % count  # the side after each corner of the reversed chain
-    outside = Molecule(
-        vertices,
-        [corners[k] for k in back_corners],
-        [feet[k] for k in back],
-        -sides[back],
-        chain.reach[back_corners],
-        chain.depth[back],
-        sign=-1,
-        limit=2 * sheet.diagonal,
-        size=size,
-    )
+    numbers = [vertices.add(p, (float(x), 0.0)) for p, x in zip(walk.points, walk.x, strict=True)]
+    size = float(np.ptp(walk.points, axis=0).max())
+    nowhere = np.zeros_like(walk.pockets)
+    border = Border(numbers, walk.peaks, walk.directions, nowhere)
+    inside = Molecule(vertices, border, sign=1, limit=None, size=size)
+    back = -np.arange(len(numbers)) % len(numbers)  # the reversed walk begins at the root, too
+    border = Border([numbers[k] for k in back], walk.peaks[back], -walk.directions[back - 1], walk.pockets[back])
+    outside = Molecule(vertices, border, sign=-1, limit=2 * sheet.diagonal, size=size, turned=walk.turned)
     return Molecules(vertices, inside, outside)
 
 
 def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, FoldedState]:
     """Clip the outside at the sheet, stack all layers, and read off the creases."""
     inside, outside = molecules.inside, molecules.outside
-    count = len(inside.facets)
-    own = partners(inside, outside)
-    number = [own.get(facet, count + facet) for facet in range(len(outside.facets))]
-    shared = set(own.values())
+    count, sides = len(inside.facets), inside.border_facets
+    # facet k of the reversed walk begins at the border where facet sides - 1 - k of the walk does: they are one face
+    number = [sides - 1 - facet if facet < sides else count + facet for facet in range(len(outside.facets))]
+    shared = set(range(sides))
     order = merge_stacks(inside.order, [number[facet] for facet in reversed(outside.order)], shared)[::-1]
     clip = _Clip(molecules.vertices, sheet)
     rings: dict[int, list[Ring]] = {facet: [ring] for facet, ring in enumerate(inside.rings()) if ring}

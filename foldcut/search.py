@@ -2,12 +2,14 @@
 
 Loop on the sheet -> the best verified ``Compact`` pattern.
 
-First the layout: corners are added on sides until all can keep the clearance (most shapes need none). Then reaches are
-tried one linear program after the other: feet where the skeleton's nodes stand over the sides, for many choices of the
-root, of the nodes, and of weights; each answer is folded, counted and, if it is the best so far, verified. The number
-of creases comes first; a pattern with a crease that nobody can fold is taken only if there is no other.
+A *plan* says which corners are peaks and which valleys, which pockets are turned, and where the root is. Its linear
+program tells how much of the boundary it leaves out; plans that leave out least are taken first. Turns are added where
+something is left out until nothing is. Then the turns are moved to where events coincide: under the nodes of the
+straight skeleton, for many choices of nodes and weights. Every answer is folded and counted and, if it is the best so
+far, verified. The number of creases comes first; a pattern with a crease that nobody can fold is taken only if there
+is no other.
 
-Deterministic unless a time is given: the number of trials depends on the effort and the number of corners alone.
+Deterministic unless a time is given: what is tried depends on the effort and the number of corners alone.
 """
 
 from __future__ import annotations
@@ -15,36 +17,32 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import count as count_up
 
 import numpy as np
 
-from foldcut.compact import Chain, Molecules, build_molecules, fold_molecules, molecule_faults
+from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet
-from foldcut.reaches import Layout, Program, Solution
-from foldcut.skeleton import Node, side_nodes
 from foldcut.verify import verify
+from foldcut.zigzag import Outline, Program, Solution, Turns
 
-EFFORTS = {"fast": 0.7, "normal": 6.0, "best": 60.0}
-"""Seconds that an effort is meant to take, by the model of ``_trial_seconds``."""
+EFFORTS = {"fast": 0.6, "normal": 6.0, "best": 60.0}
+"""Seconds that an effort is meant to take, by the model of ``_Budget``."""
 
-CLEARANCES = (0.02, 0.01, 0.004, 0.0015)
-"""How much nearer than their distance two corners' ways must be, relative; they are tried in turn."""
+CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
+"""How much nearer than their distance the images of two turns must be, relative; they are tried in turn."""
 
 FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
-MOST_DISKS = 1500
-IN_VAIN_COST = 0.3  # of a trial, for a program without a solution
-IN_VAIN = 120  # programs without a solution, before corners are added
+MOST_TURNS = 400
 
 
 @dataclass(frozen=True, eq=False)
 class Compact:
-    """What the search found: the pattern, its chain and molecules, and how many trials it took."""
+    """What the search found: the pattern, its walk and molecules, and how many trials it took."""
 
     creases: CreasePattern
     folded: FoldedState
-    chain: Chain
+    walk: Walk
     molecules: Molecules
     tried: int
     interrupted: bool
@@ -55,7 +53,7 @@ class _Found:
     key: tuple[bool, float, float]
     creases: CreasePattern
     folded: FoldedState
-    chain: Chain
+    walk: Walk
     molecules: Molecules
 
 
@@ -75,65 +73,313 @@ def fold_compact(
     ``progress`` is called with a text and the part done. Ctrl-C ends the search with the best pattern so far.
     Raises ``UnfoldableError`` when no pattern is found.
     """
-    shape = Shape((loop,), (-1,))
-    best: _Found | None = None
-    tried = 0
+    search = _Search(loop, sheet, ribbon, _Budget(EFFORTS[effort], seconds), progress)
     interrupted = False
-    started = time.monotonic()
-    budget = EFFORTS[effort] / _trial_seconds(len(loop))
     try:
-        for source in (_plain_solutions, _crowded_solutions):
-            spent = 0.0
-            for solution in source(loop):
-                tried += 1
-                spent += 1.0 if solution is not None else IN_VAIN_COST
-                found = _fold(solution, shape, sheet, ribbon, best) if solution is not None else None
-                best = found or best
-                elapsed = time.monotonic() - started
-                part = elapsed / seconds if seconds is not None else spent / budget
-                if seconds is None and elapsed > 8 * EFFORTS[effort]:
-                    part = 1.0  # a slow machine must not keep anybody waiting
-                if progress is not None:
-                    count = f"{best.creases.crease_count} creases" if best else "no pattern yet"
-                    progress(f"searching: {count}", min(0.99, part))
-                if part >= 1:
-                    break
-            if best is not None:
-                break
+        search.run()
+    except _Spent:
+        pass
     except KeyboardInterrupt:
-        if best is None:
+        if search.best is None:
             raise
         interrupted = True
+    best = search.best
     if best is None:
         x, y = loop.mean(axis=0)
         raise UnfoldableError(
-            f"no compact pattern was found in {tried} trials for the shape around ({x:.1f}, {y:.1f}) mm; "
+            f"no compact pattern was found in {search.tried} trials for the shape around ({x:.1f}, {y:.1f}) mm; "
             "try a higher effort, --simplify, or the paper's method"
         )
-    return Compact(best.creases, best.folded, best.chain, best.molecules, tried, interrupted)
+    return Compact(best.creases, best.folded, best.walk, best.molecules, search.tried, interrupted)
 
 
-def _trial_seconds(corners: int) -> float:
-    """A model of what one trial takes, so that effort means the same number of trials on every machine."""
-    return 0.012 + 0.0008 * corners + 0.00002 * corners**2
+class _Spent(Exception):
+    """The search has taken what it may take."""
 
 
-def _fold(solution: Solution, shape: Shape, sheet: Sheet, ribbon: float, best: _Found | None) -> _Found | None:
-    """Fold one solution and return it if it is better than the best so far, and verified."""
-    chain = solution.chain()
-    try:
-        molecules = build_molecules(chain, sheet)
-        if min(molecules.inside.lowest_event, molecules.outside.lowest_event) <= ribbon or molecule_faults(molecules):
+class _Budget:
+    """Counts work by a model of what it takes, so that an effort means the same trials on every machine."""
+
+    def __init__(self, allowed: float, seconds: float | None) -> None:
+        self.allowed, self.seconds = allowed, seconds
+        self.spent = 0.0
+        self.started = time.monotonic()
+
+    @property
+    def part(self) -> float:
+        """The part of the budget that is spent."""
+        elapsed = time.monotonic() - self.started
+        if self.seconds is not None:
+            return elapsed / self.seconds
+        # a slow machine must not keep anybody waiting
+        return max(self.spent / self.allowed, elapsed / (8 * self.allowed))
+
+    def program(self, turns: int) -> None:
+        self.spent += 0.002 + 0.00004 * turns + 0.0000015 * turns**2
+
+    def fold(self, turns: int) -> None:
+        self.spent += 0.004 + 0.0006 * turns + 0.000005 * turns**2
+
+
+@dataclass(frozen=True, eq=False)
+class _Plan:
+    """Which corners are peaks, the root, and what else a walk begins with."""
+
+    peaks: Bools
+    root: int
+    at_corner: bool
+    turned: int
+    raised: frozenset[int]
+    careful: bool = True  # that no gusset wraps a falling corner; there may be one all the same, and no such pattern
+
+    def turns(self) -> Turns:
+        return Turns.build(self.peaks, self.root, at_corner=self.at_corner, turned=self.turned, raised=self.raised)
+
+
+class _Search:
+    def __init__(
+        self,
+        loop: Floats,
+        sheet: Sheet,
+        ribbon: float,
+        budget: _Budget,
+        progress: Callable[[str, float], None] | None,
+    ) -> None:
+        self.outline = Outline(loop)
+        self.shape = Shape((loop,), (-1,))
+        self.sheet, self.ribbon, self.budget, self.progress = sheet, ribbon, budget, progress
+        self.rng = np.random.default_rng(len(loop))
+        self.best: _Found | None = None
+        self.tried = 0
+        self.solved: list[tuple[float, Solution, _Plan]] = []
+
+    def run(self) -> None:
+        """Search until the budget is spent."""
+        plain, turned = self._ranked(self._plans(turned=False)), self._ranked(self._plans(turned=True))
+        while (plain or turned) and (self.best is None or self.budget.part < 0.35):
+            for plans, share in ((plain, 1), (turned, 3)):
+                for _ in range(share):
+                    if plans:
+                        self._follow(plans.pop(0))
+        self._climb()
+        while self.solved:
+            self._vary()
+
+    # --- plans
+
+    def _ranked(self, plans: Iterator[_Plan]) -> list[_Plan]:
+        """Return plans, those first that leave out least of the boundary."""
+        ranked: list[tuple[float, int, _Plan]] = []
+        start = self.budget.part
+        for plan in plans:
+            program = Program(self.outline, plan.turns(), careful=plan.careful)
+            solution = self._solve(program, program.evenly(), clearance=CLEARANCES[0])
+            if solution is not None:
+                left = solution.left_out
+                missing = float(left.sum()) / self.outline.size + 0.1 * int((left > 0).sum())
+                ranked.append((missing + 0.02 * len(program.turns), len(ranked), plan))
+            if self.budget.part > start + 0.1 and ranked:
+                break
+        ranked.sort(key=lambda item: item[:2])
+        return [plan for _, _, plan in ranked]
+
+    def _plans(self, *, turned: bool) -> Iterator[_Plan]:
+        """Yield plans with no pocket turned, or with all, or one."""
+        outline = self.outline
+        reflex = outline.reflex
+        bits = self._bits()
+        modes = [0]
+        if turned:
+            modes = [sum(bits), *bits] if len(bits) > 1 else bits
+        heights = np.zeros(len(reflex))
+        for side, nodes in enumerate(outline.nodes):
+            heights[side] = max((node.height for node in nodes), default=0.0)
+        for side in np.argsort(-heights, kind="stable").tolist():
+            for mode in modes:
+                for careful in (True, False) if mode else (True,):
+                    for at_corner in (False, True):
+                        plan = self._plan(mode, side, at_corner, careful)
+                        if plan is not None:
+                            yield plan
+
+    def _bits(self) -> list[int]:
+        return [1 << n for n in range(int(self.outline.pockets.max()).bit_length())]
+
+    def _plan(self, turned: int, root: int, at_corner: bool, careful: bool, raised: int = 0) -> _Plan | None:
+        """Return the plan with these pockets turned, and in some of them reflex corners raised, if there is one."""
+        outline = self.outline
+        pockets = outline.pockets | np.roll(outline.pockets, 1)
+        valley = outline.reflex & (pockets & turned != 0)
+        peaks = ~valley
+        up = frozenset(np.flatnonzero(valley & (pockets & raised != 0)).tolist())
+        after = (root + 1) % len(peaks)
+        if at_corner:
+            peaks[root] = False
+            if root in up or not (peaks[root - 1] and peaks[after]):
+                return None
+        elif not (peaks[root] and peaks[after]):
             return None
-        creases, folded = fold_molecules(molecules, sheet)
-    except (UnfoldableError, AssertionError, KeyError, StopIteration):
+        return _Plan(peaks, root, at_corner, turned, up, careful)
+
+    def _climb(self) -> None:
+        """Change one thing of the best plan after the other."""
+        tried: set[tuple[int, int, bool, bool, frozenset[int]]] = set()
+        better = True
+        while better and self.solved and self.budget.part < 0.7:
+            better = False
+            key, _, plan = self.solved[0]
+            changes = [(plan.turned ^ bit, r) for bit in self._bits() for r in (0, bit)]
+            changes += [(plan.turned, bit) for bit in self._bits() if plan.turned & bit]
+            for turned, raised in changes:
+                for careful in (True, False):
+                    other = self._plan(turned, plan.root, plan.at_corner, careful, raised)
+                    if other is None or self.budget.part > 0.7:
+                        continue
+                    name = (other.turned, other.root, other.at_corner, other.careful, other.raised)
+                    if name not in tried:
+                        tried.add(name)
+                        self._follow(other)
+            better = self.solved[0][0] < key
+
+    def _follow(self, plan: _Plan) -> None:
+        """Find a solution for a plan, and patterns."""
+        solution = self._cover(plan, CLEARANCES[0])
+        if solution is not None:
+            self._polish(solution, plan)
+
+    # --- solutions
+
+    def _tell(self) -> None:
+        part = self.budget.part
+        if self.progress is not None:
+            count = f"{self.best.creases.crease_count} creases" if self.best else "no pattern yet"
+            self.progress(f"searching: {count}", min(0.99, part))
+        if part >= 1 and (self.best is not None or self.budget.seconds is not None or part >= 5):
+            raise _Spent
+
+    def _solve(self, program: Program, along: Floats, **options: object) -> Solution | None:
+        self.budget.program(len(program.turns))
+        self._tell()
+        return program.solve(along, **options)  # type: ignore[arg-type]
+
+    def _cover(self, plan: _Plan, clearance: float) -> Solution | None:
+        """Add turns where something is left out until nothing is."""
+        program = Program(self.outline, plan.turns(), careful=plan.careful)
+        along = program.evenly()
+        most = min([MOST_TURNS, *(round(1.15 * len(s.turns)) + 2 for key, s, _ in self.solved[:1] if key < np.inf)])
+        weight = None
+        for _ in range(60):
+            solution = self._solve(program, along, clearance=clearance, weight=weight)
+            if solution is None:
+                return None
+            if not solution.left_out.any():
+                if program.true_clearance(solution) >= clearance - 1e-6:
+                    return solution
+                along = solution.along
+                solution = self._solve(program, along, clearance=clearance, steps=8)
+                if solution is not None and not solution.left_out.any() and program.true_clearance(solution) > 0.3 * clearance:
+                    return solution
+                return None
+            if len(program.turns) >= most:
+                return None
+            turns, along = _with_more_turns(program.turns, solution)
+            program = Program(self.outline, turns, careful=plan.careful)
         return None
-    key = _rank(creases)
-    if best is not None and key >= best.key:
-        return None
-    if verify(creases, folded.layers, shape):
-        return None
-    return _Found(key, creases, folded, chain, molecules)
+
+    def _polish(self, solution: Solution, plan: _Plan) -> None:
+        """Fold a solution, and others with the same turns that are nearer to what is simple."""
+        key = self._try(solution)
+        for number in range(3):
+            wish, weight = self._wishes(solution.turns, plain=number == 0)
+            program = Program(self.outline, solution.turns, careful=plan.careful)
+            moved = self._solve(
+                program,
+                solution.along,
+                clearance=CLEARANCES[number],
+                wish=wish,
+                weight=weight,
+                whole=True,
+                most_clearance=0.06 if number % 2 else None,
+            )
+            if moved is not None:
+                key = min(key, self._try(moved))
+        self.solved.append((key, solution, plan))
+        self.solved.sort(key=lambda item: item[0])
+
+    def _vary(self) -> None:
+        """Try other wishes for one of the best plans so far."""
+        number = min(int(self.rng.geometric(0.4)) - 1, len(self.solved) - 1)
+        key, solution, plan = self.solved[number]
+        wish, weight = self._wishes(solution.turns, plain=False)
+        program = Program(self.outline, solution.turns, careful=plan.careful)
+        moved = self._solve(
+            program,
+            solution.along,
+            clearance=float(self.rng.choice(CLEARANCES)),
+            wish=wish,
+            weight=weight,
+            whole=True,
+            most_clearance=0.1 * float(self.rng.random()) if self.rng.random() < 0.5 else None,
+        )
+        if moved is not None:
+            self.solved[number] = (min(key, self._try(moved)), solution, plan)
+            self.solved.sort(key=lambda item: item[0])
+
+    def _wishes(self, turns: Turns, *, plain: bool) -> tuple[Floats, Floats]:
+        """For each turn on a side with no other: a node over it; for each turn a weight."""
+        wish = np.full(len(turns), np.nan)
+        per_side = np.bincount(turns.side, minlength=len(self.outline.loop))
+        for k in np.flatnonzero(~turns.corner & (per_side[turns.side] == 2)).tolist():
+            nodes = self.outline.nodes[int(turns.side[k])]
+            if nodes:
+                wish[k] = nodes[0 if plain else int(self.rng.integers(len(nodes)))].along
+        weight = np.ones(len(turns)) if plain else self.rng.uniform(0.1, 1.9, len(turns)) ** 2
+        return wish, weight
+
+    # --- patterns
+
+    def _try(self, solution: Solution) -> float:
+        """Fold a solution, keep it if it is verified and better than the best; return its number of creases."""
+        self.tried += 1
+        self.budget.fold(len(solution.turns))
+        self._tell()
+        walk = solution.walk(self.outline)
+        try:
+            molecules = build_molecules(walk, self.sheet)
+            lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
+            if lowest <= self.ribbon or molecule_faults(molecules):
+                return np.inf
+            creases, folded = fold_molecules(molecules, self.sheet)
+        except (UnfoldableError, AssertionError, KeyError, StopIteration):
+            return np.inf
+        key = _rank(creases)
+        if self.best is not None and key >= self.best.key:
+            return key[1] + 1e4 * key[0]
+        if verify(creases, folded.layers, self.shape):
+            return np.inf
+        self.best = _Found(key, creases, folded, walk, molecules)
+        return key[1] + 1e4 * key[0]
+
+
+def _with_more_turns(turns: Turns, solution: Solution) -> tuple[Turns, Floats]:
+    """Add two turns on each stretch that leaves much out, and say where they are to begin with."""
+    count = len(turns)
+    left = solution.left_out.copy()
+    start = solution.along.copy()
+    # both stretches at a turn on a side leave out one piece there
+    for k in range(count):
+        if not turns.corner[k] and k and left[k - 1] > 0 and left[k] > 0:
+            left[k - 1] += left[k]
+            start[k] += left[k]
+            left[k] = 0.0
+    along = solution.along
+    for k in np.flatnonzero(left > 0.35 * left.max())[::-1].tolist():
+        reach = abs(float(solution.x[k] - solution.x[(k + 1) % count]))
+        begin = along[k] + (reach if turns.peak[k] else 0.0)
+        middle = begin + left[k] / 2
+        turns = turns.inserted(k)
+        along = np.insert(along, k + 1, [middle - 0.2 * left[k], middle])
+    return turns, along
 
 
 def _rank(creases: CreasePattern) -> tuple[bool, float, float]:
@@ -142,188 +388,3 @@ def _rank(creases: CreasePattern) -> tuple[bool, float, float]:
     shortest = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
     count = creases.crease_count * (1.0 if shortest >= FOLDABLE_MM else 1.15)
     return shortest < SHORTEST_MM, count, -shortest
-
-
-def _plain_solutions(loop: Floats) -> Iterator[Solution | None]:
-    """Yield solutions without added corners, promising ones first; None for each program that has none."""
-    yield from _star_like(loop)
-    rng = np.random.default_rng(len(loop))
-    inside, outside = side_nodes(loop), side_nodes(loop, outside=True)
-    heights = np.zeros(len(loop))
-    for node in inside:
-        heights[node.side] = max(heights[node.side], node.height)
-    roots = np.argsort(-heights, kind="stable").tolist()
-    layout = Layout.build(loop, [0] * len(loop))
-    pockets = np.flatnonzero(_reflex(loop)).tolist()
-    count = len(loop)
-    possible = False
-    for number in count_up():
-        if number > IN_VAIN and not possible:
-            return
-        root = roots[0] if number % 3 == 0 else int(rng.choice(roots))
-        second = roots[1 + number % (count - 1)]
-        valleys: set[int] = set()
-        if number % 2:
-            # the root may also be a corner, the lowest valley of all
-            root, second = (second - 1) % count, second
-            valleys.add(second)
-        elif root == second:
-            continue
-        # all pockets as valleys, none, or some of them; never two in a row nor one beside a foot that is the root
-        share = (1.0, 0.0, 0.5)[number // 2 % 3] if number < 18 else float(rng.choice([0.0, 0.3, 0.7, 1.0]))
-        for corner in pockets:
-            ends = {(corner - 1) % count, (corner + 1) % count}
-            beside_root = not number % 2 and root in (corner, (corner - 1) % count)
-            if rng.random() < share and not ends & valleys and not beside_root:
-                valleys.add(corner)
-        clearance = CLEARANCES[(number // 3) % len(CLEARANCES)]
-        wish = _wishes(layout, inside, outside, rng, plain=number < 12)
-        for valley in valleys:
-            wish[[valley - 1, valley]] = np.nan
-        weight = np.ones(count) if number < 12 else rng.uniform(0.2, 1.8, count)
-        program = Program(layout, root, second, clearance=clearance, valleys=frozenset(valleys))
-        solution = program.solve(wish, weight)
-        possible = possible or solution is not None
-        yield solution
-
-
-def _crowded_solutions(loop: Floats) -> Iterator[Solution | None]:
-    """Yield solutions with corners added on the sides: first many, then fewer."""
-    rng = np.random.default_rng(len(loop))
-    inside, outside = side_nodes(loop), side_nodes(loop, outside=True)
-    clearance = CLEARANCES[0]
-    for shrunk in (0.0, 0.01, 0.03, 0.06):
-        # the exact ties of symmetric shapes are where a molecule may not close; a little noise undoes them
-        yield crowded_chain(loop, clearance, shrink=shrunk * rng.random(len(loop)))
-    start = crowded_chain(loop, clearance)
-    for fewer in _fewer_corners(start, clearance):
-        start = fewer or start
-        yield fewer
-    layout, root = start.layout, start.root
-    lowest = [int(k) for k in np.flatnonzero(start.depth <= 1e-9) if k != root]
-    for number in count_up():
-        wish = _wishes(layout, inside, outside, rng, plain=number == 0)
-        weight = rng.uniform(0.2, 1.8, len(layout))
-        second = lowest[number % len(lowest)]
-        yield Program(layout, root, second, clearance=clearance).solve(wish, weight, start)
-
-
-def _reflex(loop: Floats) -> Bools:
-    before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
-    reflex: Bools = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0
-    return reflex
-
-
-def _star_like(loop: Floats) -> Iterator[Solution]:
-    """Try all reflex corners as valleys: a star then folds like a fan, through its middle."""
-    reflex = _reflex(loop)
-    if not reflex.any() or (reflex & np.roll(reflex, 1)).any():
-        return
-    layout = Layout.build(loop, [0] * len(loop))
-    valleys = frozenset(np.flatnonzero(reflex).tolist())
-    for root in sorted(valleys):
-        program = Program(layout, (root - 1) % len(loop), root, clearance=0.0, valleys=valleys, free=True)
-        solution = program.solve(np.full(len(loop), np.nan))
-        if solution is not None:
-            yield solution
-            return
-
-
-def crowded_chain(loop: Floats, clearance: float, shrink: Floats | float = 0.0) -> Solution:
-    """Cover the boundary with disks that keep apart, all on one hub: always a solution, and many corners.
-
-    Vertex disks take nearly half the way to the nearest other side; stretches between them are halved until no two
-    disks come near each other; ``shrink`` makes vertex disks smaller by these parts. Source: paper section 2.
-    """
-    count = len(loop)
-    along = np.roll(loop, -1, axis=0) - loop
-    length = np.hypot(*along.T)
-    direction = along / length[:, None]
-    to_corner = loop[:, None] - loop[None]
-    part = np.clip(np.sum(to_corner * direction[None], axis=2), 0, length[None])
-    away = np.hypot(*np.moveaxis(to_corner - part[:, :, None] * direction[None], 2, 0))
-    row = np.arange(count)
-    away[row, row] = away[row, row - 1] = np.inf
-    radius = (1 - shrink) * (0.5 - clearance) * np.minimum(away.min(axis=1), np.minimum(length, np.roll(length, 1)))
-    stretches = [[(float(radius[s]), float(length[s] - radius[(s + 1) % count]))] for s in range(count)]
-    while True:
-        side = np.array([s for s, pieces in enumerate(stretches) for _ in pieces])
-        ends = np.array([piece for pieces in stretches for piece in pieces])
-        middle = loop[side] + direction[side] * ends.mean(axis=1)[:, None]
-        half = (ends[:, 1] - ends[:, 0]) / 2
-        centres, radii = np.concatenate([middle, loop]), np.concatenate([half, radius])
-        owner = np.concatenate([side, -1 - row])
-        apart = centres[:, None] - centres[None]
-        near = np.hypot(apart[:, :, 0], apart[:, :, 1]) * (1 - 2 * clearance) < radii[:, None] + radii[None]
-        same = owner[:, None] == owner[None]
-        for s in range(count):
-            here = np.flatnonzero((owner == s) | (owner == -1 - s) | (owner == -1 - (s + 1) % count))
-            same[np.ix_(here, here)] = True
-        larger = (radii[:, None] >= radii[None] * (1 - 1e-9)) | (owner[None] < 0)
-        crowded = (near & ~same & larger).any(axis=1)[: len(side)]
-        if not crowded.any():
-            break
-        if len(side) > MOST_DISKS:
-            x, y = loop[side[int(half.argmin())]]
-            raise UnfoldableError(
-                f"a feature near ({x:.2f}, {y:.2f}) mm is so fine that over {MOST_DISKS} disks would be needed; "
-                "simplify the drawing there"
-            )
-        flags = iter(crowded.tolist())
-        stretches = [
-            [half for a, b in pieces for half in ([(a, (a + b) / 2), ((a + b) / 2, b)] if next(flags) else [(a, b)])]
-            for pieces in stretches
-        ]
-    layout = Layout.build(loop, [len(pieces) for pieces in stretches])
-    reach = [r for s in range(count) for r in (float(radius[s]), *((b - a) / 2 for a, b in stretches[s]))]
-    return Solution(layout, np.array(reach), np.zeros(len(reach)), clearance, len(reach) - 1, frozenset())
-
-
-def _fewer_corners(start: Solution, clearance: float) -> Iterator[Solution | None]:
-    """Take added corners away one by one as long as the clearance can be kept; yield each smaller solution."""
-    best = start
-    failed: set[tuple[int, int]] = set()  # side, how many corners it had
-    while True:
-        layout = best.layout
-        length = best.reach + np.roll(best.reach, -1) - 2 * best.depth
-        flap = 2 * best.reach - best.depth - np.roll(best.depth, 1)
-        choices = [
-            corner
-            for corner in np.argsort(flap / length.max(), kind="stable").tolist()
-            if layout.place[corner] and (int(layout.side[corner]), layout.added[layout.side[corner]]) not in failed
-        ]
-        if not choices:
-            return
-        corner = choices[0]
-        lowest = [
-            k for k in np.flatnonzero(best.depth <= 1e-9 * float(np.ptp(layout.loop))) if k not in (corner - 1, corner)
-        ]
-        fewer = None
-        if len(lowest) > 1:
-            for first, second in ((lowest[-1], lowest[0]), (lowest[len(lowest) // 2], lowest[0])):
-                if first != second:
-                    fewer = Program(layout, int(first), int(second), clearance=clearance).without(best, corner)
-                if fewer is not None:
-                    break
-        if fewer is None:
-            failed.add((int(layout.side[corner]), layout.added[layout.side[corner]]))
-        else:
-            best = fewer
-        yield fewer
-
-
-def _wishes(
-    layout: Layout, inside: list[Node], outside: list[Node], rng: np.random.Generator, *, plain: bool
-) -> Floats:
-    """For each side one of the nodes over it, or none: how far along the foot on it should be."""
-    wish = np.full(len(layout), np.nan)
-    following = np.roll(layout.loop, -1, axis=0) - layout.loop
-    length = np.hypot(*following.T)
-    for corner in np.flatnonzero(layout.place == 0):
-        side = int(layout.side[corner])
-        if layout.added[side]:
-            continue
-        nodes = [n for n in (*inside, *outside) if n.side == side and 0 < n.along < length[side]]
-        if nodes:
-            wish[corner] = (nodes[0] if plain else nodes[int(rng.integers(len(nodes)))]).along
-    return wish

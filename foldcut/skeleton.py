@@ -39,6 +39,8 @@ class _Corner:
     height: float
     velocity: Floats
     reflex: bool
+    first: int = -1  # the loop's corner that this one is still
+    falling: tuple[int, ...] = ()  # corners of the loop that this one comes from, reflex all the way
 
 
 def side_nodes(loop: Floats, *, outside: bool = False) -> list[Node]:
@@ -47,6 +49,16 @@ def side_nodes(loop: Floats, *, outside: bool = False) -> list[Node]:
     ``outside``: of the unbounded region around it. Source: Aichholzer and Aurenhammer 1996 (the wavefront).
     """
     return _Wavefront(np.asarray(loop, dtype=np.float64), outside).nodes
+
+
+def corner_lives(loop: Floats, *, outside: bool = False) -> tuple[Floats, Floats]:
+    """Return for each corner of a counter-clockwise loop, ``(n, 2)``, when its wavefront meets another, and its growth.
+
+    The first ``(n,)`` in mm of height, infinite where it meets none; the second ``(n,)``: by how much the sides at it
+    have got longer until then, for corners that are reflex in the region, inside or ``outside``; 0 for others.
+    """
+    front = _Wavefront(np.asarray(loop, dtype=np.float64), outside)
+    return front.lives, front.falls
 
 
 class _Wavefront:
@@ -61,12 +73,18 @@ class _Wavefront:
         self.turn = -1 if outside else 1
         self.tie = TIE * float(np.ptp(loop, axis=0).max())
         self.nodes: list[Node] = []
+        self.falls = np.zeros(count)
+        self.lives = np.full(count, np.inf)
         # seen with the region on the left: outside the sides follow each other backwards
         sides = list(range(count - 1, -1, -1)) if outside else list(range(count))
         corners = []
         for before, after in zip(sides[-1:] + sides[:-1], sides, strict=True):
             place = loop[before] if outside else loop[after]
-            corners.append(self._corner(before, after, place, 0.0))
+            corner = self._corner(before, after, place, 0.0)
+            corner.first = before if outside else after
+            if corner.reflex:
+                corner.falling = (corner.first,)
+            corners.append(corner)
         stack = [(corners, 0.0)]
         steps = 0
         while stack and steps < 20 * count + 50:
@@ -84,11 +102,20 @@ class _Wavefront:
     def _note(self, side: int, place: Floats, height: float, *, split: bool = False) -> None:
         self.nodes.append(Node(side, float((place - self.start[side]) @ self.direction[side]), height, split))
 
+    def _end(self, corner: _Corner, height: float) -> None:
+        if corner.first >= 0:
+            self.lives[corner.first] = height
+        if corner.reflex:
+            across = left_normal(self.direction[corner.leaving]) * self.turn
+            shrink = float((corner.velocity - across) @ self.direction[corner.leaving]) * self.turn
+            self.falls[list(corner.falling)] += abs(shrink) * (height - corner.height)
+
     def _step(self, corners: list[_Corner], height: float) -> list[tuple[list[_Corner], float]]:
         count = len(corners)
         if count < 3:
             for corner in corners:
                 self._note(corner.leaving, corner.position + corner.velocity * (height - corner.height), height)
+                self._end(corner, height)
             return []
         velocity = np.array([c.velocity for c in corners])
         place = (
@@ -128,12 +155,17 @@ class _Wavefront:
             after = (k + 1) % count
             self._note(int(sides[k]), now[k], height)
             new = self._corner(corners[k].arriving, corners[after].leaving, now[k], height)
+            self._end(corners[k], height)
+            self._end(corners[after], height)
+            if new.reflex:
+                new.falling = corners[k].falling + corners[after].falling
             rest = [c for n, c in enumerate(corners) if n not in (k, after)]
             place_of_new = k if after else 0
             rest.insert(min(place_of_new, len(rest)), new)
             return [(rest, height)]
         self._note(int(sides[k]), now[split], height, split=True)
         v, s = split, k
+        self._end(corners[v], height)
         one = self._corner(corners[v].arriving, corners[s].leaving, now[v], height)
         two = self._corner(corners[s].leaving, corners[v].leaving, now[v], height)
         after_s = [corners[n % count] for n in range(s + 1, (v if v > s else v + count))]

@@ -1,23 +1,26 @@
-r"""The k-cornered molecule: how a polygon with feet on its sides folds into flaps with its border on one line.
+r"""The k-cornered molecule: how a polygon with creases across its sides folds with its whole border on one line.
 
-Corners with reaches and sides with feet -> ``Molecule`` (the gusset molecule for any number of corners; Lang calls it
-the universal molecule, in *Origami Design Secrets*, for convex polygons. Here corners may be reflex, the polygon may be
-the unbounded outside of a chain, and the tree below it may be any).
+A walk around the border -> ``Molecule``. It is the gusset molecule for any number of corners (Lang calls it the
+universal molecule, in *Origami Design Secrets*, for convex polygons); here corners may be reflex, the polygon may be
+the unbounded outside of a loop, and the tree that it is folded along may be any planar one.
 
-Folded, the polygon's border lies on the cut line and goes to and fro: a corner lands on x = its *reach*, a local
-maximum (a *peak*), a foot on x = its *depth*, a local minimum between two corners. As the polygon is inset to the
-height h the corners move along their bisectors and their reaches shrink by h cot(alpha / 2); feet stay where they are.
-Corners i and j that see each other must stay as far apart as their images along the tree, l_ij = reach_i + reach_j -
-2 depth, where depth is the lowest foot between them (on the side away from the root). What happens on the way up:
+Folded, the border goes to and fro on the cut line: it turns back at its *turns*, alternately *peaks* (x is largest)
+and *valleys* (x is smallest). Corners are turns; so are points on sides, from which a perpendicular crease goes up.
+Inset to the height h, turns move along their bisectors, and the sides between them shrink. On the way up,
 
-- *merge*: a side shrinks to a point, its two corners become one;
-- *gusset*: two corners that are not neighbours come as near as l_ij: the polygon splits along a crease between them;
-- *turn*: a peak whose two feet are the lowest of all reaches their depth, and becomes a valley.
+- *collapse*: stretches of border shrink to nothing, all at one place; what is left there is one turn;
+- *gusset*: two turns have come as near to each other as their images along the tree: the polygon splits along a
+  crease between them;
+- *pinch*: two turns that are not neighbours meet in a point, and the polygon falls in two.
 
-A polygon of two corners is done: what is left of it is the ridge between them. Events at the same height need no
-special care: they follow each other at once, merges first, and share their vertices.
+Events at the same height need no special care: they follow each other at once and share their vertices.
 
-Rabbit ear and gusset are the cases k = 3 and k = 4 with all depths 0.
+The tree is what is left of a thin strip when equal places of the walk are joined over the valleys between them. The
+order of the layers is the walk, cut at one place, the root, where x is smallest; a gusset crease adds its facets beside
+those of its ends. That is possible because it wraps a stretch of the walk that lies at one side of it. In a
+*pocket* of the outside the same is true with peaks for valleys: there the tree of the strip's other side may be taken.
+
+Rabbit ear and gusset are the cases k = 3 and k = 4 with all valleys at x = 0.
 """
 
 from __future__ import annotations
@@ -28,12 +31,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Floats
+from foldcut.model import Bools, Floats, Ints
 from foldcut.plane import cross, left_normal
 
 # Distances that differ by less than this part of the shape's size are equal.
 TIE = 1e-9
-NO_FOOT = math.inf
 # Sides that differ by less than this angle in radians run back on each other.
 SPIKE = 1e-9
 
@@ -62,18 +64,19 @@ class Vertices:
 
 
 @dataclass(eq=False)
-class _Corner:
-    """A corner of a part: where it was when it was made, how it moves, and the facets on either side of it."""
+class _Turn:
+    """A turn of a part's border: where it was when it was made, how it moves, and the facets on either side of it."""
 
     position: Floats
     height: float
-    reach: float
+    x: float
+    peak: bool
     arriving: Floats  # direction of the side before it
     leaving: Floats  # direction of the side after it
     before: int  # facet
     after: int
     vertex: int
-    valley: bool = False
+    pockets: int  # bits
 
     def __post_init__(self) -> None:
         turn = math.atan2(float(cross(self.arriving, self.leaving)), float(self.arriving @ self.leaving))
@@ -81,16 +84,12 @@ class _Corner:
         self.spike = self.angle < SPIKE
         self.shrink = 0.0 if self.spike else math.tan(turn / 2)  # of a side, at this end, per unit of height
         self.velocity = left_normal(self.leaving) + self.leaving * self.shrink
-
-    @property
-    def slope(self) -> float:
-        """Change of the reach per unit of height."""
-        return self.shrink if self.valley else -self.shrink
+        self.slope = -self.shrink if self.peak else self.shrink
 
 
 @dataclass
 class _Facet:
-    """Two chains of vertices going up from the ends of a stretch of a side; closed when they meet."""
+    """Two chains of vertices going up from the ends of a stretch of the border; closed when they meet."""
 
     start: list[int]
     end: list[int]
@@ -110,429 +109,411 @@ class _Facet:
 
 @dataclass
 class _Part:
-    """A polygon on its way up: corners counter-clockwise, the depth of the foot on the side after each (or none)."""
+    """A polygon on its way up: its turns counter-clockwise from the one where the list of its layers is cut."""
 
-    corners: list[_Corner]
-    depth: list[float]
+    turns: list[_Turn]
     height: float
     unbounded: bool
 
 
-class Molecule:
-    """The facets of a molecule and their order from top to bottom, going around from the first corner.
+@dataclass(frozen=True, eq=False)
+class Border:
+    """The border of a molecule, its turns counter-clockwise from the root.
 
-    ``corners``, ``feet``: vertex numbers at the border, the foot on the side after each corner, -1 where a side goes
-    straight from a valley to a peak; ``directions`` the ``(k, 2)`` unit vectors of the sides; ``reach`` and ``depth``
-    ``(k,)`` mm, the depth infinite where there is no foot; the root is the foot on the last side, or corner 0 where
-    there is none. ``sign`` is +1 when heights count upwards; ``limit`` is where an unbounded molecule ends, None for a
-    bounded one; ``size`` is what ties are relative to. ``side_facets``: the one or two facets of every side at the
-    border. ``lowest_event``: the height in mm up to which nothing happens, the room for a ribbon.
+    ``vertices`` their numbers, ``peaks`` ``(n,)`` which of them are peaks, alternately; ``directions`` ``(n, 2)`` unit
+    vectors of the sides after them; ``pockets`` ``(n,)`` for each a set of pockets that it belongs to, as bits.
+    """
+
+    vertices: list[int]
+    peaks: Bools
+    directions: Floats
+    pockets: Ints
+
+
+class Molecule:
+    """The facets of a molecule and their order from top to bottom, going around from the root.
+
+    Facet k begins at the border between turns k and k + 1. ``sign`` is +1 when heights count upwards; ``limit`` is
+    where an unbounded molecule ends, None for a bounded one; ``size`` is what ties are relative to; ``turned``: the
+    pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
+    nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border. Raises ``UnfoldableError`` when the molecule does not close.
     """
 
     def __init__(
-        self,
-        vertices: Vertices,
-        corners: list[int],
-        feet: list[int],
-        directions: Floats,
-        reach: Floats,
-        depth: Floats,
-        *,
-        sign: int,
-        limit: float | None,
-        size: float,
+        self, vertices: Vertices, border: Border, *, sign: int, limit: float | None, size: float, turned: int = 0
     ) -> None:
         self.vertices = vertices
         self.sign = sign
         self.limit = math.inf if limit is None else limit
         self.tie = TIE * size
-        self.facets: list[_Facet] = []
+        self.turned = turned
         self.gussets = 0
         self.lowest_event = math.inf
         self.first_vertex = len(vertices.flat)
-        self.side_facets: list[list[int]] = []
-        count = len(corners)
-        for k, corner in enumerate(corners):
-            following = corners[(k + 1) % count]
-            if feet[k] < 0:
-                self.side_facets.append([self._facet([corner], [following])])
-            else:
-                self.side_facets.append([self._facet([corner], [feet[k]]), self._facet([feet[k]], [following])])
-        if feet[-1] < 0:
-            self.order = [facet for side in self.side_facets for facet in side]
-        else:
-            around = [self.side_facets[-1][1], *(facet for side in self.side_facets for facet in side)]
-            self.order = around[:-1]
-        first = []
-        for k, corner in enumerate(corners):
-            position = np.array(vertices.flat[corner])
-            before, after = self.side_facets[k - 1][-1], self.side_facets[k][0]
-            valley = feet[k] < 0 and reach[(k + 1) % count] > reach[k]
-            first.append(
-                _Corner(position, 0.0, float(reach[k]), directions[k - 1], directions[k], before, after, corner, valley)
+        count = self.border_facets = len(border.vertices)
+        self.facets = [_Facet([a], [b]) for a, b in zip(border.vertices, _after(border.vertices), strict=True)]
+        self.order = list(range(count))
+        turns = [
+            _Turn(
+                np.array(vertices.flat[v]),
+                0.0,
+                vertices.folded[v][0],
+                bool(border.peaks[k]),
+                border.directions[k - 1],
+                border.directions[k],
+                (k - 1) % count,
+                k,
+                v,
+                int(border.pockets[k]),
             )
-        stack = [_Part(first, [float(d) for d in depth], 0.0, limit is not None)]
+            for k, v in enumerate(border.vertices)
+        ]
+        stack = [_Part(turns, 0.0, limit is not None)]
         steps = 0
         while stack:
             part = stack.pop()
             stack += self._step(part)
             steps += 1
-            if steps > 50 * len(corners) + 100:
+            if steps > 50 * count + 100:
                 raise self._lost(part, "no end of events")
 
     def rings(self) -> list[list[int]]:
         """The outlines of the facets, by facet number."""
         return [facet.ring() for facet in self.facets]
 
-    def _facet(self, start: list[int], end: list[int]) -> int:
-        self.facets.append(_Facet(start, end))
+    def _facet(self, start: int, end: int) -> int:
+        self.facets.append(_Facet([start], [end]))
         return len(self.facets) - 1
 
     def _lost(self, part: _Part, why: str) -> UnfoldableError:
-        x, y = part.corners[0].position
-        return UnfoldableError(f"the molecule of {len(part.corners)} corners near ({x:.3f}, {y:.3f}) mm: {why}")
-
-    # --- one event
+        x, y = part.turns[0].position
+        return UnfoldableError(f"the molecule of {len(part.turns)} turns near ({x:.3f}, {y:.3f}) mm: {why}")
 
     def _step(self, part: _Part) -> list[_Part]:
         """Move a part up to its next event and return what becomes of it."""
-        if len(part.corners) == 2:
-            self._close(part)
+        if len(part.turns) == 2:
+            self._raise(part, _State(part, self.turned), 0.0)
             return []
-        state = _State(part)
-        for k, corner in enumerate(part.corners):
-            if corner.spike:
+        state = _State(part, self.turned)
+        for k, turn in enumerate(part.turns):
+            if turn.spike:
                 return [self._zip(part, state, k)]
-        merge, merge_time = state.next_merge(self.tie)
-        turn, turn_time = state.next_turn(self.tie)
-        first = min(merge_time, turn_time)
-        if first > 0 and (pair := state.coincident(self.tie)):
+        collapse = state.next_collapse(self.tie)
+        if collapse > 0 and (pair := state.coincident(self.tie)):
             return self._pinch(part, state, *pair)
-        gusset = state.next_gusset(first, self.tie)
-        event = part.height + min(first, gusset[0] if gusset else math.inf)
+        crossing = state.next_crossing(self.tie)
+        gusset = state.next_gusset(min(collapse, crossing), self.tie)
+        if gusset is None and crossing < collapse and part.height + crossing <= self.limit:
+            return [_Part(part.turns, part.height + crossing, part.unbounded)]
+        event = part.height + (collapse if gusset is None else gusset.time)
         self.lowest_event = min(self.lowest_event, event)
-        if gusset is not None and part.height + gusset[0] <= self.limit:
-            return self._split(part, state, *gusset)
-        if part.height + first > self.limit:
-            self._end(part, state)
+        if event > self.limit:
+            self._raise(part, state, self.limit - part.height)
             return []
-        if not math.isfinite(first):
+        if gusset is not None:
+            return self._split(part, state, gusset)
+        if not math.isfinite(collapse):
             raise self._lost(part, "no event")
-        if merge_time <= turn_time:
-            return [self._merge(part, state, merge, merge_time)]
-        return [self._turn(part, state, turn, turn_time)]
+        return self._collapse(part, state, collapse)
 
     def _vertex_at(self, position: Floats, x: float, height: float) -> int:
         """The vertex of this molecule at a place, or a new one; events at one place share it."""
-        return self.vertices.at(position, (x, self.sign * height), self.tie, self.first_vertex)
+        return self.vertices.at(position, (float(x), self.sign * height), self.tie, self.first_vertex)
 
-    def _push(self, corner: _Corner, vertex: int) -> None:
-        """Let a corner's trajectory go on to ``vertex``."""
-        for chain in (self.facets[corner.before].end, self.facets[corner.after].start):
+    def _push(self, turn: _Turn, vertex: int) -> None:
+        """Let a turn's trajectory go on to ``vertex``."""
+        for chain in (self.facets[turn.before].end, self.facets[turn.after].start):
             if chain[-1] != vertex:
                 chain.append(vertex)
-        corner.vertex = vertex
+        turn.vertex = vertex
 
-    def _merge(self, part: _Part, state: _State, k: int, time: float) -> _Part:
-        corners = part.corners
-        after = (k + 1) % len(corners)
-        one, other = corners[k], corners[after]
-        position, reach = state.positions(time), state.reaches(time)
-        height = part.height + time
-        place, x = (position[k] + position[after]) / 2, float(reach[k] + reach[after]) / 2
-        vertex = self._vertex_at(place, x, height)
-        self._push(one, vertex)
-        self._push(other, vertex)
-        rest = corners[k + 2 :] + corners[:k] if after else corners[1:k]
-        depth = part.depth[k + 1 :] + part.depth[:k] if after else part.depth[:k]
-        merged = _Corner(place, height, x, one.arriving, other.leaving, one.before, other.after, vertex)
-        # a valley if the walk goes up from here; the way there tells where the side after is without length
-        nearest = [(depth[0], state.reaches(time)[(k + 2) % len(corners)]), (depth[-1], state.reaches(time)[k - 1])]
-        merged.valley = any(d == NO_FOOT and r > x + self.tie for d, r in nearest)
-        return _Part([merged, *rest], depth, height, part.unbounded)
+    def _raise(self, part: _Part, state: _State, time: float) -> None:
+        """Let all turns go on to the same height, and end there."""
+        for turn, position, x in zip(part.turns, state.positions(time), state.images(time), strict=True):
+            self._push(turn, self._vertex_at(position, x, part.height + time))
+
+    def _joined(self, run: list[_Turn], position: Floats, x: float, height: float) -> _Turn:
+        """The one turn that is left of some in a row that have met, the outer of which are of one kind."""
+        vertex = self._vertex_at(position, x, height)
+        for turn in run:
+            self._push(turn, vertex)
+        first, last = run[0], run[-1]
+        pockets = 0
+        for turn in run:
+            pockets |= turn.pockets
+        return _Turn(
+            position, height, x, first.peak, first.arriving, last.leaving, first.before, last.after, vertex, pockets
+        )
+
+    def _collapse(self, part: _Part, state: _State, time: float) -> list[_Part]:
+        """Join the turns between which there is nothing left."""
+        turns, height = part.turns, part.height + time
+        position, x = state.positions(time), state.images(time)
+        gone = state.lengths(time) <= self.tie
+        count = len(turns)
+        if gone.sum() >= count - 1:
+            self._raise(part, state, time)
+            return []
+        start = int(np.flatnonzero(~gone)[0]) + 1  # the first turn of a run
+        runs: list[list[int]] = []
+        for n in range(count):
+            k = (start + n) % count
+            if n and gone[k - 1]:
+                runs[-1].append(k)
+            else:
+                runs.append([k])
+        left = []
+        cut = 0
+        for run in runs:
+            if len(run) % 2 == 0:
+                raise self._lost(part, "a flap has no length left")
+            if 0 in run:
+                cut = len(left)
+            if len(run) == 1:
+                left.append(turns[run[0]])
+            else:
+                middle = position[run].mean(axis=0)
+                left.append(self._joined([turns[k] for k in run], middle, float(x[run].mean()), height))
+        return [_Part(left[cut:] + left[:cut], height, part.unbounded)]
 
     def _zip(self, part: _Part, state: _State, k: int) -> _Part:
-        r"""The two sides at a spike lie on each other: join them along a ridge as far as the shorter one goes.
+        """The sides at a spike lie on each other: join them along a ridge up to the turns next to it."""
+        turns, count = part.turns, len(part.turns)
+        before, after = (k - 1) % count, (k + 1) % count
+        position, length = state.positions(0.0), state.lengths(0.0)
+        x = state.images(0.0)
+        if abs(length[before] - length[k]) > self.tie:
+            raise self._lost(part, "turns do not match along a ridge")
+        self._push(turns[k], self._vertex_at(position[k], x[k], part.height))
+        place = (position[before] + position[after]) / 2
+        vertex = self._vertex_at(place, x[before], part.height)
+        one, other = turns[before], turns[after]
+        self._push(one, vertex)
+        self._push(other, vertex)
+        joined = _Turn(
+            place,
+            part.height,
+            float(x[before]),
+            one.peak,
+            one.arriving,
+            other.leaving,
+            one.before,
+            other.after,
+            vertex,
+            one.pockets | other.pockets,
+        )
+        rest = [turns[(after + n) % count] for n in range(1, count - 2)]
+        ring = [joined, *rest]
+        cut = 0 if {before, k, after} & {0} else ring.index(turns[0])
+        return _Part(ring[cut:] + ring[:cut], part.height, part.unbounded)
+
+    def _split(self, part: _Part, state: _State, gusset: _Gusset) -> list[_Part]:
+        r"""Split a part along the crease between turns i and j, which wraps the turns between them.
 
         ::
 
-              a --------w---- c        the ridge from c to a, with w where the feet of both sides end
-              b ------------ /
+              i --- m --- j        the perpendicular crease through m is where the tree's path turns; if it does not,
+                                   i is the path's one end and j the other, and there is no m
         """
-        corners, count = part.corners, len(part.corners)
-        place, reach = state.positions(0.0), state.reaches(0.0)
-        spike = corners[k]
-        lengths = [math.dist(place[k - 1], place[k]), math.dist(place[k], place[(k + 1) % count])]
-        forward = lengths[0] <= lengths[1]  # then the side before the spike is used up
-        near, far = (k - 1) % count if forward else (k + 1) % count, (k + 1) % count if forward else (k - 1) % count
-        used, left = ((k - 1) % count, k) if forward else (k, (k - 1) % count)  # sides
-        self._push(corners[near], self._vertex_at(place[near], float(reach[near]), part.height))
-        end = corners[near].vertex
-        depth = part.depth.copy()
-
-        def facets(side: int) -> tuple[_Facet, _Facet]:
-            return self.facets[corners[side].after], self.facets[corners[(side + 1) % count].before]
-
-        level = float(reach[near]) if depth[used] == NO_FOOT else depth[used]
-        direction = (place[near] - place[k]) / max(min(lengths), 1e-300)
-        foot = end
-        if depth[used] != NO_FOOT:
-            foot = self._vertex_at(place[k] + direction * (float(reach[k]) - level), level, part.height)
-        rest = spike.after if forward else spike.before
-        if depth[left] != NO_FOOT and abs(depth[left] - level) <= self.tie:
-            rest = corners[far].before if forward else corners[far].after
-        for side in (used, left):
-            if depth[side] != NO_FOOT and abs(depth[side] - level) <= self.tie:
-                before, after = facets(side)
-                before.end.append(foot)
-                after.start.append(foot)
-                depth[side] = NO_FOOT
-        chain = self.facets[rest].start if forward else self.facets[rest].end
-        if chain[-1] != end:
-            chain.append(end)
-        old = corners[near]
-        if forward:
-            new = _Corner(
-                place[near], part.height, float(reach[near]), old.arriving, spike.leaving, old.before, rest, end
-            )
-        else:
-            new = _Corner(
-                place[near], part.height, float(reach[near]), spike.arriving, old.leaving, rest, old.after, end
-            )
-        new.valley = old.valley
-        kept = [c for n, c in enumerate(corners) if n != k]
-        kept[kept.index(old)] = new
-        depth = [depth[left if forward and n == near else n] for n in range(count) if n != k]
-        return _Part(kept, depth, part.height, part.unbounded)
-
-    def _turn(self, part: _Part, state: _State, k: int, time: float) -> _Part:
-        corners = part.corners
-        corner, height = corners[k], part.height + time
-        before, after = corners[k - 1], corners[(k + 1) % len(corners)]
-        place, x = state.positions(time)[k], part.depth[k]
-        vertex = self._vertex_at(place, x, height)
-        self._push(corner, vertex)
-        self.facets[before.after].end.append(vertex)
-        self.facets[after.before].start.append(vertex)
-        turned = _Corner(
-            place, height, x, corner.arriving, corner.leaving, before.after, after.before, vertex, valley=True
-        )
-        depth = part.depth.copy()
-        depth[k - 1] = depth[k] = NO_FOOT
-        return _Part([*corners[:k], turned, *corners[k + 1 :]], depth, height, part.unbounded)
-
-    def _split(self, part: _Part, state: _State, time: float, i: int, j: int, depth: float) -> list[_Part]:
-        """Split a part along the crease between corners i < j."""
-        corners, height = part.corners, part.height + time
-        one, other = corners[i], corners[j]
-        position, reach = state.positions(time), state.reaches(time)
+        turns, height = part.turns, part.height + gusset.time
+        position, x = state.positions(gusset.time), state.images(gusset.time)
+        i, j = gusset.first, gusset.last
+        one, other = turns[i], turns[j]
         self.gussets += 1
         for k in (i, j):
-            self._push(corners[k], self._vertex_at(position[k], float(reach[k]), height))
+            self._push(turns[k], self._vertex_at(position[k], x[k], height))
         along = (position[j] - position[i]) / math.dist(position[i], position[j])
-        from_i, from_j = float(reach[i]) - depth, float(reach[j]) - depth
-        if min(from_i, from_j) > self.tie:
-            foot = self._vertex_at(position[i] + along * from_i, depth, height)
-            near_i = [self._facet([foot], [one.vertex]), self._facet([one.vertex], [foot])]  # in A, in B
-            near_j = [self._facet([other.vertex], [foot]), self._facet([foot], [other.vertex])]
-            side = depth
-        elif one.valley or other.valley:
-            in_a = self._facet([other.vertex], [one.vertex])
-            in_b = self._facet([one.vertex], [other.vertex])
-            near_i = near_j = [in_a, in_b]
-            side = NO_FOOT
+        far_i, far_j = (abs(float(x[k]) - gusset.x) for k in (i, j))
+        middle: _Turn | None = None
+        if min(far_i, far_j) > self.tie:
+            if one.peak != other.peak:
+                raise self._lost(part, "a gusset between a peak and a valley")
+            place = position[i] + along * far_i
+            vertex = self._vertex_at(place, gusset.x, height)
+            wrapped = [self._facet(other.vertex, vertex), self._facet(vertex, one.vertex)]  # after j, before i
+            around = [self._facet(one.vertex, vertex), self._facet(vertex, other.vertex)]  # after i, before j
+            self._insert_before(one.after, [around[0], wrapped[1]])
+            self._insert_after(other.before, [wrapped[0], around[1]])
+            middle = _Turn(place, height, gusset.x, not one.peak, along, along, around[0], around[1], vertex, 0)
         else:
-            raise self._lost(part, "a flap has no length left")
-        if not one.valley:
-            self._insert(one.before, [near_i[1], near_i[0]])
-        if not other.valley and not (near_i is near_j and not one.valley):
-            self._insert(other.before, near_j)
+            if one.peak == other.peak:
+                raise self._lost(part, "a flap has no length left")
+            wrapped = [self._facet(other.vertex, one.vertex)] * 2
+            around = [self._facet(one.vertex, other.vertex)] * 2
+            if far_i <= self.tie:
+                self._insert_after(other.before, [wrapped[0], around[1]])
+            else:
+                self._insert_before(one.after, [around[0], wrapped[1]])
 
-        def corner(k: int, arriving: Floats, leaving: Floats, before: int, after: int) -> _Corner:
-            old = corners[k]
-            return _Corner(
-                position[k], height, float(reach[k]), arriving, leaving, before, after, old.vertex, old.valley
+        def turn(k: int, arriving: Floats, leaving: Floats, before: int, after: int) -> _Turn:
+            old = turns[k]
+            return _Turn(
+                position[k], height, float(x[k]), old.peak, arriving, leaving, before, after, old.vertex, old.pockets
             )
 
-        a = [corner(i, -along, one.leaving, near_i[0], one.after), *corners[i + 1 : j]]
-        a.append(corner(j, other.arriving, -along, other.before, near_j[0]))
-        b = [corner(j, along, other.leaving, near_j[1], other.after), *corners[j + 1 :], *corners[:i]]
-        b.append(corner(i, one.arriving, along, one.before, near_i[1]))
-        parts = []
-        for some, depths in (
-            (a, [*part.depth[i:j], side]),
-            (b, [*part.depth[j:], *part.depth[:i], side]),
-        ):
-            # The turning number tells the unbounded part of the outside from a pocket.
-            unbounded = part.unbounded and sum(math.pi - c.angle for c in some) < 0
-            parts.append(_Part(some, depths, height, unbounded))
-        return parts
+        count = len(turns)
+        between = [turns[k % count] for k in range(i + 1, j if j > i else j + count)]
+        inner = [turn(i, -along, one.leaving, wrapped[1], one.after), *between]
+        inner.append(turn(j, other.arriving, -along, other.before, wrapped[0]))
+        if middle is not None:
+            inner.insert(0, _Turn(middle.position, height, middle.x, middle.peak, -along, -along, *wrapped, vertex, 0))
+        elif far_i > self.tie:
+            inner.insert(0, inner.pop())
+        last, first = (
+            turn(i, one.arriving, along, one.before, around[0]),
+            turn(j, along, other.leaving, around[1], other.after),
+        )
+        new = [last, first] if middle is None else [last, middle, first]
+        outer = [*turns[:i], *new, *turns[j + 1 :]] if i < j else [new[-1], *turns[1:i], *new[:-1]]
+        return [self._part(inner, height, part), self._part(outer, height, part)]
+
+    def _part(self, turns: list[_Turn], height: float, whole: _Part) -> _Part:
+        """What a part falls into; the turning number tells the unbounded one from a pocket."""
+        return _Part(turns, height, whole.unbounded and sum(math.pi - turn.angle for turn in turns) < 0)
 
     def _pinch(self, part: _Part, state: _State, i: int, j: int) -> list[_Part]:
-        """Two corners that are not neighbours meet in a point: the part falls in two, and no crease is needed."""
-        corners, height = part.corners, part.height
-        one, other = corners[i], corners[j]
-        place, reach = state.positions(0.0)[i], state.reaches(0.0)
-        x = float(reach[i])
+        """Two turns i < j that are not neighbours meet in a point: the part falls in two, and no crease is needed."""
+        turns, height = part.turns, part.height
+        one, other = turns[i], turns[j]
+        place, x = state.positions(0.0)[i], float(state.images(0.0)[i])
         vertex = self._vertex_at(place, x, height)
         self._push(one, vertex)
         self._push(other, vertex)
-        parts = []
-        for first, last, rest, depth, steps in (
-            (one, other, corners[i + 1 : j], part.depth[i:j], (i + 1, j - 1)),
-            (
-                other,
-                one,
-                [*corners[j + 1 :], *corners[:i]],
-                [*part.depth[j:], *part.depth[:i]],
-                ((j + 1) % len(corners), i - 1),
-            ),
-        ):
-            corner = _Corner(place, height, x, last.arriving, first.leaving, last.before, first.after, vertex)
-            ways = ((depth[0], reach[steps[0]]), (depth[-1], reach[steps[1]]))
-            corner.valley = any(d == NO_FOOT and r > x + self.tie for d, r in ways)
-            some = [corner, *rest]
-            unbounded = part.unbounded and sum(math.pi - c.angle for c in some) < 0
-            parts.append(_Part(some, list(depth), height, unbounded))
-        return parts
 
-    def _insert(self, before: int, facets: list[int]) -> None:
-        place = self.order.index(before) + 1
-        self.order[place:place] = facets
+        def joined(last: _Turn, first: _Turn) -> _Turn:
+            return _Turn(
+                place, height, x, first.peak, last.arriving, first.leaving, last.before, first.after, vertex, 0
+            )
 
-    def _close(self, part: _Part) -> None:
-        """Two corners are left: the ridge between them, with a point where feet end on it."""
-        one, other = part.corners
-        state = _State(part)
-        position, reach = state.positions(0.0), state.reaches(0.0)
-        length = math.dist(position[0], position[1])
-        for corner, place, x in zip(part.corners, position, reach, strict=True):
-            self._push(corner, self._vertex_at(place, float(x), part.height))
-        depth = min(part.depth)
-        if depth == NO_FOOT:
-            return
-        from_one = float(reach[0]) - depth
-        if from_one <= self.tie or length <= self.tie:
-            foot = one.vertex
-        elif length - from_one <= self.tie:
-            foot = other.vertex
-        else:
-            place = position[0] + (position[1] - position[0]) * (from_one / length)
-            foot = self._vertex_at(place, depth, part.height)
-        for k, (start, end) in enumerate(((one, other), (other, one))):
-            if part.depth[k] != NO_FOOT:
-                self.facets[start.after].end.append(foot)
-                self.facets[end.before].start.append(foot)
+        inner = [joined(other, one), *turns[i + 1 : j]]
+        outer = [*turns[:i], joined(one, other), *turns[j + 1 :]]
+        return [self._part(inner, height, part), self._part(outer, height, part)]
 
-    def _end(self, part: _Part, state: _State) -> None:
-        """The unbounded part has reached its limit: corners and feet go on to there."""
-        time = self.limit - part.height
-        position, reach = state.positions(time), state.reaches(time)
-        for k, corner in enumerate(part.corners):
-            self._push(corner, self.vertices.add(position[k], (float(reach[k]), self.sign * self.limit)))
-        for k, corner in enumerate(part.corners):
-            if part.depth[k] == NO_FOOT:
-                continue
-            following = part.corners[(k + 1) % len(part.corners)]
-            foot = self.facets[corner.after].end[-1]
-            rise = self.limit - abs(self.vertices.folded[foot][1])
-            place = np.array(self.vertices.flat[foot]) + left_normal(corner.leaving) * rise
-            end = self.vertices.add(place, (part.depth[k], self.sign * self.limit))
-            self.facets[corner.after].end.append(end)
-            self.facets[following.before].start.append(end)
+    def _insert_before(self, facet: int, new: list[int]) -> None:
+        place = self.order.index(facet)
+        self.order[place:place] = new
+
+    def _insert_after(self, facet: int, new: list[int]) -> None:
+        place = self.order.index(facet) + 1
+        self.order[place:place] = new
+
+
+@dataclass(frozen=True)
+class _Gusset:
+    """When a gusset crease forms, from turn ``first`` on to turn ``last``, and the x where its path turns."""
+
+    time: float
+    first: int
+    last: int
+    x: float
 
 
 class _State:
-    """A part's corners as arrays, at its own height."""
+    """A part's turns as arrays, at its own height."""
 
-    def __init__(self, part: _Part) -> None:
+    def __init__(self, part: _Part, turned: int) -> None:
         self.part = part
-        corners = part.corners
-        rise = np.array([part.height - c.height for c in corners])
-        self.velocity = np.array([c.velocity for c in corners])
-        self.slope = np.array([c.slope for c in corners])
-        self.shrink = np.array([c.shrink for c in corners])
-        self.position = np.array([c.position for c in corners]) + self.velocity * rise[:, None]
-        self.reach = np.array([c.reach for c in corners]) + self.slope * rise
-        self.valley = np.array([c.valley for c in corners])
-        self.depth = np.array(part.depth)
+        turns = part.turns
+        rise = np.array([part.height - t.height for t in turns])
+        self.velocity = np.array([t.velocity for t in turns])
+        self.slope = np.array([t.slope for t in turns])
+        self.shrink = np.array([t.shrink for t in turns])
+        self.position = np.array([t.position for t in turns]) + self.velocity * rise[:, None]
+        self.x = np.array([t.x for t in turns]) + self.slope * rise
+        self.peak = np.array([t.peak for t in turns])
+        self.up = np.where(self.peak, 1.0, -1.0)
+        pockets = np.array([t.pockets for t in turns])
+        self.turned = (pockets & turned) if turned else np.zeros(len(turns), dtype=np.int64)
 
     def positions(self, time: float) -> Floats:
         moved: Floats = self.position + self.velocity * time
         return moved
 
-    def reaches(self, time: float) -> Floats:
-        reaches: Floats = self.reach + self.slope * time
-        return reaches
+    def images(self, time: float) -> Floats:
+        images: Floats = self.x + self.slope * time
+        return images
 
-    def next_merge(self, tie: float) -> tuple[int, float]:
-        """The side that vanishes first, and when."""
-        following = np.roll(self.reach, -1)
-        lowest = np.where(np.isinf(self.depth), np.minimum(self.reach, following), self.depth)
-        length = self.reach + following - 2 * lowest
+    def lengths(self, time: float) -> Floats:
+        """The lengths of the stretches of border after the turns."""
+        x = self.images(time)
+        lengths: Floats = self.up * (x - np.roll(x, -1))
+        return lengths
+
+    def next_collapse(self, tie: float) -> float:
+        """When the next stretches of border vanish."""
+        length = self.lengths(0.0)
         rate = self.shrink + np.roll(self.shrink, -1)
         with np.errstate(all="ignore"):
             time = np.where(rate > 0, np.maximum(length, 0.0) / rate, np.inf)
-        time = np.where(length <= tie, 0.0, time)
-        k = int(time.argmin())
-        return k, float(time[k])
+        return float(np.where(length <= tie, 0.0, time).min())
+
+    def next_crossing(self, tie: float) -> float:
+        """When the next of two valleys, or of two peaks, passes the other's image: paths in the tree change."""
+        if not (self.slope[~self.peak].any() or self.turned.any()):
+            return math.inf
+        best = math.inf
+        for kind in (self.peak, ~self.peak) if self.turned.any() else (~self.peak,):
+            x, slope = self.x[kind], self.slope[kind]
+            apart, closing = x[:, None] - x, slope - slope[:, None]
+            with np.errstate(all="ignore"):
+                time = np.where((apart > tie) & (closing > 0), apart / closing, np.inf)
+            best = min(best, float(time.min(initial=np.inf)))
+        return best
 
     def coincident(self, tie: float) -> tuple[int, int] | None:
-        """Two corners, not neighbours, that are in the same place now, both on the sheet and when folded."""
-        count = len(self.reach)
-        for i in range(count):
-            for j in range(i + 2, count - (i == 0)):
-                apart = np.abs(self.position[i] - self.position[j])
-                if apart.max() <= tie and abs(self.reach[i] - self.reach[j]) <= tie:
-                    return i, j
+        """Two turns, not neighbours, that are in the same place now, both on the sheet and when folded."""
+        near = np.abs(self.x[:, None] - self.x) <= tie
+        near &= np.abs(self.position[:, None] - self.position).max(axis=2) <= tie
+        for i, j in np.argwhere(np.triu(near, 2)).tolist():
+            if (i or j < len(self.x) - 1) and self.peak[i] == self.peak[j]:
+                return i, j
         return None
 
-    def next_turn(self, tie: float) -> tuple[int, float]:
-        """The peak that comes down to its two feet, if these are lower than all others, and when."""
-        if self.valley.any() or len(self.depth) < 3:
-            return -1, math.inf
-        before = np.roll(self.depth, 1)
-        lowest = float(self.depth.min())
-        level = np.flatnonzero(self.depth <= lowest + tie)
-        if len(level) != 2:
-            return -1, math.inf
-        for k in np.flatnonzero((before <= lowest + tie) & (self.depth <= lowest + tie)):
-            if self.shrink[k] > 0:
-                return int(k), max(0.0, float((self.reach[k] - lowest) / self.shrink[k]))
-        return -1, math.inf
+    def _pairs(self, tie: float) -> tuple[Ints, Ints, Ints]:
+        """Pairs of turns that may come too near, and the turn between them where the tree's path turns.
 
-    def tree_depths(self, time: float) -> Floats:
-        """The depth where the paths from two corners meet in the tree, ``(k, k)``: the higher of the lowest ways."""
-        count = len(self.depth)
-        low = np.full((count, count), np.inf)
-        own = np.where(self.valley, self.reaches(time), np.inf)
+        A pair goes from the first on to the last and around what lies between. Pairs with the turn 0, where the list
+        of the layers is cut, go both ways.
+        """
+        count = len(self.x)
+        bent = np.abs(self.shrink) > 1e-12
+        leaf = {0: self.peak | bent, 1: ~self.peak | bent}
+        # the root is a leaf, too, when it alone is the lowest
+        root_is_leaf = bool((self.x[1:] > self.x[0] + tie).all())
+        first, last, at = [], [], []
+        place = np.arange(count + 1) % count
+        x = self.x[place]
         for i in range(count):
-            # going round from corner i: its foot, the next corner if a valley, its foot, ...
-            way = np.empty(2 * count)
-            way[0::2] = np.roll(self.depth, -i)
-            way[1::2] = np.roll(own, -i - 1)
-            low[i, (i + 1 + np.arange(count)) % count] = np.minimum.accumulate(way)[0::2]
-        meet = np.maximum(low, low.T)
-        lowest: Floats = np.minimum(meet, np.minimum(own[:, None], own[None]))
-        return lowest
+            js = np.arange(i + 2, count + 1 if i else count - 1)
+            if not len(js):
+                continue
+            way = x[i : js[-1] + 1]
+            steps = np.arange(len(way))
+            lowest = np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way), steps, 0))
+            highest = np.maximum.accumulate(np.where(way >= np.maximum.accumulate(way), steps, 0))
+            j = place[js]
+            turned = (self.turned[i] & self.turned[j]) != 0
+            where = np.where(turned, highest[js - i], lowest[js - i]) + i
+            keep = np.where(turned, leaf[1][i] & leaf[1][j], leaf[0][i] & leaf[0][j])
+            if root_is_leaf:
+                keep |= ~turned & ((i == 0) | (j == 0))
+            first.append(np.full(int(keep.sum()), i))
+            last.append(j[keep])
+            at.append(place[where[keep]])
+        if not first:
+            none = np.zeros(0, dtype=np.int64)
+            return none, none, none
+        return np.concatenate(first), np.concatenate(last), np.concatenate(at)
 
-    def next_gusset(self, before: float, tie: float) -> tuple[float, int, int, float] | None:
-        """The first pair that comes too near before the given time: (time, i, j, depth of the foot between)."""
-        count = len(self.depth)
-        if count < 4:
+    def next_gusset(self, before: float, tie: float) -> _Gusset | None:
+        """The first pair that comes too near before the given time."""
+        if len(self.x) < 4:
             return None
-        i, j = np.triu_indices(count, 2)
-        inner = ~((i == 0) & (j == count - 1))
-        i, j = i[inner], j[inner]
-        meet = self.tree_depths(0.0)[i, j]
+        i, j, at = self._pairs(tie)
         apart, parting = self.position[j] - self.position[i], self.velocity[j] - self.velocity[i]
-        soon = 1e3 * tie
-        meet_slope = np.zeros(len(i))
-        if self.valley.any():
-            known = np.isfinite(meet)
-            meet_slope[known] = (self.tree_depths(soon)[i, j][known] - meet[known]) / soon
-        path = self.reach[i] + self.reach[j] - 2 * meet
-        path_slope = self.slope[i] + self.slope[j] - 2 * meet_slope
+        sign = np.where((self.turned[i] & self.turned[j]) != 0, -1.0, 1.0)
+        path = sign * (self.x[i] + self.x[j] - 2 * self.x[at])
+        path_slope = sign * (self.slope[i] + self.slope[j] - 2 * self.slope[at])
         distance = np.hypot(apart[:, 0], apart[:, 1])
         a = (parting**2).sum(axis=1) - path_slope**2
         b = 2 * ((apart * parting).sum(axis=1) - path * path_slope)
@@ -544,29 +525,29 @@ class _State:
         time[distance < path - 1e3 * tie] = np.inf  # it was too near from the start: see the search
         time[np.isnan(time) | (time < 0)] = np.inf
         if math.isfinite(before):
-            # a tie with a merge or a turn is theirs
+            # a tie with a collapse is the collapse's
             then = apart + parting * before
             time[path + path_slope * before - np.hypot(then[:, 0], then[:, 1]) <= tie] = np.inf
         for n in np.argsort(time, kind="stable"):
             if time[n] > before or not math.isfinite(time[n]):
                 break
             if self.sees(float(time[n]), int(i[n]), int(j[n])):
-                depth = float(meet[n] + meet_slope[n] * time[n])
-                return float(time[n]), int(i[n]), int(j[n]), depth
+                x = float(self.x[at[n]] + self.slope[at[n]] * time[n])
+                return _Gusset(float(time[n]), int(i[n]), int(j[n]), x)
         return None
 
     def sees(self, time: float, i: int, j: int) -> bool:
-        """Whether the segment between two corners lies inside the part."""
-        corners, place = self.part.corners, self.positions(time)
+        """Whether the segment between two turns lies inside the part."""
+        turns, place = self.part.turns, self.positions(time)
         line = place[j] - place[i]
         if not line.any():
             return False
         for k, toward in ((i, line), (j, -line)):
-            leaving = corners[k].leaving
-            turn = math.atan2(float(cross(leaving, toward)), float(leaving @ toward)) % (2 * math.pi)
-            if not 1e-9 < turn < corners[k].angle - 1e-9:
+            leaving = turns[k].leaving
+            angle = math.atan2(float(cross(leaving, toward)), float(leaving @ toward)) % (2 * math.pi)
+            if not 1e-9 < angle < turns[k].angle - 1e-9:
                 return False
-        count = len(corners)
+        count = len(turns)
         others = np.array(
             [k for k in range(count) if k not in (i, j) and (k + 1) % count not in (i, j)], dtype=np.int64
         )
@@ -575,17 +556,14 @@ class _State:
 
 
 def _crosses(origin: Floats, line: Floats, start: Floats, end: Floats) -> Bools:
-    """Which segments start-end meet the segment from ``origin`` along ``line``."""
+    """Which segments start-end meet the segment from ``origin`` along ``line``; those on one line with it do not."""
     side_start, side_end = cross(line, start - origin), cross(line, end - origin)
     along = end - start
     near, far = cross(along, origin - start), cross(along, origin + line - start)
-    return (side_start * side_end <= 0) & (near * far <= 0)
+    level = 1e-10 * np.hypot(along[:, 0], along[:, 1]) * math.hypot(*line)
+    in_line = (np.abs(side_start) <= level) & (np.abs(side_end) <= level)
+    return (side_start * side_end <= 0) & (near * far <= 0) & ~in_line
 
 
-def partners(inside: Molecule, outside: Molecule) -> dict[int, int]:
-    """For each facet of the outside molecule at the border, the facet inside that it is one face with."""
-    joined: dict[int, int] = {}
-    last = -1 if len(inside.side_facets[-1]) == 1 else -2  # the side of the reversed chain that is our side 0
-    for k, facets in enumerate(inside.side_facets):
-        joined.update(zip(reversed(outside.side_facets[(last - k) % len(inside.side_facets)]), facets, strict=True))
-    return joined
+def _after(numbers: list[int]) -> list[int]:
+    return numbers[1:] + numbers[:1]

@@ -1,0 +1,554 @@
+"""Where on the cut line the boundary of a shape turns to and fro, by linear programming.
+
+Outline, turns, wishes -> ``Walk`` (see ``compact`` and ``universal``).
+
+The unknowns are the images x of all turns. Between two turns x changes by what lies between them on the side of the
+shape; so the images say where on their sides the turns are that are no corners. What is needed for the molecules to
+close is that turns that see each other, inside or outside, are no nearer to each other than their images along the
+tree. For turns i and j that is x_i + x_j - 2 x_m for the lowest turn m between them, on the side away from the root;
+in pockets that are turned, 2 x_m - x_i - x_j for the highest. These conditions are linear, and are added where a
+solution breaks one. The distance between turns that are no corners is a convex function of the images, so its tangent
+at the last solution is on the safe side.
+
+As long as there is no solution, stretches of the boundary are left out: they are the places where turns are missing.
+
+Source: Lang's tree method (*Origami Design Secrets*, chapter 11); trees whose leaves are on a closed walk, in order, are
+heights over the root.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import highspy
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from foldcut.compact import Walk
+from foldcut.model import Bools, Floats, Ints
+from foldcut.plane import cross
+from foldcut.skeleton import Node, corner_lives, side_nodes
+
+ROUNDS = 40
+SEEN = 1e-9  # radians
+MOST_POCKETS = 62
+
+
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """The boundary of a shape, ``loop`` ``(n, 2)`` mm counter-clockwise, and what is known of it."""
+
+    loop: Floats
+
+    @cached_property
+    def along(self) -> Floats:
+        """The sides as vectors, ``(n, 2)``."""
+        vectors: Floats = np.roll(self.loop, -1, axis=0) - self.loop
+        return vectors
+
+    @cached_property
+    def length(self) -> Floats:
+        """The lengths of the sides."""
+        lengths: Floats = np.hypot(*self.along.T)
+        return lengths
+
+    @cached_property
+    def direction(self) -> Floats:
+        """Unit vectors of the sides."""
+        return np.asarray(self.along / self.length[:, None])
+
+    @cached_property
+    def turning(self) -> Floats:
+        """By how much the boundary turns left at each corner, in radians."""
+        before = np.roll(self.direction, 1, axis=0)
+        turning: Floats = np.arctan2(cross(before, self.direction), (before * self.direction).sum(axis=1))
+        return turning
+
+    @cached_property
+    def reflex(self) -> Bools:
+        """Which corners are reflex."""
+        return np.asarray(self.turning < 0)
+
+    @cached_property
+    def size(self) -> float:
+        """The larger side of the bounding box in mm."""
+        return float(np.ptp(self.loop, axis=0).max())
+
+    @cached_property
+    def falls(self) -> Floats:
+        """How far each reflex corner's image falls inside, if it is a valley, until its wavefront meets another."""
+        return self.lives[1]
+
+    @cached_property
+    def lives(self) -> tuple[Floats, Floats, Floats]:
+        """When each corner's wavefront ends inside; how far reflex ones fall; when each corner's ends outside."""
+        inside, falls = corner_lives(self.loop)
+        return inside, falls, corner_lives(self.loop, outside=True)[0]
+
+    @cached_property
+    def nodes(self) -> list[list[Node]]:
+        """For each side, the nodes of the straight skeletons inside and outside over it."""
+        nodes: list[list[Node]] = [[] for _ in self.loop]
+        for node in (*side_nodes(self.loop), *side_nodes(self.loop, outside=True)):
+            if 0 < node.along < self.length[node.side]:
+                nodes[node.side].append(node)
+        return nodes
+
+    @cached_property
+    def pockets(self) -> Ints:
+        """The pocket of the convex hull that each side is beside, as a bit, or 0."""
+        count = len(self.loop)
+        hull = np.sort(ConvexHull(self.loop).vertices)
+        pockets = np.zeros(count, dtype=np.int64)
+        number = 0
+        for a, b in zip(hull.tolist(), [*hull[1:].tolist(), int(hull[0]) + count], strict=True):
+            if b - a > 1:
+                pockets[np.arange(a, b) % count] = 1 << min(number, MOST_POCKETS - 1)
+                number += 1
+        return pockets
+
+
+@dataclass(frozen=True, eq=False)
+class Turns:
+    """The turns of a walk around an outline, from its root on.
+
+    ``side`` ``(n,)``: the side that a turn lies on or, a corner, begins; ``corner``, ``peak`` ``(n,)``: which are
+    corners and which are peaks; ``turned``: the pockets, as bits, folded with the tree over the peaks; ``raised``:
+    reflex corners that are to stay above the valleys on both sides of them.
+    """
+
+    side: Ints
+    corner: Bools
+    peak: Bools
+    turned: int = 0
+    raised: frozenset[int] = frozenset()
+
+    def __len__(self) -> int:
+        return len(self.side)
+
+    @classmethod
+    def build(
+        cls, corner_peaks: Bools, root: int, *, at_corner: bool, turned: int = 0, raised: frozenset[int] = frozenset()
+    ) -> Turns:
+        """As few turns as corners that are peaks or valleys allow, from a corner or the turn on a side on."""
+        side, corner = [], []
+        count = len(corner_peaks)
+        for s in range(count):
+            side.append(s)
+            corner.append(True)
+            if corner_peaks[s] == corner_peaks[(s + 1) % count]:
+                side.append(s)
+                corner.append(False)
+        sides, corners = np.array(side), np.array(corner)
+        peaks = np.where(corners, corner_peaks[sides], ~corner_peaks[sides])
+        first = int(np.flatnonzero((sides == root) & (corners == at_corner))[0])
+        return cls(np.roll(sides, -first), np.roll(corners, -first), np.roll(peaks, -first), turned, raised)
+
+    def inserted(self, at: int) -> Turns:
+        """Return the turns with two more after turn ``at``, on the same side."""
+        kinds = self.peak[at]
+        return Turns(
+            np.insert(self.side, at + 1, [self.side[at]] * 2),
+            np.insert(self.corner, at + 1, [False, False]),
+            np.insert(self.peak, at + 1, [not kinds, kinds]),
+            self.turned,
+            self.raised,
+        )
+
+    def removed(self, at: int) -> Turns:
+        """Return the turns without ``at`` and the next, neither of which may be a corner or the root."""
+        keep = np.ones(len(self), dtype=bool)
+        keep[[at, at + 1]] = False
+        return Turns(self.side[keep], self.corner[keep], self.peak[keep], self.turned, self.raised)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Images of turns: ``x``, where they are ``along`` their sides, and what is left out after them, ``(n,)`` mm."""
+
+    turns: Turns
+    x: Floats
+    along: Floats
+    left_out: Floats
+    clearance: float
+
+    def walk(self, outline: Outline) -> Walk:
+        """The walk, when nothing is left out."""
+        turns = self.turns
+        points = outline.loop[turns.side] + outline.direction[turns.side] * self.along[:, None]
+        pockets = outline.pockets[turns.side]
+        pockets = np.where(turns.corner, pockets | outline.pockets[turns.side - 1], pockets)
+        return Walk(points, self.x, turns.peak, outline.direction[turns.side], pockets, turns.turned)
+
+
+class Program:
+    """The linear program of some turns around an outline."""
+
+    def __init__(self, outline: Outline, turns: Turns, *, careful: bool = True) -> None:
+        """``careful``: see to it that no gusset crease wraps a corner that goes on falling, as far as that is known."""
+        self.careful = careful
+        self.outline, self.turns = outline, turns
+        count = self.count = len(turns)
+        # stretches after turns, as rows over the unknowns: images, then what is left out
+        row = np.arange(count)
+        up = np.where(turns.peak, 1.0, -1.0)
+        self.stretch = np.zeros((count, 2 * count))
+        self.stretch[row, row] = up
+        self.stretch[row, (row + 1) % count] = -up
+        self.amplitude = self.stretch.copy()
+        self.stretch[row, count + row] = 1.0
+        # walk along each side from its corner
+        self.walked = np.zeros((count, 2 * count))
+        first = int(np.flatnonzero(turns.corner)[0])
+        for n in range(1, count):
+            k = (first + n) % count
+            if not turns.corner[k]:
+                self.walked[k] = self.walked[k - 1] + self.stretch[k - 1]
+        self.ends = np.zeros((len(outline.loop), 2 * count))
+        np.add.at(self.ends, turns.side, self.stretch)
+        self.per_side = np.bincount(turns.side, minlength=len(outline.loop))
+        self.pockets = np.where(
+            turns.corner, outline.pockets[turns.side] | outline.pockets[turns.side - 1], outline.pockets[turns.side]
+        )
+
+    def evenly(self) -> Floats:
+        """The turns evenly along their sides."""
+        turns = self.turns
+        first = int(np.flatnonzero(turns.corner)[0])
+        along = np.zeros(self.count)
+        number = 0
+        for n in range(self.count):
+            k = (first + n) % self.count
+            number = 0 if turns.corner[k] else number + 1
+            s = turns.side[k]
+            along[k] = self.outline.length[s] * number / self.per_side[s]
+        return along
+
+    def solve(
+        self,
+        along: Floats,
+        *,
+        clearance: float,
+        weight: Floats | None = None,
+        wish: Floats | None = None,
+        most_clearance: float | None = None,
+        steps: int = 3,
+        whole: bool = False,
+    ) -> Solution | None:
+        """Return the images for which least is left out of the boundary, or the wishes are met best.
+
+        ``along`` ``(n,)``: where turns are to begin with; ``clearance``: by how much nearer than their distance two
+        turns' images must be, relative; ``weight`` ``(n,)`` of what is left out after turns, or of wishes; ``wish``
+        ``(n,)``: where along their sides turns should be, NaN for no wish; ``whole``: leave nothing out, else None;
+        ``most_clearance``: with wishes, clearance up to this is worth something, too.
+        """
+        found: Solution | None = None
+        for _ in range(steps):
+            x = self._minimise(along, clearance, weight, wish, most_clearance, whole)
+            if x is None:
+                return None
+            found = self._solution(x, clearance)
+            if self.true_clearance(found) >= clearance - 1e-6:
+                return found
+            along = found.along
+        return None if whole else found
+
+    def _solution(self, x: Floats, clearance: float) -> Solution:
+        count = self.count
+        both = x[: 2 * count].copy()
+        small = both[count:] < 1e-7 * self.outline.size
+        both[count:][small] = 0.0
+        if small.all():
+            # the solver leaves 1e-9 in the equations: project onto them, so that ties stay ties
+            rows = self.ends[:, :count]
+            missing = rows @ both[:count] - self.outline.length
+            fixed = np.zeros(count)
+            fixed[0] = 1.0
+            rows = np.vstack([rows, fixed])
+            both[:count] -= np.linalg.lstsq(rows, np.append(missing, both[0]), rcond=None)[0]
+        along = self.walked @ both
+        return Solution(self.turns, both[:count], along, both[count:], clearance)
+
+    def points(self, along: Floats) -> Floats:
+        """Where turns are, ``(n, 2)``."""
+        side = self.turns.side
+        places: Floats = self.outline.loop[side] + self.outline.direction[side] * along[:, None]
+        return places
+
+    def true_clearance(self, solution: Solution) -> float:
+        """The clearance that turns that see each other really have."""
+        pairs = self._pairs(solution.along)
+        _, path = self._paths(solution.x, pairs)
+        if not len(path):
+            return math.inf
+        return float(np.min(1 - path / pairs.distance))
+
+    def _paths(self, x: Floats, pairs: _Pairs) -> tuple[Ints, Floats]:
+        """For each pair the turn where its path in the tree turns, and the path's length."""
+        count = self.count
+        lowest = np.zeros((count, count), dtype=np.int64)
+        highest = np.zeros((count, count), dtype=np.int64)
+        steps = np.arange(count)
+        for i in range(count):
+            way = x[i:]
+            lowest[i, i:] = i + np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way), steps[i:] - i, 0))
+            highest[i, i:] = i + np.maximum.accumulate(np.where(way >= np.maximum.accumulate(way), steps[i:] - i, 0))
+        at = np.where(pairs.turned, highest[pairs.i, pairs.j], lowest[pairs.i, pairs.j])
+        # the root is at both ends of the walk; over the peaks the lower way counts
+        from_root = pairs.turned & (pairs.i == 0)
+        if from_root.any():
+            back = np.maximum.accumulate(np.where(x[::-1] >= np.maximum.accumulate(x[::-1]), steps, 0))
+            other = count - 1 - back[count - 1 - pairs.j]
+            at = np.where(from_root & (x[other] < x[at]), other, at)
+        path = x[pairs.i] + x[pairs.j] - 2 * x[at]
+        return at, np.where(pairs.turned, -path, path)
+
+    def _pairs(self, along: Floats) -> _Pairs:
+        """Pairs i < j of turns that see each other and whose images may be too far apart."""
+        turns, outline = self.turns, self.outline
+        place = self.points(along)
+        i, j = np.triu_indices(self.count, 1)
+        inside, outside = sees_each_other(outline, place, turns, i, j)
+        turned = outside & (self.pockets[i] & self.pockets[j] & turns.turned != 0)
+        leaf = turns.peak | turns.corner
+        leaf[0] = True
+        under = turns.corner | ~turns.peak
+        inner = inside & leaf[i] & leaf[j]
+        outer = outside & np.where(turned, under[i] & under[j], leaf[i] & leaf[j])
+        i, j = np.concatenate([i[inner], i[outer]]), np.concatenate([j[inner], j[outer]])
+        turned = np.concatenate([np.zeros(int(inner.sum()), dtype=bool), turned[outer]])
+        apart = place[i] - place[j]
+        distance = np.hypot(apart[:, 0], apart[:, 1])
+        out = np.repeat([False, True], [int(inner.sum()), int(outer.sum())])
+        return _Pairs(i, j, turned, distance, apart / np.maximum(distance, 1e-300)[:, None], out)
+
+    def _later(self, along: Floats, pairs: _Pairs) -> list[_Pairs]:
+        """The pairs at some later heights, where a crease between them would wrap a corner that goes on falling.
+
+        Inside, reflex corners that are valleys fall, in turned pockets convex corners that are peaks rise; no gusset may
+        wrap them while they do.
+        """
+        turns, outline = self.turns, self.outline
+        inside, _, outside = outline.lives
+        bend = np.where(turns.corner, outline.turning[turns.side], 0.0)
+        up = np.where(turns.peak, 1.0, -1.0)
+        place = self.points(along)
+        found = []
+        for out, lives, some in ((False, inside, pairs.outside < 1), (True, outside, pairs.turned)):
+            sign = -1.0 if out else 1.0
+            shrink = np.tan(sign * bend / 2)
+            falling = turns.corner & (turns.peak if out else ~turns.peak) & (shrink < 0)
+            if not (falling.any() and some.any()):
+                continue
+            life = np.where(turns.corner, lives[turns.side], np.inf)
+            longest = float(np.max(np.where(falling, life, 0.0)))
+            longest = min(longest, outline.size)
+            arriving = np.where(turns.corner[:, None], outline.direction[turns.side - 1], outline.direction[turns.side])
+            middle = arriving + outline.direction[turns.side]
+            middle /= np.maximum(np.hypot(*middle.T), 1e-9)[:, None]
+            velocity = sign * np.stack([-middle[:, 1], middle[:, 0]], axis=-1) / np.cos(bend / 2)[:, None]
+            for part in LATER:
+                time = part * longest
+                alive = some & (life[pairs.i] >= time) & (life[pairs.j] >= time)
+                i, j = pairs.i[alive], pairs.j[alive]
+                then = place + velocity * time
+                apart = then[i] - then[j]
+                distance = np.hypot(apart[:, 0], apart[:, 1])
+                unit = apart / np.maximum(distance, 1e-300)[:, None]
+                shift = -up * shrink * time
+                still = falling & (life >= time)
+                found.append(_Pairs(i, j, pairs.turned[alive], distance, unit, pairs.outside[alive], shift, still))
+        return found
+
+    def _minimise(
+        self,
+        along: Floats,
+        clearance: float,
+        weight: Floats | None,
+        wish: Floats | None,
+        most_clearance: float | None,
+        whole: bool,
+    ) -> Floats | None:
+        """Minimise with all conditions, distances by their tangents where turns are ``along`` their sides."""
+        count, outline, turns = self.count, self.outline, self.turns
+        wishes = np.flatnonzero(~np.isnan(wish)) if wish is not None else np.zeros(0, dtype=np.int64)
+        width = 2 * count + 1 + len(wishes)
+        cost = np.zeros(width)
+        low, up = np.zeros(width), np.full(width, np.inf)
+        up[0] = 0.0
+        low[2 * count], up[2 * count] = clearance, max(clearance, most_clearance or 0.0)
+        if whole:
+            up[count : 2 * count] = 0.0
+        cost[count : 2 * count] = 1.0 if weight is None or wish is not None else weight
+        if wish is not None:
+            cost[2 * count + 1 :] = 1.0 if weight is None else weight[wishes]
+            cost[2 * count] = -outline.size
+        solver = _Solver(cost, low, up)
+
+        def wide(rows: Floats) -> Floats:
+            return np.pad(rows, ((0, 0), (0, width - rows.shape[1])))
+
+        solver.add(wide(self.ends), outline.length, outline.length)
+        least = AMPLITUDE * (outline.length / self.per_side)[turns.side]
+        solver.add(wide(self.amplitude), least, np.full(count, np.inf))
+        solver.add(*self._falling(width))
+        if len(wishes):
+            assert wish is not None
+            rows = wide(self.walked[wishes])
+            deviation = np.zeros_like(rows)
+            deviation[np.arange(len(wishes)), 2 * count + 1 + np.arange(len(wishes))] = 1.0
+            solver.add(rows - deviation, np.full(len(wishes), -np.inf), wish[wishes])
+            solver.add(rows + deviation, wish[wishes], np.full(len(wishes), np.inf))
+        pairs = self._pairs(along)
+        later = self._later(along, pairs) if self.careful else []
+        for _ in range(ROUNDS):
+            x = solver.run()
+            if x is None:
+                return None
+            rows = [self._broken(x, along, pairs, width)] + [self._broken(x, along, some, width) for some in later]
+            bounds = [bound for _, bound in rows if len(bound)]
+            if not bounds:
+                return x
+            for row, bound in rows:
+                solver.add(row, np.full(len(bound), -np.inf), bound)
+        return None
+
+    def _broken(self, x: Floats, along: Floats, pairs: _Pairs, width: int) -> tuple[Floats, Floats]:
+        """The conditions that a solution breaks, as rows and bounds, distances by their tangents at ``along``."""
+        count, direction = self.count, self.outline.direction[self.turns.side]
+        clearance = x[2 * count]
+        if pairs.shift is not None:
+            clearance = 0.0
+            at, path = self._paths(x[:count] + pairs.shift, pairs)
+        else:
+            at, path = self._paths(x[:count], pairs)
+        now = self.walked @ x[: 2 * count] - along
+        toward_i = (pairs.direction * direction[pairs.i]).sum(axis=1)
+        toward_j = (pairs.direction * direction[pairs.j]).sum(axis=1)
+        moved = toward_i * now[pairs.i] - toward_j * now[pairs.j]
+        excess = path - pairs.distance * (1 - clearance) - moved
+        if pairs.still is not None:
+            excess = np.where(pairs.still[at], excess, -np.inf)
+        broken = np.flatnonzero(excess > 1e-9 * self.outline.size)
+        if len(broken) > MOST_ROWS:
+            broken = broken[np.argsort(-excess[broken], kind="stable")[:MOST_ROWS]]
+        i, j, at = pairs.i[broken], pairs.j[broken], at[broken]
+        sign = np.where(pairs.turned[broken], -1.0, 1.0)
+        rows = np.zeros((len(broken), width))
+        n = np.arange(len(broken))
+        np.add.at(rows, (n, i), sign)
+        np.add.at(rows, (n, j), sign)
+        np.add.at(rows, (n, at), -2 * sign)
+        slope_i, slope_j = toward_i[broken], toward_j[broken]
+        rows[:, : 2 * count] -= slope_i[:, None] * self.walked[i] - slope_j[:, None] * self.walked[j]
+        bound = pairs.distance[broken] - slope_i * along[i] + slope_j * along[j]
+        if pairs.shift is None:
+            rows[:, 2 * count] = pairs.distance[broken]
+        else:
+            bound -= sign * (pairs.shift[i] + pairs.shift[j] - 2 * pairs.shift[at])
+        return rows, bound
+
+    def _falling(self, width: int) -> tuple[Floats, Floats, Floats]:
+        """Reflex corners that are valleys fall inside: none may fall below the root, raised ones not below others."""
+        turns, count = self.turns, self.count
+        rows, least = [], []
+        for k in range(1, count):
+            s = int(turns.side[k])
+            if not (turns.corner[k] and not turns.peak[k] and self.outline.reflex[s]):
+                continue
+            fall = float(self.outline.falls[s])
+            below = {0}
+            if s in turns.raised:
+                below = {(k - 2) % count, (k + 2) % count}
+            for low in below:
+                row = np.zeros(width)
+                row[k], row[low] = 1.0, -1.0
+                rows.append(row)
+                low_is_reflex = turns.corner[low] and self.outline.reflex[turns.side[low]]
+                least.append(0.0 if low_is_reflex and s not in turns.raised else fall)
+        return np.array(rows).reshape(len(rows), width), np.array(least), np.full(len(rows), np.inf)
+
+
+LATER = (0.2, 0.45, 0.7, 0.93)
+MOST_ROWS = 400
+AMPLITUDE = 0.03
+"""The least a stretch between two turns must be, as a part of an even share of its side."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Pairs:
+    """Pairs of turns, over the peaks or under the valleys, their distance and the direction from the second."""
+
+    i: Ints
+    j: Ints
+    turned: Bools
+    distance: Floats
+    direction: Floats
+    outside: Bools
+    shift: Floats | None = None
+    still: Bools | None = None
+
+
+class _Solver:
+    """HiGHS with rows added as they are needed; each run goes on from the last."""
+
+    def __init__(self, cost: Floats, low: Floats, up: Floats) -> None:
+        self.highs = highspy.Highs()
+        self.highs.setOptionValue("output_flag", False)
+        self.highs.setOptionValue("threads", 1)
+        none = np.zeros(0, dtype=np.int32)
+        self.highs.addCols(len(cost), cost, low, up, 0, none, none, np.zeros(0))
+
+    def add(self, rows: Floats, low: Floats, up: Floats) -> None:
+        """Add dense rows."""
+        if not len(rows):
+            return
+        at, columns = np.nonzero(rows)
+        starts = np.searchsorted(at, np.arange(len(rows))).astype(np.int32)
+        self.highs.addRows(len(rows), low, up, len(at), starts, columns.astype(np.int32), rows[at, columns])
+
+    def run(self) -> Floats | None:
+        """Solve, or return None when nothing satisfies all rows."""
+        self.highs.run()
+        if self.highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+            return None
+        return np.asarray(self.highs.getSolution().col_value)
+
+
+def sees_each_other(outline: Outline, place: Floats, turns: Turns, i: Ints, j: Ints) -> tuple[Bools, Bools]:
+    """Whether the segments between turns i and j lie inside the outline, and whether they lie outside, ``(m,)`` each."""
+    count = len(outline.loop)
+    side = turns.side
+    before = np.where(turns.corner, (side - 1) % count, side)
+    leaving = outline.direction[side]
+    opening = np.where(turns.corner, math.pi - outline.turning[side], math.pi)
+
+    def looks(a: Ints, line: Floats) -> tuple[Bools, Bools]:
+        angle = np.arctan2(cross(leaving[a], line), (leaving[a] * line).sum(axis=1)) % (2 * math.pi)
+        return (angle > SEEN) & (angle < opening[a] - SEEN), (angle > opening[a] + SEEN) & (angle < math.tau - SEEN)
+
+    line = place[j] - place[i]
+    (in_i, out_i), (in_j, out_j) = looks(i, line), looks(j, -line)
+    inside, outside = in_i & in_j, out_i & out_j
+    candidates = np.flatnonzero(inside | outside)
+    start, along = outline.loop, outline.along
+    row = np.arange(count)
+    for n in range(0, len(candidates), 4096):
+        some = candidates[n : n + 4096]
+        a, b = i[some], j[some]
+        ray = line[some][:, None]
+        scale = 1e-10 * np.hypot(*line[some].T)[:, None] * outline.length
+        from_start = cross(ray, start[None] - place[a][:, None])
+        from_end = from_start + cross(ray, along[None])
+        near = cross(along[None], place[a][:, None] - start[None])
+        far = near + cross(along[None], ray)
+        meets = (from_start * from_end <= scale**2) & (near * far <= scale**2)
+        meets &= (np.abs(from_start) > scale) | (np.abs(from_end) > scale)  # one on a line with the ray does not
+        own = (row == side[a][:, None]) | (row == side[b][:, None]) | (row == before[a][:, None])
+        own |= row == before[b][:, None]
+        blocked = (meets & ~own).any(axis=1)
+        inside[some] &= ~blocked
+        outside[some] &= ~blocked
+    return inside, outside
