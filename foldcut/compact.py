@@ -17,7 +17,7 @@ import numpy as np
 
 from foldcut.faces import Ring, assemble, creases_of_stack, merge_stacks, outline
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Ints, Sheet
-from foldcut.plane import signed_area
+from foldcut.plane import cross
 from foldcut.universal import Border, Molecule, Vertices
 
 
@@ -137,13 +137,16 @@ def molecule_faults(molecules: Molecules) -> list[str]:
     limit = 1e-9 * float(np.ptp(flat, axis=0).max())
     faults = []
     for name, molecule in (("inside", molecules.inside), ("outside", molecules.outside)):
-        for number, ring in enumerate(molecule.rings()):
-            if not ring:
-                continue
-            step = np.hypot(*(flat[ring] - np.roll(flat[ring], 1, axis=0)).T)
-            image = np.hypot(*(folded[ring] - np.roll(folded[ring], 1, axis=0)).T)
-            if np.abs(step - image).max() > limit:
-                faults.append(f"facet {number} {name} is stretched by {np.abs(step - image).max():.3g} mm")
-            if signed_area(flat[ring]) <= 0:
-                faults.append(f"facet {number} {name} is not counter-clockwise")
+        rings = [(number, ring) for number, ring in enumerate(molecule.rings()) if ring]
+        start = np.array([v for _, ring in rings for v in ring])
+        end = np.array([v for _, ring in rings for v in (*ring[1:], ring[0])])
+        first = np.cumsum([0, *(len(ring) for _, ring in rings[:-1])])
+        stretch = np.abs(np.hypot(*(flat[end] - flat[start]).T) - np.hypot(*(folded[end] - folded[start]).T))
+        stretch = np.maximum.reduceat(stretch, first)
+        area = np.add.reduceat(cross(flat[start] - flat[start[first]].repeat(np.diff([*first, len(start)]), axis=0),
+                                     flat[end] - flat[start]), first)
+        for k in np.flatnonzero(stretch > limit).tolist():
+            faults.append(f"facet {rings[k][0]} {name} is stretched by {stretch[k]:.3g} mm")
+        for k in np.flatnonzero(area <= 0).tolist():
+            faults.append(f"facet {rings[k][0]} {name} is not counter-clockwise")
     return faults

@@ -23,16 +23,19 @@ import numpy as np
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet
+from foldcut.ties import Mover
 from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns
 
-EFFORTS = {"fast": 0.6, "normal": 6.0, "best": 60.0}
+EFFORTS = {"fast": 0.7, "normal": 6.0, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_Budget``."""
 
 CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
 """How much nearer than their distance the images of two turns must be, relative; they are tried in turn."""
 
 FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
+LONG_MM = 3.3  # what short creases are made as long as, a little more than foldable
+VARIATIONS = 4
 MOST_TURNS = 400
 
 
@@ -51,6 +54,8 @@ class Compact:
 @dataclass(frozen=True, eq=False)
 class _Found:
     key: tuple[bool, float, float]
+    solution: Solution
+    plan: _Plan
     creases: CreasePattern
     folded: FoldedState
     walk: Walk
@@ -118,7 +123,7 @@ class _Budget:
         self.spent += 0.002 + 0.00004 * turns + 0.0000015 * turns**2
 
     def fold(self, turns: int) -> None:
-        self.spent += 0.004 + 0.0006 * turns + 0.000005 * turns**2
+        self.spent += 0.003 + 0.0006 * turns + 0.000002 * turns**2
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,14 +161,24 @@ class _Search:
     def run(self) -> None:
         """Search until the budget is spent."""
         plain, turned = self._ranked(self._plans(turned=False)), self._ranked(self._plans(turned=True))
-        while (plain or turned) and (self.best is None or self.budget.part < 0.35):
+        while (plain or turned) and (self.best is None or self.budget.part < 0.3):
             for plans, share in ((plain, 1), (turned, 3)):
                 for _ in range(share):
                     if plans:
                         self._follow(plans.pop(0))
         self._climb()
+        settled: set[int] = set()
         while self.solved:
-            self._vary()
+            for _ in range(VARIATIONS):
+                self._vary()
+            if self.best is not None and id(self.best.solution) not in settled:
+                settled.add(id(self.best.solution))
+                self._settle(self.best.solution, self.best.plan)
+                settled.add(id(self.best.solution))
+            for key, solution, plan in self.solved[:2]:
+                if key < np.inf and id(solution) not in settled:
+                    settled.add(id(solution))
+                    self._settle(solution, plan)
 
     # --- plans
 
@@ -225,7 +240,7 @@ class _Search:
         """Change one thing of the best plan after the other."""
         tried: set[tuple[int, int, bool, bool, frozenset[int]]] = set()
         better = True
-        while better and self.solved and self.budget.part < 0.7:
+        while better and self.solved and self.budget.part < 0.5:
             better = False
             key, _, plan = self.solved[0]
             changes = [(plan.turned ^ bit, r) for bit in self._bits() for r in (0, bit)]
@@ -233,7 +248,7 @@ class _Search:
             for turned, raised in changes:
                 for careful in (True, False):
                     other = self._plan(turned, plan.root, plan.at_corner, careful, raised)
-                    if other is None or self.budget.part > 0.7:
+                    if other is None or self.budget.part > 0.5:
                         continue
                     name = (other.turned, other.root, other.at_corner, other.careful, other.raised)
                     if name not in tried:
@@ -245,7 +260,24 @@ class _Search:
         """Find a solution for a plan, and patterns."""
         solution = self._cover(plan, CLEARANCES[0])
         if solution is not None:
-            self._polish(solution, plan)
+            self._polish(self._thinned(solution, plan), plan)
+
+    def _thinned(self, solution: Solution, plan: _Plan) -> Solution:
+        """Take turns on sides away again that are not needed."""
+        at = 1
+        while at < len(solution.turns) - 1:
+            turns = solution.turns
+            if turns.corner[at] or turns.corner[at + 1]:
+                at += 1
+                continue
+            program = Program(self.outline, turns.removed(at), careful=plan.careful)
+            along = np.delete(solution.along, [at, at + 1])
+            fewer = self._solve(program, along, clearance=CLEARANCES[0], whole=True)
+            if fewer is None:
+                at += 1
+            else:
+                solution = fewer
+        return solution
 
     # --- solutions
 
@@ -282,13 +314,13 @@ class _Search:
                 return None
             if len(program.turns) >= most:
                 return None
-            turns, along = _with_more_turns(program.turns, solution)
+            turns, along = _with_more_turns(self.outline, program.turns, solution)
             program = Program(self.outline, turns, careful=plan.careful)
         return None
 
     def _polish(self, solution: Solution, plan: _Plan) -> None:
         """Fold a solution, and others with the same turns that are nearer to what is simple."""
-        key = self._try(solution)
+        key = self._try(solution, plan)
         for number in range(3):
             wish, weight = self._wishes(solution.turns, plain=number == 0)
             program = Program(self.outline, solution.turns, careful=plan.careful)
@@ -302,7 +334,7 @@ class _Search:
                 most_clearance=0.06 if number % 2 else None,
             )
             if moved is not None:
-                key = min(key, self._try(moved))
+                key = min(key, self._try(moved, plan))
         self.solved.append((key, solution, plan))
         self.solved.sort(key=lambda item: item[0])
 
@@ -322,8 +354,46 @@ class _Search:
             most_clearance=0.1 * float(self.rng.random()) if self.rng.random() < 0.5 else None,
         )
         if moved is not None:
-            self.solved[number] = (min(key, self._try(moved)), solution, plan)
+            self.solved[number] = (min(key, self._try(moved, plan)), solution, plan)
             self.solved.sort(key=lambda item: item[0])
+
+    def _settle(self, solution: Solution, plan: _Plan) -> None:
+        """Let short creases get longer, or vanish."""
+        mover = Mover(self.outline, solution, self._creases, careful=plan.careful)
+        for _ in range(3):
+            if not mover.lengthen(LONG_MM):
+                break
+            self._try(mover.solution, plan)
+        for limit, most in ((SHORTEST_MM, 3), (FOLDABLE_MM, 2), (FOLDABLE_MM, 5)):
+            mover = Mover(self.outline, solution, self._creases, careful=plan.careful)
+            for number in range(4):
+                if not mover.vanish(limit if not number else SHORTEST_MM, most):
+                    break
+                self._try(mover.solution, plan)
+            if number:
+                mover.lengthen(LONG_MM)
+                for _ in range(3):
+                    if not mover.vanish(0.1 * SHORTEST_MM, 2 * most):
+                        break
+                self._try(mover.solution, plan)
+
+    def _creases(self, solution: Solution) -> CreasePattern | None:
+        """The creases of a solution, not verified, or None."""
+        self.budget.fold(len(solution.turns))
+        self._tell()
+        made = self._build(solution)
+        return None if made is None else made[2]
+
+    def _build(self, solution: Solution) -> tuple[Walk, Molecules, CreasePattern, FoldedState] | None:
+        walk = solution.walk(self.outline)
+        try:
+            molecules = build_molecules(walk, self.sheet)
+            lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
+            if lowest <= self.ribbon or molecule_faults(molecules):
+                return None
+            return walk, molecules, *fold_molecules(molecules, self.sheet)
+        except (UnfoldableError, AssertionError, KeyError, StopIteration):
+            return None
 
     def _wishes(self, turns: Turns, *, plain: bool) -> tuple[Floats, Floats]:
         """For each turn on a side with no other: a node over it; for each turn a weight."""
@@ -338,30 +408,25 @@ class _Search:
 
     # --- patterns
 
-    def _try(self, solution: Solution) -> float:
+    def _try(self, solution: Solution, plan: _Plan) -> float:
         """Fold a solution, keep it if it is verified and better than the best; return its number of creases."""
         self.tried += 1
         self.budget.fold(len(solution.turns))
         self._tell()
-        walk = solution.walk(self.outline)
-        try:
-            molecules = build_molecules(walk, self.sheet)
-            lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
-            if lowest <= self.ribbon or molecule_faults(molecules):
-                return np.inf
-            creases, folded = fold_molecules(molecules, self.sheet)
-        except (UnfoldableError, AssertionError, KeyError, StopIteration):
+        made = self._build(solution)
+        if made is None:
             return np.inf
+        walk, molecules, creases, folded = made
         key = _rank(creases)
         if self.best is not None and key >= self.best.key:
             return key[1] + 1e4 * key[0]
         if verify(creases, folded.layers, self.shape):
             return np.inf
-        self.best = _Found(key, creases, folded, walk, molecules)
+        self.best = _Found(key, solution, plan, creases, folded, walk, molecules)
         return key[1] + 1e4 * key[0]
 
 
-def _with_more_turns(turns: Turns, solution: Solution) -> tuple[Turns, Floats]:
+def _with_more_turns(outline: Outline, turns: Turns, solution: Solution) -> tuple[Turns, Floats]:
     """Add two turns on each stretch that leaves much out, and say where they are to begin with."""
     count = len(turns)
     left = solution.left_out.copy()
@@ -376,9 +441,13 @@ def _with_more_turns(turns: Turns, solution: Solution) -> tuple[Turns, Floats]:
     for k in np.flatnonzero(left > 0.35 * left.max())[::-1].tolist():
         reach = abs(float(solution.x[k] - solution.x[(k + 1) % count]))
         begin = along[k] + (reach if turns.peak[k] else 0.0)
-        middle = begin + left[k] / 2
-        turns = turns.inserted(k)
-        along = np.insert(along, k + 1, [middle - 0.2 * left[k], middle])
+        side = int(turns.side[k])
+        middle = outline.loop[side] + outline.direction[side] * (begin + left[k] / 2)
+        more = int(np.clip(left[k] / (2.2 * outline.width_at(middle, side)), 1, 8))
+        for number in reversed(range(more)):
+            turns = turns.inserted(k)
+            at = begin + left[k] * (number + 0.5) / more
+            along = np.insert(along, k + 1, [at - 0.2 * left[k] / more, at])
     return turns, along
 
 

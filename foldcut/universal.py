@@ -477,33 +477,25 @@ class _State:
         """
         count = len(self.x)
         bent = np.abs(self.shrink) > 1e-12
-        leaf = {0: self.peak | bent, 1: ~self.peak | bent}
+        over, under = ~self.peak | bent, self.peak | bent
         # the root is a leaf, too, when it alone is the lowest
-        root_is_leaf = bool((self.x[1:] > self.x[0] + tie).all())
-        first, last, at = [], [], []
+        under[0] |= bool((self.x[1:] > self.x[0] + tie).all())
         place = np.arange(count + 1) % count
-        x = self.x[place]
-        for i in range(count):
-            js = np.arange(i + 2, count + 1 if i else count - 1)
-            if not len(js):
-                continue
-            way = x[i : js[-1] + 1]
-            steps = np.arange(len(way))
-            lowest = np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way), steps, 0))
-            highest = np.maximum.accumulate(np.where(way >= np.maximum.accumulate(way), steps, 0))
-            j = place[js]
-            turned = (self.turned[i] & self.turned[j]) != 0
-            where = np.where(turned, highest[js - i], lowest[js - i]) + i
-            keep = np.where(turned, leaf[1][i] & leaf[1][j], leaf[0][i] & leaf[0][j])
-            if root_is_leaf:
-                keep |= ~turned & ((i == 0) | (j == 0))
-            first.append(np.full(int(keep.sum()), i))
-            last.append(j[keep])
-            at.append(place[where[keep]])
-        if not first:
-            none = np.zeros(0, dtype=np.int64)
-            return none, none, none
-        return np.concatenate(first), np.concatenate(last), np.concatenate(at)
+        x, step = self.x[place], np.arange(count + 1)
+        ahead = step >= step[:-1, None]
+        way = np.where(ahead, x, np.inf)
+        at = np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way, axis=1), step, 0), axis=1)
+        keep = under[:, None] & under[place]
+        if self.turned.any():
+            turned = (self.turned[:, None] & self.turned[place]) != 0
+            way = np.where(ahead, x, -np.inf)
+            highest = np.maximum.accumulate(np.where(way >= np.maximum.accumulate(way, axis=1), step, 0), axis=1)
+            at = np.where(turned, highest, at)
+            keep = np.where(turned, over[:, None] & over[place], keep)
+        keep &= step >= step[:-1, None] + 2
+        keep[0, count - 1 :] = False
+        i, j = np.nonzero(keep)
+        return i, place[j], place[at[i, j]]
 
     def next_gusset(self, before: float, tie: float) -> _Gusset | None:
         """The first pair that comes too near before the given time."""

@@ -24,6 +24,7 @@ from functools import cached_property
 
 import highspy
 import numpy as np
+import shapely
 from scipy.spatial import ConvexHull
 
 from foldcut.compact import Walk
@@ -31,7 +32,7 @@ from foldcut.model import Bools, Floats, Ints
 from foldcut.plane import cross
 from foldcut.skeleton import Node, corner_lives, side_nodes
 
-ROUNDS = 40
+ROUNDS = 120
 SEEN = 1e-9  # radians
 MOST_POCKETS = 62
 
@@ -96,6 +97,34 @@ class Outline:
                 nodes[node.side].append(node)
         return nodes
 
+    def front(self, height: float, outside: bool) -> shapely.Geometry:
+        """The region that the wavefront has left free at a height, a little larger."""
+        key = (height, outside)
+        if key not in self._fronts:
+            shape = shapely.Polygon(self.loop)
+            slack = 1e-7 * self.size
+            if outside:
+                box = shapely.box(*shape.buffer(2 * height + self.size).bounds)
+                front = box.difference(shape.buffer(height - slack, join_style="mitre", mitre_limit=1e3))
+            else:
+                front = shape.buffer(slack - height, join_style="mitre", mitre_limit=1e3)
+            shapely.prepare(front)
+            self._fronts[key] = front
+        return self._fronts[key]
+
+    @cached_property
+    def _fronts(self) -> dict[tuple[float, bool], shapely.Geometry]:
+        return {}
+
+    def width_at(self, point: Floats, side: int) -> float:
+        """The distance of a point on a side from the nearest of the other sides that are not beside it."""
+        along = np.sum((point - self.loop) * self.direction, axis=1)
+        foot = self.loop + self.direction * np.clip(along, 0.0, self.length)[:, None]
+        away: Floats = np.hypot(*(foot - point).T)
+        count = len(self.loop)
+        away[[side, (side - 1) % count, (side + 1) % count]] = np.inf
+        return float(away.min(initial=self.size))
+
     @cached_property
     def pockets(self) -> Ints:
         """The pocket of the convex hull that each side is beside, as a bit, or 0."""
@@ -159,9 +188,9 @@ class Turns:
 
     def removed(self, at: int) -> Turns:
         """Return the turns without ``at`` and the next, neither of which may be a corner or the root."""
-        keep = np.ones(len(self), dtype=bool)
-        keep[[at, at + 1]] = False
-        return Turns(self.side[keep], self.corner[keep], self.peak[keep], self.turned, self.raised)
+        both = [at, at + 1]
+        kept = (np.delete(column, both) for column in (self.side, self.corner, self.peak))
+        return Turns(*kept, self.turned, self.raised)
 
 
 @dataclass(frozen=True, eq=False)
@@ -321,45 +350,50 @@ class Program:
         turned = np.concatenate([np.zeros(int(inner.sum()), dtype=bool), turned[outer]])
         apart = place[i] - place[j]
         distance = np.hypot(apart[:, 0], apart[:, 1])
-        out = np.repeat([False, True], [int(inner.sum()), int(outer.sum())])
-        return _Pairs(i, j, turned, distance, apart / np.maximum(distance, 1e-300)[:, None], out)
+        return _Pairs(i, j, turned, distance, apart / np.maximum(distance, 1e-300)[:, None])
 
-    def _later(self, along: Floats, pairs: _Pairs) -> list[_Pairs]:
-        """The pairs at some later heights, where a crease between them would wrap a corner that goes on falling.
+    def _later(self, along: Floats) -> list[_Pairs]:
+        """Pairs at some later heights, where a crease between them would wrap a corner that goes on falling.
 
         Inside, reflex corners that are valleys fall, in turned pockets convex corners that are peaks rise; no gusset may
         wrap them while they do.
         """
         turns, outline = self.turns, self.outline
-        inside, _, outside = outline.lives
         bend = np.where(turns.corner, outline.turning[turns.side], 0.0)
         up = np.where(turns.peak, 1.0, -1.0)
         place = self.points(along)
+        arriving = outline.direction[np.where(turns.corner, turns.side - 1, turns.side)]
+        middle = arriving + outline.direction[turns.side]
+        middle /= np.maximum(np.hypot(*middle.T), 1e-9)[:, None]
+        sideways = np.stack([-middle[:, 1], middle[:, 0]], axis=-1) / np.cos(bend / 2)[:, None]
+        first, second = np.triu_indices(self.count, 2)
         found = []
-        for out, lives, some in ((False, inside, pairs.outside < 1), (True, outside, pairs.turned)):
+        for out in (False, True):
             sign = -1.0 if out else 1.0
             shrink = np.tan(sign * bend / 2)
             falling = turns.corner & (turns.peak if out else ~turns.peak) & (shrink < 0)
-            if not (falling.any() and some.any()):
+            if out:
+                falling &= self.pockets & turns.turned != 0
+            if not falling.any():
                 continue
-            life = np.where(turns.corner, lives[turns.side], np.inf)
-            longest = float(np.max(np.where(falling, life, 0.0)))
-            longest = min(longest, outline.size)
-            arriving = np.where(turns.corner[:, None], outline.direction[turns.side - 1], outline.direction[turns.side])
-            middle = arriving + outline.direction[turns.side]
-            middle /= np.maximum(np.hypot(*middle.T), 1e-9)[:, None]
-            velocity = sign * np.stack([-middle[:, 1], middle[:, 0]], axis=-1) / np.cos(bend / 2)[:, None]
+            life = np.where(turns.corner, outline.lives[2 if out else 0][turns.side], np.inf)
+            longest = min(float(np.max(life[falling])), outline.size / 2)
+            leaf = (~turns.peak if out else turns.peak) | turns.corner
+            leaf[0] = True
+            some = leaf[first] & leaf[second]
+            if out:
+                some &= self.pockets[first] & self.pockets[second] & turns.turned != 0
             for part in LATER:
                 time = part * longest
-                alive = some & (life[pairs.i] >= time) & (life[pairs.j] >= time)
-                i, j = pairs.i[alive], pairs.j[alive]
-                then = place + velocity * time
+                then = place + sign * sideways * time
+                i, j = first[some], second[some]
+                seen = shapely.covers(outline.front(time, out), shapely.linestrings(np.stack([then[i], then[j]], axis=1)))
+                i, j = i[seen], j[seen]
                 apart = then[i] - then[j]
                 distance = np.hypot(apart[:, 0], apart[:, 1])
                 unit = apart / np.maximum(distance, 1e-300)[:, None]
-                shift = -up * shrink * time
                 still = falling & (life >= time)
-                found.append(_Pairs(i, j, pairs.turned[alive], distance, unit, pairs.outside[alive], shift, still))
+                found.append(_Pairs(i, j, np.full(len(i), out), distance, unit, -up * shrink * time, still))
         return found
 
     def _minimise(
@@ -385,7 +419,7 @@ class Program:
         if wish is not None:
             cost[2 * count + 1 :] = 1.0 if weight is None else weight[wishes]
             cost[2 * count] = -outline.size
-        solver = _Solver(cost, low, up)
+        solver = Solver(cost, low, up)
 
         def wide(rows: Floats) -> Floats:
             return np.pad(rows, ((0, 0), (0, width - rows.shape[1])))
@@ -402,12 +436,12 @@ class Program:
             solver.add(rows - deviation, np.full(len(wishes), -np.inf), wish[wishes])
             solver.add(rows + deviation, wish[wishes], np.full(len(wishes), np.inf))
         pairs = self._pairs(along)
-        later = self._later(along, pairs) if self.careful else []
+        later = self._later(along) if self.careful else []
         for _ in range(ROUNDS):
             x = solver.run()
             if x is None:
                 return None
-            rows = [self._broken(x, along, pairs, width)] + [self._broken(x, along, some, width) for some in later]
+            rows = [self._rows(x, along, pairs, width)] + [self._rows(x, along, some, width) for some in later]
             bounds = [bound for _, bound in rows if len(bound)]
             if not bounds:
                 return x
@@ -415,7 +449,9 @@ class Program:
                 solver.add(row, np.full(len(bound), -np.inf), bound)
         return None
 
-    def _broken(self, x: Floats, along: Floats, pairs: _Pairs, width: int) -> tuple[Floats, Floats]:
+    def _rows(
+        self, x: Floats, along: Floats, pairs: _Pairs, width: int, *, everything: bool = False
+    ) -> tuple[Floats, Floats]:
         """The conditions that a solution breaks, as rows and bounds, distances by their tangents at ``along``."""
         count, direction = self.count, self.outline.direction[self.turns.side]
         clearance = x[2 * count]
@@ -431,8 +467,8 @@ class Program:
         excess = path - pairs.distance * (1 - clearance) - moved
         if pairs.still is not None:
             excess = np.where(pairs.still[at], excess, -np.inf)
-        broken = np.flatnonzero(excess > 1e-9 * self.outline.size)
-        if len(broken) > MOST_ROWS:
+        broken = np.flatnonzero(excess > (-np.inf if everything else 1e-9 * self.outline.size))
+        if len(broken) > MOST_ROWS and not everything:
             broken = broken[np.argsort(-excess[broken], kind="stable")[:MOST_ROWS]]
         i, j, at = pairs.i[broken], pairs.j[broken], at[broken]
         sign = np.where(pairs.turned[broken], -1.0, 1.0)
@@ -449,6 +485,25 @@ class Program:
         else:
             bound -= sign * (pairs.shift[i] + pairs.shift[j] - 2 * pairs.shift[at])
         return rows, bound
+
+    def conditions(self, solution: Solution, clearance: float) -> tuple[Floats, Floats]:
+        """All conditions as rows, ``(m, 2 n)``, over changes of a solution, and the bounds that these keep to.
+
+        To first order; a condition that the solution itself breaks may not be broken more.
+        """
+        along = solution.along
+        x = np.concatenate([solution.x, solution.left_out, [clearance]])
+        pairs = self._pairs(along)
+        all_rows, all_bounds = [], []
+        for some in [pairs, *(self._later(along) if self.careful else [])]:
+            rows, bounds = self._rows(x, along, some, len(x), everything=True)
+            all_rows.append(rows[:, :-1])
+            all_bounds.append(np.maximum(bounds - rows @ x, 0.0))
+        falling, least, _ = self._falling(2 * self.count)
+        all_rows += [-falling, -self.amplitude]
+        short = AMPLITUDE * (self.outline.length / self.per_side)[self.turns.side]
+        all_bounds += [np.maximum(falling @ x[:-1] - least, 0.0), np.maximum(self.amplitude @ x[:-1] - short, 0.0)]
+        return np.vstack(all_rows), np.concatenate(all_bounds)
 
     def _falling(self, width: int) -> tuple[Floats, Floats, Floats]:
         """Reflex corners that are valleys fall inside: none may fall below the root, raised ones not below others."""
@@ -486,12 +541,11 @@ class _Pairs:
     turned: Bools
     distance: Floats
     direction: Floats
-    outside: Bools
     shift: Floats | None = None
     still: Bools | None = None
 
 
-class _Solver:
+class Solver:
     """HiGHS with rows added as they are needed; each run goes on from the last."""
 
     def __init__(self, cost: Floats, low: Floats, up: Floats) -> None:

@@ -1,0 +1,161 @@
+"""Short creases are gaps between events that nearly fall together: move the turns until they do, or are far apart.
+
+Solution -> solutions near it, with fewer and longer creases.
+
+The length of a crease is a smooth function of the images of the turns as long as the events keep their order. Newton's
+method on the lengths of the shortest creases finds images for which they vanish; on the way the order may change, then
+others are short in the same places, and the next step takes these. What has vanished is kept so, to first order, while
+the shortest of the others is made as long as it can be, by a linear program for each step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import null_space
+
+from foldcut.model import CreasePattern, Floats, Ints
+from foldcut.zigzag import Outline, Program, Solution, Solver
+
+DIFFERENCE = 1e-7
+"""How far turns are moved to see what becomes of the lengths, as a part of the shape's size."""
+
+CLEARANCE = 0.003
+"""The clearance, relative to distances, that is left to turns that see each other."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Lengths:
+    """The creases of a pattern, for comparison with those of another, and their lengths in mm."""
+
+    edges: Ints
+    length: Floats
+
+    @classmethod
+    def of(cls, creases: CreasePattern) -> _Lengths:
+        edges = creases.edges_vertices[creases.edges_assignment != "B"]
+        ends = creases.vertices_coords[edges]
+        return cls(edges, np.hypot(*(ends[:, 1] - ends[:, 0]).T))
+
+
+class Mover:
+    """Moves the turns of a solution so that its creases get longer, or so that short ones vanish.
+
+    ``fold`` returns the creases of a solution, or None; ``careful`` as for ``Program``. ``solution`` is where it is now.
+    """
+
+    def __init__(
+        self,
+        outline: Outline,
+        solution: Solution,
+        fold: Callable[[Solution], CreasePattern | None],
+        *,
+        careful: bool,
+    ) -> None:
+        self.solution, self._fold = solution, fold
+        self._program = Program(outline, solution.turns, careful=careful)
+        count = len(solution.turns)
+        rows = [self._program.ends[:, :count], np.eye(1, count), _levels(outline, solution)]
+        self._basis = null_space(np.vstack(rows))
+        self._kept = np.zeros((0, self._basis.shape[1]))
+        self._trust = 0.05 * outline.size
+        self._creases = fold(solution)
+
+    def lengthen(self, target: float) -> bool:
+        """Make the shortest crease as long as possible, or ``target`` mm; return whether anything has moved."""
+        if self._creases is None or not self._basis.shape[1]:
+            return False
+        now = _Lengths.of(self._creases)
+        slopes = self._slopes(now)
+        while self._trust > 1e-4 * self._program.outline.size:
+            move = self._longest(now, slopes, target)
+            if move is not None and self._go(move):
+                return True
+            self._trust /= 4
+        return False
+
+    def vanish(self, limit: float, most: int) -> bool:
+        """Take a step for which the shortest creases, at most so many, vanish; return whether anything has moved."""
+        if self._creases is None or not self._basis.shape[1]:
+            return False
+        now = _Lengths.of(self._creases)
+        gone = np.flatnonzero(now.length < limit)
+        gone = gone[np.argsort(now.length[gone], kind="stable")][:most]
+        if not len(gone):
+            return False
+        slopes = self._slopes(now, gone)
+        rows = np.vstack([slopes, self._kept])
+        move = np.linalg.lstsq(rows, np.append(-now.length[gone], np.zeros(len(self._kept))), rcond=1e-4)[0]
+        if np.abs(move).max() > 0.1 * self._program.outline.size or not self._go(move):
+            return False
+        self._kept = np.vstack([self._kept, slopes])
+        return True
+
+    def _go(self, move: Floats) -> bool:
+        other = self._moved(self._basis @ move)
+        creases = self._fold(other)
+        if creases is None:
+            return False
+        self.solution, self._creases = other, creases
+        return True
+
+    def _moved(self, by: Floats) -> Solution:
+        """The solution with other images."""
+        x = self.solution.x + by
+        return replace(self.solution, x=x, along=self._program.walked[:, : len(x)] @ x)
+
+    def _slopes(self, now: _Lengths, some: Ints | None = None) -> Floats:
+        """The derivatives of lengths by the directions of the basis, by differences; 0 where the order changes."""
+        some = np.arange(len(now.length)) if some is None else some
+        step = min(DIFFERENCE * self._program.outline.size, 0.05 * float(now.length.min()))
+        slopes = np.zeros((len(some), self._basis.shape[1]))
+        for column, direction in enumerate(self._basis.T):
+            for way in (step, -step):
+                moved = self._fold(self._moved(direction * way))
+                if moved is None:
+                    continue
+                then = _Lengths.of(moved)
+                if np.array_equal(now.edges, then.edges):
+                    slopes[:, column] = (then.length[some] - now.length[some]) / way
+                    break
+        return slopes
+
+    def _longest(self, now: _Lengths, slopes: Floats, target: float) -> Floats | None:
+        """Return the step within reach for which the shortest crease is longest, by a linear program."""
+        width, trust = slopes.shape[1], self._trust
+        cost = np.zeros(width + 1)
+        cost[width] = -1.0
+        low, up = np.full(width + 1, -trust), np.full(width + 1, trust)
+        low[width], up[width] = -np.inf, target
+        solver = Solver(cost, low, up)
+
+        def wide(rows: Floats, last: float) -> Floats:
+            return np.pad(rows, ((0, 0), (0, 1)), constant_values=last)
+
+        near = np.flatnonzero(now.length < target + 2 * trust)
+        solver.add(wide(slopes[near], -1.0), -now.length[near], np.full(len(near), np.inf))
+        if len(self._kept):
+            # what has vanished stays so, as far as these agree with each other
+            _, size, rows = np.linalg.svd(self._kept, full_matrices=False)
+            rows = rows[size > 1e-6 * size[0]]
+            solver.add(wide(rows, 0.0), np.zeros(len(rows)), np.zeros(len(rows)))
+        rows, bounds = self._program.conditions(self.solution, CLEARANCE)
+        solver.add(wide(rows[:, : len(self._basis)] @ self._basis, 0.0), np.full(len(rows), -np.inf), bounds)
+        found = solver.run()
+        return None if found is None else found[:width]
+
+
+def _levels(outline: Outline, solution: Solution) -> Floats:
+    """Rows that keep valleys on one level that are on one, and peaks: they are one hub of the tree."""
+    rows = []
+    for kind in (solution.turns.peak, ~solution.turns.peak):
+        some = np.flatnonzero(kind)
+        some = some[np.argsort(solution.x[some], kind="stable")]
+        for a, b in zip(some, some[1:], strict=False):
+            if solution.x[b] - solution.x[a] < 1e-7 * outline.size:
+                row = np.zeros(len(solution.x))
+                row[a], row[b] = -1.0, 1.0
+                rows.append(row)
+    return np.array(rows).reshape(len(rows), len(solution.x))
