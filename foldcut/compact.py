@@ -28,7 +28,8 @@ class Walk:
     ``points`` ``(n, 2)`` mm on the sheet, the shape's corners and points on its sides; ``x`` ``(n,)`` mm where they land;
     ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)`` unit vectors of the sides after
     them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)`` the pockets outside the shape that a turn
-    belongs to, as bits; ``turned`` those that are folded with the tree over the peaks.
+    belongs to, as bits; ``turned`` those that are folded with the tree over the peaks. ``levels`` ``(2, n)`` mm: where
+    creases that wrap a turn, inside and outside, land: beyond where the turn itself ever does.
     """
 
     points: Floats
@@ -36,6 +37,7 @@ class Walk:
     peaks: Bools
     directions: Floats
     pockets: Ints
+    levels: Floats
     turned: int = 0
 
 
@@ -57,10 +59,16 @@ def build_molecules(walk: Walk, sheet: Sheet) -> Molecules:
     numbers = [vertices.add(p, (float(x), 0.0)) for p, x in zip(walk.points, walk.x, strict=True)]
     size = float(np.ptp(walk.points, axis=0).max())
     nowhere = np.zeros_like(walk.pockets)
-    border = Border(numbers, walk.peaks, walk.directions, nowhere)
+    border = Border(numbers, walk.peaks, walk.directions, nowhere, walk.levels[0])
     inside = Molecule(vertices, border, sign=1, limit=None, size=size)
     back = -np.arange(len(numbers)) % len(numbers)  # the reversed walk begins at the root, too
-    border = Border([numbers[k] for k in back], walk.peaks[back], -walk.directions[back - 1], walk.pockets[back])
+    border = Border(
+        [numbers[k] for k in back],
+        walk.peaks[back],
+        -walk.directions[back - 1],
+        walk.pockets[back],
+        walk.levels[1, back],
+    )
     outside = Molecule(vertices, border, sign=-1, limit=2 * sheet.diagonal, size=size, turned=walk.turned)
     return Molecules(vertices, inside, outside)
 

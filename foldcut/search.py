@@ -35,7 +35,10 @@ CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
 
 FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
 LONG_MM = 3.3  # what short creases are made as long as, a little more than foldable
+VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as good as gone
+IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 VARIATIONS = 4
+PATIENCE = 60  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
 
@@ -265,7 +268,8 @@ class _Search:
     def _thinned(self, solution: Solution, plan: _Plan) -> Solution:
         """Take turns on sides away again that are not needed."""
         at = 1
-        while at < len(solution.turns) - 1:
+        most = self.budget.part + 0.1
+        while at < len(solution.turns) - 1 and self.budget.part < most:
             turns = solution.turns
             if turns.corner[at] or turns.corner[at + 1]:
                 at += 1
@@ -286,7 +290,7 @@ class _Search:
         if self.progress is not None:
             count = f"{self.best.creases.crease_count} creases" if self.best else "no pattern yet"
             self.progress(f"searching: {count}", min(0.99, part))
-        if part >= 1 and (self.best is not None or self.budget.seconds is not None or part >= 5):
+        if part >= 1 and (self.best is not None or self.budget.seconds is not None or part >= PATIENCE):
             raise _Spent
 
     def _solve(self, program: Program, along: Floats, **options: object) -> Solution | None:
@@ -359,33 +363,38 @@ class _Search:
 
     def _settle(self, solution: Solution, plan: _Plan) -> None:
         """Let short creases get longer, or vanish."""
-        mover = Mover(self.outline, solution, self._creases, careful=plan.careful)
+        mover = Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
+        self._lengthen(mover, plan)
+        mover = Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
+        number = 0
+        while number < IN_VAIN and len(lengths := mover.lengths()) > number and lengths[number] < VANISH_MM:
+            less = mover.without(number, TINY_MM)
+            if less is None or len(less.lengths()) >= len(lengths) or self._try(less.solution, plan) == np.inf:
+                number += 1
+            else:
+                mover, number = less, 0
+        if mover.solution is not solution:
+            self._lengthen(mover, plan)
+
+    def _lengthen(self, mover: Mover, plan: _Plan) -> None:
+        """Make the shortest creases longer."""
         for _ in range(3):
             if not mover.lengthen(LONG_MM):
                 break
             self._try(mover.solution, plan)
-        for limit, most in ((SHORTEST_MM, 3), (FOLDABLE_MM, 2), (FOLDABLE_MM, 5)):
-            mover = Mover(self.outline, solution, self._creases, careful=plan.careful)
-            for number in range(4):
-                if not mover.vanish(limit if not number else SHORTEST_MM, most):
-                    break
-                self._try(mover.solution, plan)
-            if number:
-                mover.lengthen(LONG_MM)
-                for _ in range(3):
-                    if not mover.vanish(0.1 * SHORTEST_MM, 2 * most):
-                        break
-                self._try(mover.solution, plan)
+            less = mover.without(0, TINY_MM) if mover.lengths()[0] < TINY_MM else None
+            if less is not None:
+                self._try(less.solution, plan)
 
-    def _creases(self, solution: Solution) -> CreasePattern | None:
+    def _creases(self, solution: Solution, plan: _Plan) -> CreasePattern | None:
         """The creases of a solution, not verified, or None."""
         self.budget.fold(len(solution.turns))
         self._tell()
-        made = self._build(solution)
+        made = self._build(solution, plan)
         return None if made is None else made[2]
 
-    def _build(self, solution: Solution) -> tuple[Walk, Molecules, CreasePattern, FoldedState] | None:
-        walk = solution.walk(self.outline)
+    def _build(self, solution: Solution, plan: _Plan) -> tuple[Walk, Molecules, CreasePattern, FoldedState] | None:
+        walk = solution.walk(self.outline, careful=plan.careful)
         try:
             molecules = build_molecules(walk, self.sheet)
             lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
@@ -413,7 +422,7 @@ class _Search:
         self.tried += 1
         self.budget.fold(len(solution.turns))
         self._tell()
-        made = self._build(solution)
+        made = self._build(solution, plan)
         if made is None:
             return np.inf
         walk, molecules, creases, folded = made

@@ -11,6 +11,7 @@ the shortest of the others is made as long as it can be, by a linear program for
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,7 @@ from foldcut.zigzag import Outline, Program, Solution, Solver
 DIFFERENCE = 1e-7
 """How far turns are moved to see what becomes of the lengths, as a part of the shape's size."""
 
+NEWTON_STEPS = 4
 CLEARANCE = 0.003
 """The clearance, relative to distances, that is left to turns that see each other."""
 
@@ -76,15 +78,35 @@ class Mover:
             self._trust /= 4
         return False
 
-    def vanish(self, limit: float, most: int) -> bool:
-        """Take a step for which the shortest creases, at most so many, vanish; return whether anything has moved."""
+    def lengths(self) -> Floats:
+        """The lengths of the creases in mm, shortest first."""
+        return np.zeros(0) if self._creases is None else np.sort(_Lengths.of(self._creases).length)
+
+    def without(self, number: int, limit: float) -> Mover | None:
+        """Return a mover for which the crease that is so manyth in length has vanished, or None.
+
+        Creases shorter than ``limit`` mm, which had vanished and come back on the way, vanish, too.
+        """
+        mover = copy(self)
+        if not mover._vanish(limit, number):
+            return None
+        for _ in range(NEWTON_STEPS):
+            lengths = mover.lengths()
+            if lengths[0] >= limit:
+                return mover
+            if not mover._vanish(limit):
+                return None
+        return None
+
+    def _vanish(self, limit: float, number: int | None = None) -> bool:
+        """Take a step for which creases shorter than ``limit`` vanish, and one more; return whether it was taken."""
         if self._creases is None or not self._basis.shape[1]:
             return False
         now = _Lengths.of(self._creases)
-        gone = np.flatnonzero(now.length < limit)
-        gone = gone[np.argsort(now.length[gone], kind="stable")][:most]
-        if not len(gone):
-            return False
+        order = np.argsort(now.length, kind="stable")
+        gone = order[now.length[order] < limit]
+        if number is not None:
+            gone = np.union1d(gone, order[number : number + 1])
         slopes = self._slopes(now, gone)
         rows = np.vstack([slopes, self._kept])
         move = np.linalg.lstsq(rows, np.append(-now.length[gone], np.zeros(len(self._kept))), rcond=1e-4)[0]

@@ -77,6 +77,7 @@ class _Turn:
     after: int
     vertex: int
     pockets: int  # bits
+    level: float
 
     def __post_init__(self) -> None:
         turn = math.atan2(float(cross(self.arriving, self.leaving)), float(self.arriving @ self.leaving))
@@ -121,13 +122,15 @@ class Border:
     """The border of a molecule, its turns counter-clockwise from the root.
 
     ``vertices`` their numbers, ``peaks`` ``(n,)`` which of them are peaks, alternately; ``directions`` ``(n, 2)`` unit
-    vectors of the sides after them; ``pockets`` ``(n,)`` for each a set of pockets that it belongs to, as bits.
+    vectors of the sides after them; ``pockets`` ``(n,)`` for each a set of pockets that it belongs to, as bits; ``levels`` ``(n,)`` where creases
+    land that wrap a turn while it moves outwards: as far as it ever goes.
     """
 
     vertices: list[int]
     peaks: Bools
     directions: Floats
     pockets: Ints
+    levels: Floats
 
 
 class Molecule:
@@ -165,6 +168,7 @@ class Molecule:
                 k,
                 v,
                 int(border.pockets[k]),
+                float(border.levels[k]),
             )
             for k, v in enumerate(border.vertices)
         ]
@@ -242,7 +246,17 @@ class Molecule:
         for turn in run:
             pockets |= turn.pockets
         return _Turn(
-            position, height, x, first.peak, first.arriving, last.leaving, first.before, last.after, vertex, pockets
+            position,
+            height,
+            x,
+            first.peak,
+            first.arriving,
+            last.leaving,
+            first.before,
+            last.after,
+            vertex,
+            pockets,
+            _outermost(run),
         )
 
     def _collapse(self, part: _Part, state: _State, time: float) -> list[_Part]:
@@ -301,6 +315,7 @@ class Molecule:
             other.after,
             vertex,
             one.pockets | other.pockets,
+            _outermost([one, other]),
         )
         rest = [turns[(after + n) % count] for n in range(1, count - 2)]
         ring = [joined, *rest]
@@ -334,7 +349,7 @@ class Molecule:
             around = [self._facet(one.vertex, vertex), self._facet(vertex, other.vertex)]  # after i, before j
             self._insert_before(one.after, [around[0], wrapped[1]])
             self._insert_after(other.before, [wrapped[0], around[1]])
-            middle = _Turn(place, height, gusset.x, not one.peak, along, along, around[0], around[1], vertex, 0)
+            middle = _Turn(place, height, gusset.x, not one.peak, along, along, around[0], around[1], vertex, 0, gusset.x)
         else:
             if one.peak == other.peak:
                 raise self._lost(part, "a flap has no length left")
@@ -348,7 +363,17 @@ class Molecule:
         def turn(k: int, arriving: Floats, leaving: Floats, before: int, after: int) -> _Turn:
             old = turns[k]
             return _Turn(
-                position[k], height, float(x[k]), old.peak, arriving, leaving, before, after, old.vertex, old.pockets
+                position[k],
+                height,
+                float(x[k]),
+                old.peak,
+                arriving,
+                leaving,
+                before,
+                after,
+                old.vertex,
+                old.pockets,
+                old.level,
             )
 
         count = len(turns)
@@ -356,7 +381,7 @@ class Molecule:
         inner = [turn(i, -along, one.leaving, wrapped[1], one.after), *between]
         inner.append(turn(j, other.arriving, -along, other.before, wrapped[0]))
         if middle is not None:
-            inner.insert(0, _Turn(middle.position, height, middle.x, middle.peak, -along, -along, *wrapped, vertex, 0))
+            inner.insert(0, _Turn(middle.position, height, middle.x, middle.peak, -along, -along, *wrapped, vertex, 0, gusset.x))
         elif far_i > self.tie:
             inner.insert(0, inner.pop())
         last, first = (
@@ -382,7 +407,17 @@ class Molecule:
 
         def joined(last: _Turn, first: _Turn) -> _Turn:
             return _Turn(
-                place, height, x, first.peak, last.arriving, first.leaving, last.before, first.after, vertex, 0
+                place,
+                height,
+                x,
+                first.peak,
+                last.arriving,
+                first.leaving,
+                last.before,
+                first.after,
+                vertex,
+                0,
+                _outermost([first, last]),
             )
 
         inner = [joined(other, one), *turns[i + 1 : j]]
@@ -422,6 +457,11 @@ class _State:
         self.x = np.array([t.x for t in turns]) + self.slope * rise
         self.peak = np.array([t.peak for t in turns])
         self.up = np.where(self.peak, 1.0, -1.0)
+        # a turn that moves outwards is wrapped at the level that it comes to
+        level = np.array([t.level for t in turns])
+        outwards = (self.shrink < 0) & (self.up * (level - self.x) > 0)
+        self.level = np.where(outwards, level, self.x)
+        self.level_slope = np.where(outwards, 0.0, self.slope)
         pockets = np.array([t.pockets for t in turns])
         self.turned = (pockets & turned) if turned else np.zeros(len(turns), dtype=np.int64)
 
@@ -449,11 +489,11 @@ class _State:
 
     def next_crossing(self, tie: float) -> float:
         """When the next of two valleys, or of two peaks, passes the other's image: paths in the tree change."""
-        if not (self.slope[~self.peak].any() or self.turned.any()):
+        if not (self.level_slope[~self.peak].any() or self.turned.any()):
             return math.inf
         best = math.inf
         for kind in (self.peak, ~self.peak) if self.turned.any() else (~self.peak,):
-            x, slope = self.x[kind], self.slope[kind]
+            x, slope = self.level[kind], self.level_slope[kind]
             apart, closing = x[:, None] - x, slope - slope[:, None]
             with np.errstate(all="ignore"):
                 time = np.where((apart > tie) & (closing > 0), apart / closing, np.inf)
@@ -481,7 +521,7 @@ class _State:
         # the root is a leaf, too, when it alone is the lowest
         under[0] |= bool((self.x[1:] > self.x[0] + tie).all())
         place = np.arange(count + 1) % count
-        x, step = self.x[place], np.arange(count + 1)
+        x, step = self.level[place], np.arange(count + 1)
         ahead = step >= step[:-1, None]
         way = np.where(ahead, x, np.inf)
         at = np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way, axis=1), step, 0), axis=1)
@@ -504,8 +544,11 @@ class _State:
         i, j, at = self._pairs(tie)
         apart, parting = self.position[j] - self.position[i], self.velocity[j] - self.velocity[i]
         sign = np.where((self.turned[i] & self.turned[j]) != 0, -1.0, 1.0)
-        path = sign * (self.x[i] + self.x[j] - 2 * self.x[at])
-        path_slope = sign * (self.slope[i] + self.slope[j] - 2 * self.slope[at])
+        own = (at == i) | (at == j)
+        level = np.where(own, self.x[at], self.level[at])
+        level_slope = np.where(own, self.slope[at], self.level_slope[at])
+        path = sign * (self.x[i] + self.x[j] - 2 * level)
+        path_slope = sign * (self.slope[i] + self.slope[j] - 2 * level_slope)
         distance = np.hypot(apart[:, 0], apart[:, 1])
         a = (parting**2).sum(axis=1) - path_slope**2
         b = 2 * ((apart * parting).sum(axis=1) - path * path_slope)
@@ -524,7 +567,7 @@ class _State:
             if time[n] > before or not math.isfinite(time[n]):
                 break
             if self.sees(float(time[n]), int(i[n]), int(j[n])):
-                x = float(self.x[at[n]] + self.slope[at[n]] * time[n])
+                x = float(level[n] + level_slope[n] * time[n])
                 return _Gusset(float(time[n]), int(i[n]), int(j[n]), x)
         return None
 
@@ -555,6 +598,12 @@ def _crosses(origin: Floats, line: Floats, start: Floats, end: Floats) -> Bools:
     level = 1e-10 * np.hypot(along[:, 0], along[:, 1]) * math.hypot(*line)
     in_line = (np.abs(side_start) <= level) & (np.abs(side_end) <= level)
     return (side_start * side_end <= 0) & (near * far <= 0) & ~in_line
+
+
+def _outermost(turns: list[_Turn]) -> float:
+    """The level of the outermost of some turns, of those of the first one's kind."""
+    levels = [turn.level for turn in turns if turn.peak == turns[0].peak]
+    return max(levels) if turns[0].peak else min(levels)
 
 
 def _after(numbers: list[int]) -> list[int]:

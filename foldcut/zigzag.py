@@ -83,6 +83,11 @@ class Outline:
         return self.lives[1]
 
     @cached_property
+    def rises(self) -> Floats:
+        """How far each convex corner's image rises outside, if it is a peak, until its wavefront meets another."""
+        return np.minimum(corner_lives(self.loop, outside=True)[1], self.size)
+
+    @cached_property
     def lives(self) -> tuple[Floats, Floats, Floats]:
         """When each corner's wavefront ends inside; how far reflex ones fall; when each corner's ends outside."""
         inside, falls = corner_lives(self.loop)
@@ -203,13 +208,15 @@ class Solution:
     left_out: Floats
     clearance: float
 
-    def walk(self, outline: Outline) -> Walk:
+    def walk(self, outline: Outline, *, careful: bool = True) -> Walk:
         """The walk, when nothing is left out."""
         turns = self.turns
         points = outline.loop[turns.side] + outline.direction[turns.side] * self.along[:, None]
         pockets = outline.pockets[turns.side]
         pockets = np.where(turns.corner, pockets | outline.pockets[turns.side - 1], pockets)
-        return Walk(points, self.x, turns.peak, outline.direction[turns.side], pockets, turns.turned)
+        program = Program(outline, turns, careful=careful)
+        levels = np.stack([self.x + program.level_inside, self.x + program.level_outside])
+        return Walk(points, self.x, turns.peak, outline.direction[turns.side], pockets, levels, turns.turned)
 
 
 class Program:
@@ -238,6 +245,11 @@ class Program:
         self.ends = np.zeros((len(outline.loop), 2 * count))
         np.add.at(self.ends, turns.side, self.stretch)
         self.per_side = np.bincount(turns.side, minlength=len(outline.loop))
+        self.level_inside, self.level_outside = np.zeros(count), np.zeros(count)
+        if careful:
+            in_falls, out_rises = outline.falls[turns.side], outline.rises[turns.side]
+            self.level_inside = np.where(turns.corner & ~turns.peak, -in_falls, 0.0)
+            self.level_outside = np.where(turns.corner & turns.peak, out_rises, 0.0)
         self.pockets = np.where(
             turns.corner, outline.pockets[turns.side] | outline.pockets[turns.side - 1], outline.pockets[turns.side]
         )
@@ -310,29 +322,35 @@ class Program:
         """The clearance that turns that see each other really have."""
         pairs = self._pairs(solution.along)
         _, path = self._paths(solution.x, pairs)
-        if not len(path):
-            return math.inf
-        return float(np.min(1 - path / pairs.distance))
+        return float(np.min(1 - path / pairs.distance, initial=math.inf))
 
     def _paths(self, x: Floats, pairs: _Pairs) -> tuple[Ints, Floats]:
         """For each pair the turn where its path in the tree turns, and the path's length."""
         count = self.count
-        lowest = np.zeros((count, count), dtype=np.int64)
-        highest = np.zeros((count, count), dtype=np.int64)
         steps = np.arange(count)
-        for i in range(count):
-            way = x[i:]
-            lowest[i, i:] = i + np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way), steps[i:] - i, 0))
-            highest[i, i:] = i + np.maximum.accumulate(np.where(way >= np.maximum.accumulate(way), steps[i:] - i, 0))
+        low, high = x + self.level_inside, x + self.level_outside
+        if pairs.shift is not None:
+            low = high = x
+        ahead = steps >= steps[:, None]
+        way = np.where(ahead, low, np.inf)
+        lowest = np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way, axis=1), steps, 0), axis=1)
+        highest = lowest
+        if pairs.turned.any():
+            way = np.where(ahead, high, -np.inf)
+            highest = np.maximum.accumulate(np.where(way >= np.maximum.accumulate(way, axis=1), steps, 0), axis=1)
         at = np.where(pairs.turned, highest[pairs.i, pairs.j], lowest[pairs.i, pairs.j])
         # the root is at both ends of the walk; over the peaks the lower way counts
         from_root = pairs.turned & (pairs.i == 0)
         if from_root.any():
-            back = np.maximum.accumulate(np.where(x[::-1] >= np.maximum.accumulate(x[::-1]), steps, 0))
+            back = np.maximum.accumulate(np.where(high[::-1] >= np.maximum.accumulate(high[::-1]), steps, 0))
             other = count - 1 - back[count - 1 - pairs.j]
-            at = np.where(from_root & (x[other] < x[at]), other, at)
-        path = x[pairs.i] + x[pairs.j] - 2 * x[at]
-        return at, np.where(pairs.turned, -path, path)
+            at = np.where(from_root & (high[other] < high[at]), other, at)
+        level = np.where(pairs.turned, high[at], low[at])
+        path = x[pairs.i] + x[pairs.j] - 2 * level
+        path = np.where(pairs.turned, -path, path)
+        # a turn that goes on falling is no bound for pairs of its own: those are looked at later
+        own = ((at == pairs.i) | (at == pairs.j)) & (np.abs(level - x[at]) > 0)
+        return at, np.where(own, -np.inf, path)
 
     def _pairs(self, along: Floats) -> _Pairs:
         """Pairs i < j of turns that see each other and whose images may be too far apart."""
@@ -466,8 +484,9 @@ class Program:
         moved = toward_i * now[pairs.i] - toward_j * now[pairs.j]
         excess = path - pairs.distance * (1 - clearance) - moved
         if pairs.still is not None:
-            excess = np.where(pairs.still[at], excess, -np.inf)
-        broken = np.flatnonzero(excess > (-np.inf if everything else 1e-9 * self.outline.size))
+            own = (at == pairs.i) | (at == pairs.j)
+            excess = np.where(pairs.still[at] & own, excess, -np.inf)
+        broken = np.flatnonzero(np.isfinite(excess) if everything else excess > 1e-9 * self.outline.size)
         if len(broken) > MOST_ROWS and not everything:
             broken = broken[np.argsort(-excess[broken], kind="stable")[:MOST_ROWS]]
         i, j, at = pairs.i[broken], pairs.j[broken], at[broken]
@@ -482,6 +501,7 @@ class Program:
         bound = pairs.distance[broken] - slope_i * along[i] + slope_j * along[j]
         if pairs.shift is None:
             rows[:, 2 * count] = pairs.distance[broken]
+            bound += 2 * sign * np.where(pairs.turned[broken], self.level_outside[at], self.level_inside[at])
         else:
             bound -= sign * (pairs.shift[i] + pairs.shift[j] - 2 * pairs.shift[at])
         return rows, bound

@@ -1,4 +1,4 @@
-"""The k-cornered molecule, inside and outside a chain, and what the layers make of it."""
+"""The k-cornered molecule, inside and outside a walk, and what the layers make of it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,11 @@ import numpy as np
 import pytest
 from strategies import cross, rectangle, regular, star
 
-from foldcut.compact import Chain, Molecules, build_molecules, fold_molecules, molecule_faults
-from foldcut.model import Finding, Shape, Sheet, points_array
+from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
+from foldcut.model import Finding, Floats, Shape, Sheet, points_array
 from foldcut.molecules import Kind
 from foldcut.shape import make_shape
 from foldcut.sheet import place
-from foldcut.universal import NO_FOOT
 from foldcut.verify import verify
 
 SHEET = Sheet(200.0, 200.0)
@@ -24,22 +23,49 @@ def placed(points: list[tuple[float, float]]) -> Shape:
     return place(make_shape([points]), SHEET, margin=30)[0]
 
 
-def chain(shape: Shape, reach: list[float], valleys: tuple[int, ...] = (), root: int | None = None) -> Chain:
-    """A chain with the given reaches, in units of the longest side; ``root`` is a valley, else the last side's foot."""
+def walk_of(loop: Floats, reach: Floats, valleys: tuple[int, ...] = (), root: int | None = None) -> Walk:
+    """The walk with these reaches of the corners; ``root`` is a valley, or else the turn on the last side is the root.
+
+    On every side between two peaks is a turn as low as the side's length wants.
+    """
+    along = np.roll(loop, -1, axis=0) - loop
+    length = np.hypot(*along.T)
+    points, x, peaks, directions = [], [], [], []
+    for k in range(len(loop)):
+        points.append(loop[k])
+        x.append(reach[k])
+        peaks.append(k not in valleys)
+        directions.append(along[k] / length[k])
+        if {k, (k + 1) % len(loop)}.isdisjoint(valleys):
+            x.append((reach[k] + reach[(k + 1) % len(loop)] - length[k]) / 2)
+            points.append(loop[k] + directions[-1] * (reach[k] - x[-1]))
+            peaks.append(False)
+            directions.append(directions[-1])
+    first = -1 if root is None else next(k for k, p in enumerate(points) if p is loop[root] or np.all(p == loop[root]))
+    order = (first + np.arange(len(points))) % len(points)
+    images = np.where(np.abs(x) < 1e-9, 0.0, x)[order]
+    pockets = np.full(len(points), int(bool(valleys)))
+    return Walk(
+        np.array(points)[order],
+        images,
+        np.array(peaks)[order],
+        np.array(directions)[order],
+        pockets,
+        np.stack([images, images]),
+        turned=int(bool(valleys)),
+    )
+
+
+def walk(shape: Shape, reach: list[float], valleys: tuple[int, ...] = (), root: int | None = None) -> Walk:
+    """As ``walk_of``, with reaches in units of the longest side."""
     loop = shape.loops[0]
-    length = np.hypot(*(np.roll(loop, -1, axis=0) - loop).T)
-    reaches = np.array(reach) * length.max()
-    depth = (reaches + np.roll(reaches, -1) - length) / 2
-    depth[np.abs(depth) < 1e-9] = 0.0
-    for valley in valleys:
-        depth[[valley - 1, valley]] = NO_FOOT
-    turn = -(root or 0)
-    return Chain(np.roll(loop, turn, axis=0), np.roll(reaches, turn), np.roll(depth, turn))
+    longest = np.hypot(*(np.roll(loop, -1, axis=0) - loop).T).max()
+    return walk_of(loop, np.array(reach) * longest, valleys, root)
 
 
-def fold(shape: Shape, its_chain: Chain) -> tuple[Molecules, int, list[Finding]]:
-    """Fold a chain; return the molecules, the number of creases, and what verification finds."""
-    molecules = build_molecules(its_chain, SHEET)
+def fold(shape: Shape, its_walk: Walk) -> tuple[Molecules, int, list[Finding]]:
+    """Fold a walk; return the molecules, the number of creases, and what verification finds."""
+    molecules = build_molecules(its_walk, SHEET)
     assert molecule_faults(molecules) == []
     creases, folded = fold_molecules(molecules, SHEET)
     return molecules, creases.crease_count, verify(creases, folded.layers, shape)
@@ -47,7 +73,7 @@ def fold(shape: Shape, its_chain: Chain) -> tuple[Molecules, int, list[Finding]]
 
 def test_a_triangle_is_a_rabbit_ear_and_needs_six_creases_with_its_outside() -> None:
     shape = placed([(0, 0), (4, 0), (0, 3)])
-    molecules, count, findings = fold(shape, chain(shape, [0.2, 0.6, 0.4]))
+    molecules, count, findings = fold(shape, walk(shape, [0.2, 0.6, 0.4]))
     assert (count, findings) == (6, [])
     flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
     apex = flat[np.argmax(folded[:, 1])]
@@ -58,7 +84,7 @@ def test_a_triangle_is_a_rabbit_ear_and_needs_six_creases_with_its_outside() -> 
 @pytest.mark.parametrize("n", range(3, 13))
 def test_regular_polygons_close_in_one_point_and_need_two_creases_a_corner(n: int) -> None:
     shape = placed(regular(n))
-    molecules, count, findings = fold(shape, chain(shape, [0.5] * n))
+    molecules, count, findings = fold(shape, walk(shape, [0.5] * n))
     assert (count, findings) == (2 * n, [])
     assert molecules.inside.gussets == molecules.outside.gussets == 0
 
@@ -71,7 +97,7 @@ def test_a_quadrilateral_has_the_gusset_of_the_papers_formulas() -> None:
     half = math.sqrt(2.5**2 - 1.1**2)
     corners = [(0.0, -1.1), (half, 0.0), (0.0, 1.1), (-half, 0.0)]
     formula = one_molecule(corners, radii)
-    molecules = build_molecules(Chain(np.array(corners), np.array(radii), np.zeros(4)), Sheet(10, 10))
+    molecules = build_molecules(walk_of(np.array(corners), np.array(radii)), Sheet(10, 10))
     assert molecules.inside.gussets == 1
     theirs = {tuple(np.round(point, 9)) for point in formula.vertices.tolist()}
     inside = {v for ring in molecules.inside.rings() for v in ring}
@@ -93,14 +119,14 @@ def test_a_long_rectangle_folds_over_two_hubs_without_added_corners() -> None:
     # One hub would need ten corners: here a river joins the hubs of the two ends.
     shape = placed(rectangle(3, 1))
     r = 0.5 / 3
-    _, count, findings = fold(shape, chain(shape, [r, 1 - r, 1 - r, r]))
+    _, count, findings = fold(shape, walk(shape, [r, 1 - r, 1 - r, r]))
     assert findings == []
     assert count <= 10
 
 
 def test_a_five_pointed_star_folds_like_a_fan_with_ten_creases() -> None:
     shape = placed(star(5, 0.4))
-    _, count, findings = fold(shape, chain(shape, [1, 0] * 5, valleys=(1, 3, 5, 7, 9), root=1))
+    _, count, findings = fold(shape, walk(shape, [1, 0] * 5, valleys=(1, 3, 5, 7, 9), root=1))
     assert (count, findings) == (10, [])
 
 
@@ -110,12 +136,11 @@ def test_a_plus_sign_on_one_hub_has_gussets_inside_and_outside() -> None:
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     reflex = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0
     reach = [0.45 if notch else 0.55 for notch in reflex]
-    its_chain = chain(shape, reach)
-    first = int(np.flatnonzero(its_chain.depth == 0)[0]) + 1
-    its_chain = Chain(
-        *(np.roll(array, -first, axis=0) for array in (its_chain.corners, its_chain.reach, its_chain.depth))
-    )
-    molecules, _, findings = fold(shape, its_chain)
+    its_walk = walk(shape, reach)
+    first = int(np.flatnonzero((its_walk.x == 0) & ~its_walk.peaks)[0])
+    turned = (np.roll(getattr(its_walk, name), -first, axis=0) for name in ("points", "x", "peaks", "directions"))
+    its_walk = Walk(*turned, its_walk.pockets, np.roll(its_walk.levels, -first, axis=1))
+    molecules, _, findings = fold(shape, its_walk)
     assert findings == []
     assert molecules.inside.gussets > 0
     assert molecules.outside.gussets > 0
@@ -123,19 +148,20 @@ def test_a_plus_sign_on_one_hub_has_gussets_inside_and_outside() -> None:
 
 def test_the_sheet_may_be_any_rectangle_that_holds_the_shape() -> None:
     shape = placed(regular(5))
-    molecules = build_molecules(chain(shape, [0.5] * 5), SHEET)
+    molecules = build_molecules(walk(shape, [0.5] * 5), SHEET)
     low, high = shape.loops[0].min(axis=0), shape.loops[0].max(axis=0)
     for room in (0.001, 1.0, 25.0):
         size = high - low + 2 * room
         moved = Shape((points_array(shape.loops[0] - low + room),), (-1,))
         sheet = Sheet(float(size[0]), float(size[1]))
-        creases, folded = fold_molecules(build_molecules(chain(moved, [0.5] * 5), sheet), sheet)
+        creases, folded = fold_molecules(build_molecules(walk(moved, [0.5] * 5), sheet), sheet)
         assert verify(creases, folded.layers, moved) == []
     assert molecule_faults(molecules) == []
 
 
 def test_the_checker_sees_a_reach_that_does_not_fit() -> None:
     shape = placed(regular(5))
-    right = chain(shape, [0.5] * 5)
-    wrong = dataclasses.replace(right, reach=right.reach + np.array([0, 0, 1.0, 0, 0]))
+    right = walk(shape, [0.5] * 5)
+    shift = np.where(np.arange(10) == 5, 1.0, 0.0)
+    wrong = dataclasses.replace(right, x=right.x + shift)
     assert molecule_faults(build_molecules(wrong, SHEET)) != []
