@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.faces import Ring, assemble, creases_of_stack, merge_stacks, outline
-from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Ints, Sheet
+from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Numbers, Sheet
 from foldcut.plane import cross
 from foldcut.universal import Border, Molecule, Vertices
 
@@ -25,10 +25,10 @@ from foldcut.universal import Border, Molecule, Vertices
 class Walk:
     """How the boundary of a shape goes to and fro on the cut line when folded: its turns, counter-clockwise.
 
-    ``points`` ``(n, 2)`` mm on the sheet, the shape's corners and points on its sides; ``x`` ``(n,)`` mm where they land;
-    ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)`` unit vectors of the sides after
-    them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)`` the pockets outside the shape that a turn
-    belongs to, as bits; ``turned`` those that are folded with the tree over the peaks. ``levels`` ``(2, n)`` mm: where
+    ``points`` ``(n, 2)`` mm on the sheet, the shape's corners and points on its sides; ``x`` ``(n,)`` mm where they
+    land; ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)`` unit vectors of the sides after
+    them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)`` the pockets outside the shape that a
+    turn belongs to, as bits; ``turned`` those that are folded with the tree over the peaks. ``levels`` ``(2, n)`` mm: where
     creases that wrap a turn, inside and outside, land: beyond where the turn itself ever does.
     """
 
@@ -36,7 +36,7 @@ class Walk:
     x: Floats
     peaks: Bools
     directions: Floats
-    pockets: Ints
+    pockets: Numbers
     levels: Floats
     turned: int = 0
 
@@ -151,10 +151,11 @@ def molecule_faults(molecules: Molecules) -> list[str]:
         first = np.cumsum([0, *(len(ring) for _, ring in rings[:-1])])
         stretch = np.abs(np.hypot(*(flat[end] - flat[start]).T) - np.hypot(*(folded[end] - folded[start]).T))
         stretch = np.maximum.reduceat(stretch, first)
-        area = np.add.reduceat(cross(flat[start] - flat[start[first]].repeat(np.diff([*first, len(start)]), axis=0),
-                                     flat[end] - flat[start]), first)
-        for k in np.flatnonzero(stretch > limit).tolist():
-            faults.append(f"facet {rings[k][0]} {name} is stretched by {stretch[k]:.3g} mm")
-        for k in np.flatnonzero(area <= 0).tolist():
-            faults.append(f"facet {rings[k][0]} {name} is not counter-clockwise")
+        origin = flat[start[first]].repeat(np.diff([*first, len(start)]), axis=0)
+        area = np.add.reduceat(cross(flat[start] - origin, flat[end] - flat[start]), first)
+        faults += [
+            f"facet {rings[k][0]} {name} is stretched by {stretch[k]:.3g} mm"
+            for k in np.flatnonzero(stretch > limit).tolist()
+        ]
+        faults += [f"facet {rings[k][0]} {name} is not counter-clockwise" for k in np.flatnonzero(area <= 0).tolist()]
     return faults

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 METHODS = ("compact", "paper")
-DEFAULT_METHOD = "paper"
+DEFAULT_METHOD = "compact"
 
 EFFORTS = ("fast", "normal", "best")
 """How long the compact method searches."""

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,7 @@ from foldcut.ties import Mover
 from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns
 
-EFFORTS = {"fast": 0.7, "normal": 6.0, "best": 60.0}
+EFFORTS = {"fast": 0.7, "normal": 4.5, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_Budget``."""
 
 CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
@@ -38,6 +39,7 @@ LONG_MM = 3.3  # what short creases are made as long as, a little more than fold
 VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as good as gone
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 VARIATIONS = 4
+OVERTIME = 0.5
 PATIENCE = 60  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
@@ -84,9 +86,9 @@ def fold_compact(
     search = _Search(loop, sheet, ribbon, _Budget(EFFORTS[effort], seconds), progress)
     interrupted = False
     try:
-        search.run()
-    except _Spent:
-        pass
+        for stage in (search.run, search.finish):
+            with suppress(_Spent):
+                stage()
     except KeyboardInterrupt:
         if search.best is None:
             raise
@@ -101,7 +103,7 @@ def fold_compact(
     return Compact(best.creases, best.folded, best.walk, best.molecules, search.tried, interrupted)
 
 
-class _Spent(Exception):
+class _Spent(Exception):  # noqa: N818  # not an error
     """The search has taken what it may take."""
 
 
@@ -122,6 +124,13 @@ class _Budget:
         # a slow machine must not keep anybody waiting
         return max(self.spent / self.allowed, elapsed / (8 * self.allowed))
 
+    def more(self, part: float) -> None:
+        """Allow more, as a part of what was allowed."""
+        self.allowed = max(self.spent, self.allowed) + part * self.allowed
+        self.started = time.monotonic()
+        if self.seconds is not None:
+            self.seconds *= part
+
     def program(self, turns: int) -> None:
         self.spent += 0.002 + 0.00004 * turns + 0.0000015 * turns**2
 
@@ -138,7 +147,7 @@ class _Plan:
     at_corner: bool
     turned: int
     raised: frozenset[int]
-    careful: bool = True  # that no gusset wraps a falling corner; there may be one all the same, and no such pattern
+    careful: bool = True  # see ``Program``
 
     def turns(self) -> Turns:
         return Turns.build(self.peaks, self.root, at_corner=self.at_corner, turned=self.turned, raised=self.raised)
@@ -159,6 +168,7 @@ class _Search:
         self.rng = np.random.default_rng(len(loop))
         self.best: _Found | None = None
         self.tried = 0
+        self.settled: set[int] = set()
         self.solved: list[tuple[float, Solution, _Plan]] = []
 
     def run(self) -> None:
@@ -170,18 +180,28 @@ class _Search:
                     if plans:
                         self._follow(plans.pop(0))
         self._climb()
-        settled: set[int] = set()
         while self.solved:
-            for _ in range(VARIATIONS):
-                self._vary()
-            if self.best is not None and id(self.best.solution) not in settled:
-                settled.add(id(self.best.solution))
-                self._settle(self.best.solution, self.best.plan)
-                settled.add(id(self.best.solution))
-            for key, solution, plan in self.solved[:2]:
-                if key < np.inf and id(solution) not in settled:
-                    settled.add(id(solution))
-                    self._settle(solution, plan)
+            if not self._settle_next() or (self.best is not None and not self.best.key[0]):
+                for _ in range(VARIATIONS):
+                    self._vary()
+
+    def finish(self) -> None:
+        """Spend more as long as the best pattern has creases that nobody can fold."""
+        self.budget.more(OVERTIME)
+        while self.best is not None and self.best.key[0] and self._settle_next():
+            pass
+
+    def _settle_next(self) -> bool:
+        """Settle the best solution that has not been settled yet, if there is one."""
+        best = [] if self.best is None else [(0.0, self.best.solution, self.best.plan)]
+        for key, solution, plan in best + self.solved:
+            if key < np.inf and id(solution) not in self.settled:
+                self.settled.add(id(solution))
+                self._settle(solution, plan)
+                if self.best is not None:
+                    self.settled.add(id(self.best.solution))
+                return True
+        return False
 
     # --- plans
 
@@ -313,7 +333,11 @@ class _Search:
                     return solution
                 along = solution.along
                 solution = self._solve(program, along, clearance=clearance, steps=8)
-                if solution is not None and not solution.left_out.any() and program.true_clearance(solution) > 0.3 * clearance:
+                if (
+                    solution is not None
+                    and not solution.left_out.any()
+                    and program.true_clearance(solution) > 0.3 * clearance
+                ):
                     return solution
                 return None
             if len(program.turns) >= most:
@@ -378,13 +402,14 @@ class _Search:
 
     def _lengthen(self, mover: Mover, plan: _Plan) -> None:
         """Make the shortest creases longer."""
-        for _ in range(3):
+        shortest = 0.0
+        for _ in range(6):
             if not mover.lengthen(LONG_MM):
                 break
             self._try(mover.solution, plan)
-            less = mover.without(0, TINY_MM) if mover.lengths()[0] < TINY_MM else None
-            if less is not None:
-                self._try(less.solution, plan)
+            before, shortest = shortest, float(mover.lengths()[0])
+            if shortest < 1.05 * before or shortest >= LONG_MM:
+                break
 
     def _creases(self, solution: Solution, plan: _Plan) -> CreasePattern | None:
         """The creases of a solution, not verified, or None."""

@@ -13,11 +13,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import null_space
 
-from foldcut.model import CreasePattern, Floats, Ints
+from foldcut.model import CreasePattern, Floats, Numbers
 from foldcut.zigzag import Outline, Program, Solution, Solver
 
 DIFFERENCE = 1e-7
@@ -32,7 +33,7 @@ CLEARANCE = 0.003
 class _Lengths:
     """The creases of a pattern, for comparison with those of another, and their lengths in mm."""
 
-    edges: Ints
+    edges: Numbers
     length: Floats
 
     @classmethod
@@ -45,7 +46,7 @@ class _Lengths:
 class Mover:
     """Moves the turns of a solution so that its creases get longer, or so that short ones vanish.
 
-    ``fold`` returns the creases of a solution, or None; ``careful`` as for ``Program``. ``solution`` is where it is now.
+    ``fold`` returns the creases of a solution, or None; ``careful`` as for ``Program``; ``solution``: where it is now.
     """
 
     def __init__(
@@ -70,7 +71,7 @@ class Mover:
         if self._creases is None or not self._basis.shape[1]:
             return False
         now = _Lengths.of(self._creases)
-        slopes = self._slopes(now)
+        slopes = self._slopes(now, np.arange(len(now.length)))
         while self._trust > 1e-4 * self._program.outline.size:
             move = self._longest(now, slopes, target)
             if move is not None and self._go(move):
@@ -128,9 +129,8 @@ class Mover:
         x = self.solution.x + by
         return replace(self.solution, x=x, along=self._program.walked[:, : len(x)] @ x)
 
-    def _slopes(self, now: _Lengths, some: Ints | None = None) -> Floats:
+    def _slopes(self, now: _Lengths, some: Numbers) -> Floats:
         """The derivatives of lengths by the directions of the basis, by differences; 0 where the order changes."""
-        some = np.arange(len(now.length)) if some is None else some
         step = min(DIFFERENCE * self._program.outline.size, 0.05 * float(now.length.min()))
         slopes = np.zeros((len(some), self._basis.shape[1]))
         for column, direction in enumerate(self._basis.T):
@@ -175,7 +175,7 @@ def _levels(outline: Outline, solution: Solution) -> Floats:
     for kind in (solution.turns.peak, ~solution.turns.peak):
         some = np.flatnonzero(kind)
         some = some[np.argsort(solution.x[some], kind="stable")]
-        for a, b in zip(some, some[1:], strict=False):
+        for a, b in pairwise(some.tolist()):
             if solution.x[b] - solution.x[a] < 1e-7 * outline.size:
                 row = np.zeros(len(solution.x))
                 row[a], row[b] = -1.0, 1.0

@@ -31,7 +31,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Floats, Ints
+from foldcut.model import Bools, Floats, Numbers
 from foldcut.plane import cross, left_normal
 
 # Distances that differ by less than this part of the shape's size are equal.
@@ -122,14 +122,14 @@ class Border:
     """The border of a molecule, its turns counter-clockwise from the root.
 
     ``vertices`` their numbers, ``peaks`` ``(n,)`` which of them are peaks, alternately; ``directions`` ``(n, 2)`` unit
-    vectors of the sides after them; ``pockets`` ``(n,)`` for each a set of pockets that it belongs to, as bits; ``levels`` ``(n,)`` where creases
-    land that wrap a turn while it moves outwards: as far as it ever goes.
+    vectors of the sides after them; ``pockets`` ``(n,)`` for each a set of pockets that it belongs to, as bits;
+    ``levels`` ``(n,)`` mm: where creases land that wrap a turn while it moves outwards, as far as it ever goes.
     """
 
     vertices: list[int]
     peaks: Bools
     directions: Floats
-    pockets: Ints
+    pockets: Numbers
     levels: Floats
 
 
@@ -139,7 +139,8 @@ class Molecule:
     Facet k begins at the border between turns k and k + 1. ``sign`` is +1 when heights count upwards; ``limit`` is
     where an unbounded molecule ends, None for a bounded one; ``size`` is what ties are relative to; ``turned``: the
     pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
-    nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border. Raises ``UnfoldableError`` when the molecule does not close.
+    nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border. Raises
+    ``UnfoldableError`` when the molecule does not close.
     """
 
     def __init__(
@@ -276,7 +277,7 @@ class Molecule:
                 runs[-1].append(k)
             else:
                 runs.append([k])
-        left = []
+        left: list[_Turn] = []
         cut = 0
         for run in runs:
             if len(run) % 2 == 0:
@@ -349,7 +350,9 @@ class Molecule:
             around = [self._facet(one.vertex, vertex), self._facet(vertex, other.vertex)]  # after i, before j
             self._insert_before(one.after, [around[0], wrapped[1]])
             self._insert_after(other.before, [wrapped[0], around[1]])
-            middle = _Turn(place, height, gusset.x, not one.peak, along, along, around[0], around[1], vertex, 0, gusset.x)
+            middle = _Turn(
+                place, height, gusset.x, not one.peak, along, along, around[0], around[1], vertex, 0, gusset.x
+            )
         else:
             if one.peak == other.peak:
                 raise self._lost(part, "a flap has no length left")
@@ -381,7 +384,22 @@ class Molecule:
         inner = [turn(i, -along, one.leaving, wrapped[1], one.after), *between]
         inner.append(turn(j, other.arriving, -along, other.before, wrapped[0]))
         if middle is not None:
-            inner.insert(0, _Turn(middle.position, height, middle.x, middle.peak, -along, -along, *wrapped, vertex, 0, gusset.x))
+            inner.insert(
+                0,
+                _Turn(
+                    middle.position,
+                    height,
+                    middle.x,
+                    middle.peak,
+                    -along,
+                    -along,
+                    wrapped[0],
+                    wrapped[1],
+                    vertex,
+                    0,
+                    gusset.x,
+                ),
+            )
         elif far_i > self.tie:
             inner.insert(0, inner.pop())
         last, first = (
@@ -509,7 +527,7 @@ class _State:
                 return i, j
         return None
 
-    def _pairs(self, tie: float) -> tuple[Ints, Ints, Ints]:
+    def _pairs(self, tie: float) -> tuple[Numbers, Numbers, Numbers]:
         """Pairs of turns that may come too near, and the turn between them where the tree's path turns.
 
         A pair goes from the first on to the last and around what lies between. Pairs with the turn 0, where the list

@@ -12,15 +12,16 @@ at the last solution is on the safe side.
 
 As long as there is no solution, stretches of the boundary are left out: they are the places where turns are missing.
 
-Source: Lang's tree method (*Origami Design Secrets*, chapter 11); trees whose leaves are on a closed walk, in order, are
-heights over the root.
+Source: Lang's tree method (*Origami Design Secrets*, chapter 11); trees whose leaves are on a closed walk, in order,
+are heights over the root.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import highspy
 import numpy as np
@@ -28,7 +29,7 @@ import shapely
 from scipy.spatial import ConvexHull
 
 from foldcut.compact import Walk
-from foldcut.model import Bools, Floats, Ints
+from foldcut.model import Bools, Floats, Numbers
 from foldcut.plane import cross
 from foldcut.skeleton import Node, corner_lives, side_nodes
 
@@ -131,7 +132,7 @@ class Outline:
         return float(away.min(initial=self.size))
 
     @cached_property
-    def pockets(self) -> Ints:
+    def pockets(self) -> Numbers:
         """The pocket of the convex hull that each side is beside, as a bit, or 0."""
         count = len(self.loop)
         hull = np.sort(ConvexHull(self.loop).vertices)
@@ -153,7 +154,7 @@ class Turns:
     reflex corners that are to stay above the valleys on both sides of them.
     """
 
-    side: Ints
+    side: Numbers
     corner: Bools
     peak: Bools
     turned: int = 0
@@ -182,20 +183,16 @@ class Turns:
 
     def inserted(self, at: int) -> Turns:
         """Return the turns with two more after turn ``at``, on the same side."""
-        kinds = self.peak[at]
-        return Turns(
-            np.insert(self.side, at + 1, [self.side[at]] * 2),
-            np.insert(self.corner, at + 1, [False, False]),
-            np.insert(self.peak, at + 1, [not kinds, kinds]),
-            self.turned,
-            self.raised,
-        )
+        kind = self.peak[at]
+        side = np.insert(self.side, at + 1, [self.side[at]] * 2)
+        corner = np.insert(self.corner, at + 1, [False, False])
+        return replace(self, side=side, corner=corner, peak=np.insert(self.peak, at + 1, [not kind, kind]))
 
     def removed(self, at: int) -> Turns:
         """Return the turns without ``at`` and the next, neither of which may be a corner or the root."""
-        both = [at, at + 1]
-        kept = (np.delete(column, both) for column in (self.side, self.corner, self.peak))
-        return Turns(*kept, self.turned, self.raised)
+        keep = np.ones(len(self), dtype=bool)
+        keep[[at, at + 1]] = False
+        return replace(self, side=self.side[keep], corner=self.corner[keep], peak=self.peak[keep])
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,10 +217,15 @@ class Solution:
 
 
 class Program:
-    """The linear program of some turns around an outline."""
+    """The linear program of some turns around an outline.
+
+    Inside, a reflex corner that is a valley falls as the molecule grows; in a turned pocket a convex corner that is a
+    peak rises. A gusset crease that wraps one must land beyond all that: ``level_inside``, ``level_outside`` ``(n,)``
+    say by how much.
+    """
 
     def __init__(self, outline: Outline, turns: Turns, *, careful: bool = True) -> None:
-        """``careful``: see to it that no gusset crease wraps a corner that goes on falling, as far as that is known."""
+        """``careful``: heed corners that go on falling or rising; else no pattern may come of it, or a simpler one."""
         self.careful = careful
         self.outline, self.turns = outline, turns
         count = self.count = len(turns)
@@ -324,7 +326,7 @@ class Program:
         _, path = self._paths(solution.x, pairs)
         return float(np.min(1 - path / pairs.distance, initial=math.inf))
 
-    def _paths(self, x: Floats, pairs: _Pairs) -> tuple[Ints, Floats]:
+    def _paths(self, x: Floats, pairs: _Pairs) -> tuple[Numbers, Floats]:
         """For each pair the turn where its path in the tree turns, and the path's length."""
         count = self.count
         steps = np.arange(count)
@@ -373,8 +375,8 @@ class Program:
     def _later(self, along: Floats) -> list[_Pairs]:
         """Pairs at some later heights, where a crease between them would wrap a corner that goes on falling.
 
-        Inside, reflex corners that are valleys fall, in turned pockets convex corners that are peaks rise; no gusset may
-        wrap them while they do.
+        Inside, reflex corners that are valleys fall, in turned pockets convex corners that are peaks rise; no gusset
+        may end in them while they do.
         """
         turns, outline = self.turns, self.outline
         bend = np.where(turns.corner, outline.turning[turns.side], 0.0)
@@ -405,7 +407,9 @@ class Program:
                 time = part * longest
                 then = place + sign * sideways * time
                 i, j = first[some], second[some]
-                seen = shapely.covers(outline.front(time, out), shapely.linestrings(np.stack([then[i], then[j]], axis=1)))
+                seen = shapely.covers(
+                    outline.front(time, out), shapely.linestrings(np.stack([then[i], then[j]], axis=1))
+                )
                 i, j = i[seen], j[seen]
                 apart = then[i] - then[j]
                 distance = np.hypot(apart[:, 0], apart[:, 1])
@@ -459,11 +463,10 @@ class Program:
             x = solver.run()
             if x is None:
                 return None
-            rows = [self._rows(x, along, pairs, width)] + [self._rows(x, along, some, width) for some in later]
-            bounds = [bound for _, bound in rows if len(bound)]
-            if not bounds:
+            broken = [self._rows(x, along, some, width) for some in (pairs, *later)]
+            if not any(len(bound) for _, bound in broken):
                 return x
-            for row, bound in rows:
+            for row, bound in broken:
                 solver.add(row, np.full(len(bound), -np.inf), bound)
         return None
 
@@ -556,8 +559,8 @@ AMPLITUDE = 0.03
 class _Pairs:
     """Pairs of turns, over the peaks or under the valleys, their distance and the direction from the second."""
 
-    i: Ints
-    j: Ints
+    i: Numbers
+    j: Numbers
     turned: Bools
     distance: Floats
     direction: Floats
@@ -569,7 +572,7 @@ class Solver:
     """HiGHS with rows added as they are needed; each run goes on from the last."""
 
     def __init__(self, cost: Floats, low: Floats, up: Floats) -> None:
-        self.highs = highspy.Highs()
+        self.highs: Any = highspy.Highs()  # type: ignore[no-untyped-call]
         self.highs.setOptionValue("output_flag", False)
         self.highs.setOptionValue("threads", 1)
         none = np.zeros(0, dtype=np.int32)
@@ -591,15 +594,15 @@ class Solver:
         return np.asarray(self.highs.getSolution().col_value)
 
 
-def sees_each_other(outline: Outline, place: Floats, turns: Turns, i: Ints, j: Ints) -> tuple[Bools, Bools]:
-    """Whether the segments between turns i and j lie inside the outline, and whether they lie outside, ``(m,)`` each."""
+def sees_each_other(outline: Outline, place: Floats, turns: Turns, i: Numbers, j: Numbers) -> tuple[Bools, Bools]:
+    """Whether the segments between turns i and j lie inside the outline, and whether outside, ``(m,)`` each."""
     count = len(outline.loop)
     side = turns.side
     before = np.where(turns.corner, (side - 1) % count, side)
     leaving = outline.direction[side]
     opening = np.where(turns.corner, math.pi - outline.turning[side], math.pi)
 
-    def looks(a: Ints, line: Floats) -> tuple[Bools, Bools]:
+    def looks(a: Numbers, line: Floats) -> tuple[Bools, Bools]:
         angle = np.arctan2(cross(leaving[a], line), (leaving[a] * line).sum(axis=1)) % (2 * math.pi)
         return (angle > SEEN) & (angle < opening[a] - SEEN), (angle > opening[a] + SEEN) & (angle < math.tau - SEEN)
 
