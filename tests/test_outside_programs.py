@@ -89,7 +89,7 @@ ONE_LOOP = sorted(set(sample_names()) - {"letter-a", "ring", "two-triangles"})
 
 @pytest.mark.parametrize(
     ("name", "method"),
-    [*((name, "paper") for name in ONE_LOOP), ("star", "compact"), ("fish", "compact"), ("letter-l", "compact")],
+    [(name, method) for name in ONE_LOOP for method in ("paper", "compact")],
 )
 def test_rabbit_ear_and_the_fold_package_accept_every_sample(name: str, method: str, tmp_path: Path) -> None:
     result = fold(sample_path(name), method=method, effort="fast", min_crease=0)

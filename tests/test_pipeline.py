@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from strategies import cross, rectangle, regular, simple_polygons, star, star_shaped, two_opt
 
 import foldcut
+from foldcut.methods import METHODS
 from foldcut.samples import sample_names, sample_path
 from foldcut.shape import make_shape
 from foldcut.verify import verify
@@ -32,9 +33,10 @@ SYMMETRIC = {
 }
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", sorted(set(sample_names()) - SEVERAL_LOOPS))
-def test_every_sample_with_one_loop_is_verified(name: str) -> None:
-    result = foldcut.fold(sample_path(name), "a4")
+def test_every_sample_with_one_loop_is_verified(name: str, method: str) -> None:
+    result = foldcut.fold(sample_path(name), "a4", method=method, effort="fast", min_crease=0)
     assert result.findings == ()
     assert result.folded_pattern.creases.crease_count > 0
 
@@ -47,7 +49,7 @@ def test_samples_with_several_loops_are_refused_by_name(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["star", "triangle", "swan"])
 def test_a_ribbon_is_verified_too(name: str) -> None:
-    result = foldcut.fold(sample_path(name), ribbon=0.5)
+    result = foldcut.fold(sample_path(name), method="paper", ribbon=0.5)
     assert result.findings == ()
     assert np.abs(result.folded_pattern.folded.vertices_coords[:, 1]).min() == pytest.approx(0.5)
 
@@ -105,9 +107,10 @@ def test_a_simplified_shape_is_what_is_folded_and_cut() -> None:
     assert foldcut.fold([bumpy], "a4-landscape", scale=1.0, method="paper").notes == ()
 
 
+@pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", SYMMETRIC)
-def test_symmetric_shapes_with_exact_coordinates_are_verified(name: str) -> None:
-    assert foldcut.fold([SYMMETRIC[name]]).findings == ()
+def test_symmetric_shapes_with_exact_coordinates_are_verified(name: str, method: str) -> None:
+    assert foldcut.fold([SYMMETRIC[name]], method=method, effort="fast", min_crease=0).findings == ()
 
 
 def random_polygon(seed: int) -> np.ndarray:
@@ -119,21 +122,21 @@ def random_polygon(seed: int) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(RANDOM))
 def test_random_polygons_are_verified_wherever_and_however_large_they_are_drawn(seed: int) -> None:
     polygon = random_polygon(seed)
-    result = foldcut.fold([polygon])
+    result = foldcut.fold([polygon], method="paper")
     assert result.findings == ()
     for name, (linear, shift, rotation) in VARIANTS.items():
-        moved = foldcut.fold([polygon @ linear + shift], rotation=rotation)
+        moved = foldcut.fold([polygon @ linear + shift], rotation=rotation, method="paper")
         assert moved.findings == (), name
         assert moved.folded_pattern.creases.crease_count == result.folded_pattern.creases.crease_count, name
     # and turned on the sheet: another pattern
-    assert foldcut.fold([polygon], rotation=17).findings == ()
+    assert foldcut.fold([polygon], rotation=17, method="paper").findings == ()
 
 
 @settings(max_examples=25, deadline=None)
 @given(polygon=simple_polygons())
 def test_any_polygon_is_verified_or_refused_with_a_reason(polygon: list[tuple[float, float]]) -> None:
     try:
-        result = foldcut.fold([polygon])
+        result = foldcut.fold([polygon], method="paper")
     except foldcut.BadInputError as error:
         assert len(str(error)) > 20
     else:
@@ -142,7 +145,7 @@ def test_any_polygon_is_verified_or_refused_with_a_reason(polygon: list[tuple[fl
 
 @pytest.fixture(scope="module")
 def fish() -> foldcut.Result:
-    return foldcut.fold(sample_path("fish"))
+    return foldcut.fold(sample_path("fish"), method="paper")
 
 
 def test_a_result_cannot_be_changed(fish: foldcut.Result) -> None:
