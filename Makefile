@@ -5,13 +5,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench sweep pictures lint tools clean
+.PHONY: demo test bench bench-compact sweep sweep-compact pictures lint tools clean
 
-## Fold two samples on A4 into out/: a fish by the paper's method, and a star that folds in five lines.
+## Fold two samples on A4 into out/: a fish, and a star that folds in five lines.
 demo: $(VENV)/installed
 	@mkdir -p out
 	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold
-	$(BIN)/foldcut make samples/star.svg --sheet a4 --method compact --effort fast -o out/star.svg -o out/star.fold
+	$(BIN)/foldcut make samples/star.svg --sheet a4 -o out/star.svg -o out/star.fold
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
@@ -20,6 +20,14 @@ test: $(VENV)/installed-test tools
 ## Measure; nothing here can fail for being slow.
 bench: $(VENV)/installed-test
 	$(BIN)/python tests/bench/bench.py
+
+## Creases of both methods for every sample, and for every shape in the folder SHAPES and below.
+bench-compact: $(VENV)/installed-test
+	$(BIN)/python tests/bench/compact.py $(SHAPES)
+
+## Fold 500 random polygons by the compact method; takes about an hour.
+sweep-compact: $(VENV)/installed-test
+	FOLDCUT_RANDOM_COMPACT=500 $(BIN)/python -m pytest -n 2 -k random_polygons_are_folded tests/test_search.py
 
 ## Fold 300 random polygons in six positions and sizes each; takes about an hour.
 sweep: $(VENV)/installed-test
@@ -34,7 +42,7 @@ lint: $(VENV)/installed-dev
 ## Draw the pictures in docs/ anew.
 pictures: $(VENV)/installed
 	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg
-	$(BIN)/foldcut make star --method compact -o docs/star.svg
+	$(BIN)/foldcut make star -o docs/star.svg
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:

@@ -25,11 +25,11 @@ from foldcut.universal import Border, Molecule, Vertices
 class Walk:
     """How the boundary of a shape goes to and fro on the cut line when folded: its turns, counter-clockwise.
 
-    ``points`` ``(n, 2)`` mm on the sheet, the shape's corners and points on its sides; ``x`` ``(n,)`` mm where they
-    land; ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)`` unit vectors of the sides after
-    them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)`` the pockets outside the shape that a
-    turn belongs to, as bits; ``turned`` those that are folded with the tree over the peaks. ``levels`` ``(2, n)`` mm: where
-    creases that wrap a turn, inside and outside, land: beyond where the turn itself ever does.
+    ``points`` ``(n, 2)`` mm on the sheet: the shape's corners and points on its sides; ``x`` ``(n,)`` mm: where they
+    land; ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)``: unit vectors of the sides
+    after them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)``: the pockets outside the shape
+    that a turn belongs to, as bits; ``levels`` ``(2, n)`` mm: where creases that wrap a turn, inside and outside, land,
+    beyond where the turn itself ever does; ``turned``: the pockets that are folded with the tree over the peaks.
     """
 
     points: Floats

@@ -146,11 +146,10 @@ class _Plan:
     root: int
     at_corner: bool
     turned: int
-    raised: frozenset[int]
     careful: bool = True  # see ``Program``
 
     def turns(self) -> Turns:
-        return Turns.build(self.peaks, self.root, at_corner=self.at_corner, turned=self.turned, raised=self.raised)
+        return Turns.build(self.peaks, self.root, at_corner=self.at_corner, turned=self.turned)
 
 
 class _Search:
@@ -243,38 +242,32 @@ class _Search:
     def _bits(self) -> list[int]:
         return [1 << n for n in range(int(self.outline.pockets.max()).bit_length())]
 
-    def _plan(self, turned: int, root: int, at_corner: bool, careful: bool, raised: int = 0) -> _Plan | None:
-        """Return the plan with these pockets turned, and in some of them reflex corners raised, if there is one."""
+    def _plan(self, turned: int, root: int, at_corner: bool, careful: bool) -> _Plan | None:
+        """Return the plan with these pockets turned, if there is one."""
         outline = self.outline
         pockets = outline.pockets | np.roll(outline.pockets, 1)
         valley = outline.reflex & (pockets & turned != 0)
         peaks = ~valley
-        up = frozenset(np.flatnonzero(valley & (pockets & raised != 0)).tolist())
         after = (root + 1) % len(peaks)
         if at_corner:
             peaks[root] = False
-            if root in up or not (peaks[root - 1] and peaks[after]):
+            if not (peaks[root - 1] and peaks[after]):
                 return None
         elif not (peaks[root] and peaks[after]):
             return None
-        return _Plan(peaks, root, at_corner, turned, up, careful)
+        return _Plan(peaks, root, at_corner, turned, careful)
 
     def _climb(self) -> None:
-        """Change one thing of the best plan after the other."""
-        tried: set[tuple[int, int, bool, bool, frozenset[int]]] = set()
+        """Turn one pocket of the best plan after the other, or turn it back."""
+        tried: set[tuple[int, int, bool, bool]] = set()
         better = True
         while better and self.solved and self.budget.part < 0.5:
-            better = False
             key, _, plan = self.solved[0]
-            changes = [(plan.turned ^ bit, r) for bit in self._bits() for r in (0, bit)]
-            changes += [(plan.turned, bit) for bit in self._bits() if plan.turned & bit]
-            for turned, raised in changes:
+            for turned in (plan.turned ^ bit for bit in self._bits()):
                 for careful in (True, False):
-                    other = self._plan(turned, plan.root, plan.at_corner, careful, raised)
-                    if other is None or self.budget.part > 0.5:
-                        continue
-                    name = (other.turned, other.root, other.at_corner, other.careful, other.raised)
-                    if name not in tried:
+                    name = (turned, plan.root, plan.at_corner, careful)
+                    other = self._plan(*name)
+                    if other is not None and name not in tried and self.budget.part < 0.5:
                         tried.add(name)
                         self._follow(other)
             better = self.solved[0][0] < key

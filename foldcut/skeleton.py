@@ -58,7 +58,15 @@ def corner_lives(loop: Floats, *, outside: bool = False) -> tuple[Floats, Floats
     have got longer until then, for corners that are reflex in the region, inside or ``outside``; 0 for others.
     """
     front = _Wavefront(np.asarray(loop, dtype=np.float64), outside)
-    return front.lives, front.falls
+    lives, falls = front.lives, front.falls
+    lost = ~np.isfinite(lives)
+    if lost.any() and not outside:
+        # the front of a region with parallel sides may end early; inside, nothing lives longer than the rest
+        lives[lost] = np.max(lives[~lost], initial=0.0) or float(np.ptp(loop, axis=0).max()) / 2
+        before = np.roll(front.direction, 1, axis=0)
+        turning = np.arctan2(cross(before, front.direction), (before * front.direction).sum(axis=1))
+        falls[lost] = np.where(turning < 0, np.tan(np.abs(turning) / 2) * lives, 0.0)[lost]
+    return lives, falls
 
 
 class _Wavefront:

@@ -34,6 +34,9 @@ from foldcut.plane import cross
 from foldcut.skeleton import Node, corner_lives, side_nodes
 
 ROUNDS = 120
+MOST_ROWS = 400  # of conditions that are added in one round
+LATER = (0.2, 0.45, 0.7, 0.93)  # heights at which falling corners are looked at, as parts of the longest life
+AMPLITUDE = 0.03  # the least that x changes between two turns, as a part of an even share of their side
 SEEN = 1e-9  # radians
 MOST_POCKETS = 62
 
@@ -150,23 +153,19 @@ class Turns:
     """The turns of a walk around an outline, from its root on.
 
     ``side`` ``(n,)``: the side that a turn lies on or, a corner, begins; ``corner``, ``peak`` ``(n,)``: which are
-    corners and which are peaks; ``turned``: the pockets, as bits, folded with the tree over the peaks; ``raised``:
-    reflex corners that are to stay above the valleys on both sides of them.
+    corners and which are peaks; ``turned``: the pockets, as bits, folded with the tree over the peaks.
     """
 
     side: Numbers
     corner: Bools
     peak: Bools
     turned: int = 0
-    raised: frozenset[int] = frozenset()
 
     def __len__(self) -> int:
         return len(self.side)
 
     @classmethod
-    def build(
-        cls, corner_peaks: Bools, root: int, *, at_corner: bool, turned: int = 0, raised: frozenset[int] = frozenset()
-    ) -> Turns:
+    def build(cls, corner_peaks: Bools, root: int, *, at_corner: bool, turned: int = 0) -> Turns:
         """As few turns as corners that are peaks or valleys allow, from a corner or the turn on a side on."""
         side, corner = [], []
         count = len(corner_peaks)
@@ -179,7 +178,7 @@ class Turns:
         sides, corners = np.array(side), np.array(corner)
         peaks = np.where(corners, corner_peaks[sides], ~corner_peaks[sides])
         first = int(np.flatnonzero((sides == root) & (corners == at_corner))[0])
-        return cls(np.roll(sides, -first), np.roll(corners, -first), np.roll(peaks, -first), turned, raised)
+        return cls(np.roll(sides, -first), np.roll(corners, -first), np.roll(peaks, -first), turned)
 
     def inserted(self, at: int) -> Turns:
         """Return the turns with two more after turn ``at``, on the same side."""
@@ -529,30 +528,15 @@ class Program:
         return np.vstack(all_rows), np.concatenate(all_bounds)
 
     def _falling(self, width: int) -> tuple[Floats, Floats, Floats]:
-        """Reflex corners that are valleys fall inside: none may fall below the root, raised ones not below others."""
-        turns, count = self.turns, self.count
-        rows, least = [], []
-        for k in range(1, count):
-            s = int(turns.side[k])
-            if not (turns.corner[k] and not turns.peak[k] and self.outline.reflex[s]):
-                continue
-            fall = float(self.outline.falls[s])
-            below = {0}
-            if s in turns.raised:
-                below = {(k - 2) % count, (k + 2) % count}
-            for low in below:
-                row = np.zeros(width)
-                row[k], row[low] = 1.0, -1.0
-                rows.append(row)
-                low_is_reflex = turns.corner[low] and self.outline.reflex[turns.side[low]]
-                least.append(0.0 if low_is_reflex and s not in turns.raised else fall)
-        return np.array(rows).reshape(len(rows), width), np.array(least), np.full(len(rows), np.inf)
-
-
-LATER = (0.2, 0.45, 0.7, 0.93)
-MOST_ROWS = 400
-AMPLITUDE = 0.03
-"""The least a stretch between two turns must be, as a part of an even share of its side."""
+        """Reflex corners that are valleys fall inside: none may fall below the root, unless that falls, too."""
+        turns = self.turns
+        falling = turns.corner & ~turns.peak & self.outline.reflex[turns.side]
+        some = np.flatnonzero(falling[1:]) + 1
+        rows = np.zeros((len(some), width))
+        rows[np.arange(len(some)), some] = 1.0
+        rows[:, 0] = -1.0
+        least = np.zeros(len(some)) if falling[0] else self.outline.falls[turns.side[some]]
+        return rows, least, np.full(len(some), np.inf)
 
 
 @dataclass(frozen=True, eq=False)

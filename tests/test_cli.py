@@ -411,6 +411,12 @@ def test_the_process_exits_with_the_status_and_prints_no_traceback(drawing: str)
     assert_one_line(failed.stderr)
 
 
+def test_nothing_but_the_report_is_printed_not_even_by_libraries(drawing: str) -> None:
+    done = foldcut("make", drawing, *SMALL, "-o", "box.svg", "--effort", "fast", "--json")
+    assert json.loads(done.stdout)["ok"] is True
+    assert done.stderr == ""
+
+
 def test_titles_print_on_terminals_without_unicode(folder: Path) -> None:
     (folder / "u.json").write_text(json.dumps({**SQUARE, "title": "方"}))
     done = foldcut("make", "u.json", *SMALL, "-o", "u.svg", env={**os.environ, "PYTHONIOENCODING": "ascii"})
