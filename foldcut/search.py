@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
+from foldcut.crowded import crowded_solution
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet
 from foldcut.ties import Mover
@@ -40,7 +41,7 @@ VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as goo
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 VARIATIONS = 4
 OVERTIME = 0.5
-PATIENCE = 60  # how many times what an effort allows may be spent as long as there is no pattern
+PATIENCE = 15  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
 
@@ -86,7 +87,7 @@ def fold_compact(
     search = _Search(loop, sheet, ribbon, _Budget(EFFORTS[effort], seconds), progress)
     interrupted = False
     try:
-        for stage in (search.run, search.finish):
+        for stage in (search.run, search.crowd, search.finish):
             with suppress(_Spent):
                 stage()
     except KeyboardInterrupt:
@@ -184,8 +185,22 @@ class _Search:
                 for _ in range(VARIATIONS):
                     self._vary()
 
+    def crowd(self) -> None:
+        """Where the programs took too long, fold many small disks instead."""
+        if self.best is not None:
+            return
+        self.budget.more(np.inf)
+        plan = _Plan(np.ones(len(self.outline.loop), dtype=bool), 0, at_corner=False, turned=0)
+        for shrunk in (0.0, 0.01, 0.03, 0.06):
+            # the exact ties of symmetric shapes are where a molecule may not close; a little noise undoes them
+            noise = shrunk * self.rng.random(len(self.outline.loop))
+            if self._try(crowded_solution(self.outline, CLEARANCES[0], noise), plan) < np.inf:
+                return
+
     def finish(self) -> None:
         """Spend more as long as the best pattern has creases that nobody can fold."""
+        if self.budget.allowed == np.inf:
+            return
         self.budget.more(OVERTIME)
         while self.best is not None and self.best.key[0] and self._settle_next():
             pass
@@ -382,6 +397,8 @@ class _Search:
         """Let short creases get longer, or vanish."""
         mover = Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
         self._lengthen(mover, plan)
+        if self.best is None or self.best.key[0]:
+            return  # first one that can be folded at all
         mover = Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
         number = 0
         while number < IN_VAIN and len(lengths := mover.lengths()) > number and lengths[number] < VANISH_MM:

@@ -9,16 +9,18 @@ import pytest
 from strategies import cross, rectangle, regular, star, star_shaped, two_opt
 
 import foldcut
-from foldcut import search
+from foldcut import crowded, search
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules
+from foldcut.crowded import crowded_solution
 from foldcut.foldability import crease_numbers
-from foldcut.model import CreasePattern, Floats, Sheet
+from foldcut.model import CreasePattern, Floats, Shape, Sheet
 from foldcut.samples import sample_path
 from foldcut.search import fold_compact
 from foldcut.shape import make_shape
 from foldcut.sheet import parse_sheet, place
 from foldcut.skeleton import corner_lives, side_nodes
 from foldcut.ties import Mover
+from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns, sees_each_other
 
 A4 = parse_sheet("a4")
@@ -165,6 +167,30 @@ def test_turns_in_a_pocket_that_is_turned_are_a_fan() -> None:
     assert solution is not None
     assert not solution.left_out.any()
     assert len(turns) == 10
+
+
+def test_many_small_disks_always_fit() -> None:
+    for seed in range(4):
+        outline = Outline(loop_of(star_shaped(np.random.default_rng(seed), 10 + 5 * seed)))
+        solution = crowded_solution(outline, 0.02)
+        assert Program(outline, solution.turns).true_clearance(solution) >= 0.02
+        step = np.abs(solution.x - np.roll(solution.x, -1))
+        assert np.allclose(np.bincount(solution.turns.side, step), outline.length)
+
+
+def test_a_shape_that_takes_too_long_is_folded_with_many_disks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    monkeypatch.setitem(search.EFFORTS, "fast", 1e-6)
+    loop = loop_of(star_shaped(np.random.default_rng(3), 20))
+    found = fold_compact(loop, A4, effort="fast")
+    assert len(found.walk.x) > 60
+    assert verify(found.creases, found.folded.layers, Shape((loop,), (-1,))) == []
+
+
+def test_a_feature_that_is_too_fine_is_refused_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crowded, "MOST_DISKS", 20)
+    with pytest.raises(foldcut.UnfoldableError, match=r"feature near \(.* mm is so fine"):
+        crowded_solution(Outline(loop_of([(0, 0), (40, 0), (0, 1)])), 0.02)
 
 
 def test_turns_see_each_other_inside_or_outside_or_not_at_all() -> None:
