@@ -44,7 +44,7 @@ examples:
   foldcut make logo.svg --sheet letter --margin 15mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
   foldcut make fish -o fish.fold --json > report.json
-  foldcut make swan --method compact --effort best --seconds 60
+  foldcut make swan --effort best --seconds 60
   foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
   foldcut make fish --method paper --ribbon 0.5mm
 

@@ -40,7 +40,7 @@ LONG_MM = 3.3  # what short creases are made as long as, a little more than fold
 VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as good as gone
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 VARIATIONS = 4
-OVERTIME = 0.5
+OVERTIME = 0.7
 PATIENCE = 15  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
@@ -168,7 +168,7 @@ class _Search:
         self.rng = np.random.default_rng(len(loop))
         self.best: _Found | None = None
         self.tried = 0
-        self.settled: set[int] = set()
+        self.settled: set[Solution] = set()
         self.solved: list[tuple[float, Solution, _Plan]] = []
 
     def run(self) -> None:
@@ -209,11 +209,11 @@ class _Search:
         """Settle the best solution that has not been settled yet, if there is one."""
         best = [] if self.best is None else [(0.0, self.best.solution, self.best.plan)]
         for key, solution, plan in best + self.solved:
-            if key < np.inf and id(solution) not in self.settled:
-                self.settled.add(id(solution))
+            if key < np.inf and solution not in self.settled:
+                self.settled.add(solution)
                 self._settle(solution, plan)
                 if self.best is not None:
-                    self.settled.add(id(self.best.solution))
+                    self.settled.add(self.best.solution)
                 return True
         return False
 
@@ -331,9 +331,8 @@ class _Search:
         program = Program(self.outline, plan.turns(), careful=plan.careful)
         along = program.evenly()
         most = min([MOST_TURNS, *(round(1.15 * len(s.turns)) + 2 for key, s, _ in self.solved[:1] if key < np.inf)])
-        weight = None
         for _ in range(60):
-            solution = self._solve(program, along, clearance=clearance, weight=weight)
+            solution = self._solve(program, along, clearance=clearance)
             if solution is None:
                 return None
             if not solution.left_out.any():
@@ -356,7 +355,7 @@ class _Search:
 
     def _polish(self, solution: Solution, plan: _Plan) -> None:
         """Fold a solution, and others with the same turns that are nearer to what is simple."""
-        key = self._try(solution, plan)
+        best = plain = (self._try(solution, plan), solution, plan)
         for number in range(3):
             wish, weight = self._wishes(solution.turns, plain=number == 0)
             program = Program(self.outline, solution.turns, careful=plan.careful)
@@ -370,8 +369,8 @@ class _Search:
                 most_clearance=0.06 if number % 2 else None,
             )
             if moved is not None:
-                key = min(key, self._try(moved, plan))
-        self.solved.append((key, solution, plan))
+                best = min(best, (self._try(moved, plan), moved, plan), key=lambda item: item[0])
+        self.solved += [best] if best is plain else [best, plain]
         self.solved.sort(key=lambda item: item[0])
 
     def _vary(self) -> None:
@@ -389,8 +388,8 @@ class _Search:
             whole=True,
             most_clearance=0.1 * float(self.rng.random()) if self.rng.random() < 0.5 else None,
         )
-        if moved is not None:
-            self.solved[number] = (min(key, self._try(moved, plan)), solution, plan)
+        if moved is not None and (found := self._try(moved, plan)) < key:
+            self.solved[number] = (found, moved, plan)
             self.solved.sort(key=lambda item: item[0])
 
     def _settle(self, solution: Solution, plan: _Plan) -> None:
@@ -412,14 +411,13 @@ class _Search:
 
     def _lengthen(self, mover: Mover, plan: _Plan) -> None:
         """Make the shortest creases longer."""
-        shortest = 0.0
-        for _ in range(6):
-            if not mover.lengthen(LONG_MM):
-                break
+        longest, stalled = 0.0, 0
+        while stalled < 2 and longest < LONG_MM and mover.lengthen(LONG_MM):
             self._try(mover.solution, plan)
-            before, shortest = shortest, float(mover.lengths()[0])
-            if shortest < 1.05 * before or shortest >= LONG_MM:
-                break
+            shortest = float(mover.lengths()[0])
+            # a step may make things worse before the next makes them better
+            stalled = 0 if shortest > 1.05 * longest else stalled + 1
+            longest = max(longest, shortest)
 
     def _creases(self, solution: Solution, plan: _Plan) -> CreasePattern | None:
         """The creases of a solution, not verified, or None."""

@@ -25,7 +25,7 @@ FOLDED_MM = 1e-6
 @cache
 def folded_sample(name: str) -> FoldedPattern:
     """Fold a sample on A4."""
-    return fold(sample_path(name)).require_verified()
+    return fold(sample_path(name), effort="fast", min_crease=0).require_verified()
 
 
 PATTERNS = {
@@ -33,12 +33,14 @@ PATTERNS = {
     "letter fold": letter_fold,
     "square": square_out_of_square,
     "triangle sample": lambda: folded_sample("triangle"),
+    "letter T sample": lambda: folded_sample("letter-t"),
+    "bolt sample": lambda: folded_sample("bolt"),
 }
 
 
 @pytest.fixture(scope="module", params=PATTERNS)
 def pattern(request: pytest.FixtureRequest) -> FoldedPattern:
-    """Give hand-made patterns and a computed one."""
+    """Give hand-made patterns and computed ones."""
     made: FoldedPattern = PATTERNS[request.param]()
     return made
 
