@@ -40,7 +40,7 @@ LONG_MM = 3.3  # what short creases are made as long as, a little more than fold
 VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as good as gone
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 VARIATIONS = 4
-OVERTIME = 0.7
+OVERTIME = 1.0
 PATIENCE = 15  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
@@ -181,9 +181,9 @@ class _Search:
                         self._follow(plans.pop(0))
         self._climb()
         while self.solved:
-            if not self._settle_next() or (self.best is not None and not self.best.key[0]):
-                for _ in range(VARIATIONS):
-                    self._vary()
+            self._settle_next()
+            for _ in range(VARIATIONS):
+                self._vary()
 
     def crowd(self) -> None:
         """Where the programs took too long, fold many small disks instead."""
@@ -202,8 +202,10 @@ class _Search:
         if self.budget.allowed == np.inf:
             return
         self.budget.more(OVERTIME)
-        while self.best is not None and self.best.key[0] and self._settle_next():
-            pass
+        while self.best is not None and self.best.key[0] and self.solved:
+            self._settle_next()
+            for _ in range(VARIATIONS):
+                self._vary()
 
     def _settle_next(self) -> bool:
         """Settle the best solution that has not been settled yet, if there is one."""
@@ -378,6 +380,10 @@ class _Search:
         number = min(int(self.rng.geometric(0.4)) - 1, len(self.solved) - 1)
         key, solution, plan = self.solved[number]
         wish, weight = self._wishes(solution.turns, plain=False)
+        if self.best is not None and self.best.key[0]:
+            # apart from each other: what hangs together in one hub cannot be moved much
+            share = self.rng.normal(0.0, 0.15, len(wish)) * self.outline.length[solution.turns.side]
+            wish = np.where(solution.turns.corner, np.nan, solution.along + share)
         program = Program(self.outline, solution.turns, careful=plan.careful)
         moved = self._solve(
             program,
@@ -388,9 +394,14 @@ class _Search:
             whole=True,
             most_clearance=0.1 * float(self.rng.random()) if self.rng.random() < 0.5 else None,
         )
-        if moved is not None and (found := self._try(moved, plan)) < key:
+        if moved is None:
+            return
+        found = self._try(moved, plan)
+        if found < key:
             self.solved[number] = (found, moved, plan)
-            self.solved.sort(key=lambda item: item[0])
+        elif self.best is not None and self.best.key[0]:
+            self.solved.append((found, moved, plan))
+        self.solved.sort(key=lambda item: item[0])
 
     def _settle(self, solution: Solution, plan: _Plan) -> None:
         """Let short creases get longer, or vanish."""
