@@ -43,6 +43,7 @@ lint: $(VENV)/installed-dev
 pictures: $(VENV)/installed
 	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg
 	$(BIN)/foldcut make star -o docs/star.svg
+	$(BIN)/foldcut make marlin -o docs/marlin.svg
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:

@@ -24,9 +24,10 @@ from foldcut.zigzag import Outline, Program, Solution, Solver
 DIFFERENCE = 1e-7
 """How far turns are moved to see what becomes of the lengths, as a part of the shape's size."""
 
-NEWTON_STEPS = 4
 CLEARANCE = 0.003
 """The clearance, relative to distances, that is left to turns that see each other."""
+
+NEWTON_STEPS = 4
 
 
 @dataclass(frozen=True, eq=False)
