@@ -129,8 +129,6 @@ class _Budget:
         """Allow more, as a part of what was allowed."""
         self.allowed = max(self.spent, self.allowed) + part * self.allowed
         self.started = time.monotonic()
-        if self.seconds is not None:
-            self.seconds *= part
 
     def program(self, turns: int) -> None:
         self.spent += 0.002 + 0.00004 * turns + 0.0000015 * turns**2
@@ -189,6 +187,7 @@ class _Search:
         """Where the programs took too long, fold many small disks instead."""
         if self.best is not None:
             return
+        self.budget.seconds = None
         self.budget.more(np.inf)
         plan = _Plan(np.ones(len(self.outline.loop), dtype=bool), 0, at_corner=False, turned=0)
         for shrunk in (0.0, 0.01, 0.03, 0.06):
@@ -199,7 +198,7 @@ class _Search:
 
     def finish(self) -> None:
         """Spend more as long as the best pattern has creases that nobody can fold."""
-        if self.budget.allowed == np.inf:
+        if self.budget.seconds is not None or self.budget.allowed == np.inf:
             return
         self.budget.more(OVERTIME)
         while self.best is not None and self.best.key[0] and self.solved:
