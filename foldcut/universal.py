@@ -301,23 +301,7 @@ class Molecule:
             raise self._lost(part, "turns do not match along a ridge")
         self._push(turns[k], self._vertex_at(position[k], x[k], part.height))
         place = (position[before] + position[after]) / 2
-        vertex = self._vertex_at(place, x[before], part.height)
-        one, other = turns[before], turns[after]
-        self._push(one, vertex)
-        self._push(other, vertex)
-        joined = _Turn(
-            place,
-            part.height,
-            float(x[before]),
-            one.peak,
-            one.arriving,
-            other.leaving,
-            one.before,
-            other.after,
-            vertex,
-            one.pockets | other.pockets,
-            _outermost([one, other]),
-        )
+        joined = self._joined([turns[before], turns[after]], place, float(x[before]), part.height)
         rest = [turns[(after + n) % count] for n in range(1, count - 2)]
         ring = [joined, *rest]
         cut = 0 if {before, k, after} & {0} else ring.index(turns[0])

@@ -84,18 +84,22 @@ class Outline:
     @cached_property
     def falls(self) -> Floats:
         """How far each reflex corner's image falls inside, if it is a valley, until its wavefront meets another."""
-        return self.lives[1]
+        return self.inside_lives[1]
 
     @cached_property
     def rises(self) -> Floats:
         """How far each convex corner's image rises outside, if it is a peak, until its wavefront meets another."""
-        return np.minimum(corner_lives(self.loop, outside=True)[1], self.size)
+        return np.minimum(self.outside_lives[1], self.size)
 
     @cached_property
-    def lives(self) -> tuple[Floats, Floats, Floats]:
-        """When each corner's wavefront ends inside; how far reflex ones fall; when each corner's ends outside."""
-        inside, falls = corner_lives(self.loop)
-        return inside, falls, corner_lives(self.loop, outside=True)[0]
+    def inside_lives(self) -> tuple[Floats, Floats]:
+        """When each corner's wavefront inside meets another, and its growth: see ``corner_lives``."""
+        return corner_lives(self.loop)
+
+    @cached_property
+    def outside_lives(self) -> tuple[Floats, Floats]:
+        """When each corner's wavefront outside meets another, and its growth: see ``corner_lives``."""
+        return corner_lives(self.loop, outside=True)
 
     @cached_property
     def nodes(self) -> list[list[Node]]:
@@ -124,6 +128,24 @@ class Outline:
     @cached_property
     def _fronts(self) -> dict[tuple[float, bool], shapely.Geometry]:
         return {}
+
+    def places(self, turns: Turns, along: Floats) -> Floats:
+        """Where turns are, ``(n, 2)`` mm."""
+        places: Floats = self.loop[turns.side] + self.direction[turns.side] * along[:, None]
+        return places
+
+    def pockets_at(self, turns: Turns) -> Numbers:
+        """The pockets that turns belong to, as bits."""
+        pockets = self.pockets[turns.side]
+        return np.where(turns.corner, pockets | self.pockets[turns.side - 1], pockets)
+
+    def levels(self, turns: Turns, *, careful: bool) -> Floats:
+        """How far turns will go on falling inside, and rising outside, ``(2, n)`` mm; 0 unless ``careful``."""
+        if not careful:
+            return np.zeros((2, len(turns)))
+        inside = np.where(turns.corner & ~turns.peak, -self.falls[turns.side], 0.0)
+        outside = np.where(turns.corner & turns.peak, self.rises[turns.side], 0.0)
+        return np.stack([inside, outside])
 
     def width_at(self, point: Floats, side: int) -> float:
         """The distance of a point on a side from the nearest of the other sides that are not beside it."""
@@ -207,11 +229,8 @@ class Solution:
     def walk(self, outline: Outline, *, careful: bool = True) -> Walk:
         """The walk, when nothing is left out."""
         turns = self.turns
-        points = outline.loop[turns.side] + outline.direction[turns.side] * self.along[:, None]
-        pockets = outline.pockets[turns.side]
-        pockets = np.where(turns.corner, pockets | outline.pockets[turns.side - 1], pockets)
-        program = Program(outline, turns, careful=careful)
-        levels = np.stack([self.x + program.level_inside, self.x + program.level_outside])
+        points, pockets = outline.places(turns, self.along), outline.pockets_at(turns)
+        levels = self.x + outline.levels(turns, careful=careful)
         return Walk(points, self.x, turns.peak, outline.direction[turns.side], pockets, levels, turns.turned)
 
 
@@ -246,14 +265,8 @@ class Program:
         self.ends = np.zeros((len(outline.loop), 2 * count))
         np.add.at(self.ends, turns.side, self.stretch)
         self.per_side = np.bincount(turns.side, minlength=len(outline.loop))
-        self.level_inside, self.level_outside = np.zeros(count), np.zeros(count)
-        if careful:
-            in_falls, out_rises = outline.falls[turns.side], outline.rises[turns.side]
-            self.level_inside = np.where(turns.corner & ~turns.peak, -in_falls, 0.0)
-            self.level_outside = np.where(turns.corner & turns.peak, out_rises, 0.0)
-        self.pockets = np.where(
-            turns.corner, outline.pockets[turns.side] | outline.pockets[turns.side - 1], outline.pockets[turns.side]
-        )
+        self.level_inside, self.level_outside = outline.levels(turns, careful=careful)
+        self.pockets = outline.pockets_at(turns)
 
     def evenly(self) -> Floats:
         """The turns evenly along their sides."""
@@ -313,12 +326,6 @@ class Program:
         along = self.walked @ both
         return Solution(self.turns, both[:count], along, both[count:], clearance)
 
-    def points(self, along: Floats) -> Floats:
-        """Where turns are, ``(n, 2)``."""
-        side = self.turns.side
-        places: Floats = self.outline.loop[side] + self.outline.direction[side] * along[:, None]
-        return places
-
     def true_clearance(self, solution: Solution) -> float:
         """The clearance that turns that see each other really have."""
         pairs = self._pairs(solution.along)
@@ -356,7 +363,7 @@ class Program:
     def _pairs(self, along: Floats) -> _Pairs:
         """Pairs i < j of turns that see each other and whose images may be too far apart."""
         turns, outline = self.turns, self.outline
-        place = self.points(along)
+        place = self.outline.places(self.turns, along)
         i, j = np.triu_indices(self.count, 1)
         inside, outside = sees_each_other(outline, place, turns, i, j)
         turned = outside & (self.pockets[i] & self.pockets[j] & turns.turned != 0)
@@ -380,7 +387,7 @@ class Program:
         turns, outline = self.turns, self.outline
         bend = np.where(turns.corner, outline.turning[turns.side], 0.0)
         up = np.where(turns.peak, 1.0, -1.0)
-        place = self.points(along)
+        place = self.outline.places(self.turns, along)
         arriving = outline.direction[np.where(turns.corner, turns.side - 1, turns.side)]
         middle = arriving + outline.direction[turns.side]
         middle /= np.maximum(np.hypot(*middle.T), 1e-9)[:, None]
@@ -395,7 +402,9 @@ class Program:
                 falling &= self.pockets & turns.turned != 0
             if not falling.any():
                 continue
-            life = np.where(turns.corner, outline.lives[2 if out else 0][turns.side], np.inf)
+            life = np.where(
+                turns.corner, (outline.outside_lives if out else outline.inside_lives)[0][turns.side], np.inf
+            )
             longest = min(float(np.max(life[falling])), outline.size / 2)
             leaf = (~turns.peak if out else turns.peak) | turns.corner
             leaf[0] = True
