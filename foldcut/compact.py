@@ -127,6 +127,7 @@ class _Clip:
             place[axis] = limit
             (x0, z0), (x1, z1) = self.vertices.folded[key[0]], self.vertices.folded[key[1]]
             self.cuts[key] = self.vertices.add(place, (x0 + (x1 - x0) * part, z0 + (z1 - z0) * part))
+            self.vertices.cuts.append((self.cuts[key], *key[:2], axis))
         return self.cuts[key]
 
     def corners(self) -> set[int]:

@@ -41,6 +41,8 @@ VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as goo
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 VARIATIONS = 4
 OVERTIME = 1.0
+import os
+WEIGHT=float(os.environ.get("W","1.15"))
 PATIENCE = 15  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
@@ -429,12 +431,12 @@ class _Search:
             stalled = 0 if shortest > 1.05 * longest else stalled + 1
             longest = max(longest, shortest)
 
-    def _creases(self, solution: Solution, plan: _Plan) -> CreasePattern | None:
-        """The creases of a solution, not verified, or None."""
+    def _creases(self, solution: Solution, plan: _Plan) -> tuple[Molecules, CreasePattern] | None:
+        """The molecules and creases of a solution, not verified, or None."""
         self.budget.fold(len(solution.turns))
         self._tell()
         made = self._build(solution, plan)
-        return None if made is None else made[2]
+        return None if made is None else (made[1], made[2])
 
     def _build(self, solution: Solution, plan: _Plan) -> tuple[Walk, Molecules, CreasePattern, FoldedState] | None:
         walk = solution.walk(self.outline, careful=plan.careful)
@@ -507,5 +509,5 @@ def _rank(creases: CreasePattern) -> tuple[bool, float, float]:
     """Patterns in order: those with all creases long enough to fold at all, then fewer creases, then longer ones."""
     ends = creases.vertices_coords[creases.edges_vertices[creases.edges_assignment != "B"]]
     shortest = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
-    count = creases.crease_count * (1.0 if shortest >= FOLDABLE_MM else 1.15)
+    count = creases.crease_count * (1.0 if shortest >= FOLDABLE_MM else WEIGHT)
     return shortest < SHORTEST_MM, count, -shortest

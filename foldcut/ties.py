@@ -18,11 +18,10 @@ from itertools import pairwise
 import numpy as np
 from scipy.linalg import null_space
 
+from foldcut.compact import Molecules
 from foldcut.model import CreasePattern, Floats, Numbers
+from foldcut.slopes import vertex_slopes
 from foldcut.zigzag import Outline, Program, Solution, Solver
-
-DIFFERENCE = 1e-7
-"""How far turns are moved to see what becomes of the lengths, as a part of the shape's size."""
 
 CLEARANCE = 0.003
 """The clearance, relative to distances, that is left to turns that see each other."""
@@ -47,14 +46,14 @@ class _Lengths:
 class Mover:
     """Moves the turns of a solution so that its creases get longer, or so that short ones vanish.
 
-    ``fold`` returns the creases of a solution, or None; ``careful`` as for ``Program``; ``solution``: where it is now.
+    ``fold`` returns the molecules and the creases of a solution, or None; ``careful`` as for ``Program``; ``solution``: where it is now.
     """
 
     def __init__(
         self,
         outline: Outline,
         solution: Solution,
-        fold: Callable[[Solution], CreasePattern | None],
+        fold: Callable[[Solution], tuple[Molecules, CreasePattern] | None],
         *,
         careful: bool,
     ) -> None:
@@ -65,13 +64,13 @@ class Mover:
         self._basis = null_space(np.vstack(rows))
         self._kept = np.zeros((0, self._basis.shape[1]))
         self._trust = 0.05 * outline.size
-        self._creases = fold(solution)
+        self._folded = fold(solution)
 
     def lengthen(self, target: float) -> bool:
         """Make the shortest crease as long as possible, or ``target`` mm; return whether anything has moved."""
-        if self._creases is None or not self._basis.shape[1]:
+        if self._folded is None or not self._basis.shape[1]:
             return False
-        now = _Lengths.of(self._creases)
+        now = _Lengths.of(self._folded[1])
         slopes = self._slopes(now, np.arange(len(now.length)))
         while self._trust > 1e-4 * self._program.outline.size:
             move = self._longest(now, slopes, target)
@@ -82,7 +81,7 @@ class Mover:
 
     def lengths(self) -> Floats:
         """The lengths of the creases in mm, shortest first."""
-        return np.zeros(0) if self._creases is None else np.sort(_Lengths.of(self._creases).length)
+        return np.zeros(0) if self._folded is None else np.sort(_Lengths.of(self._folded[1]).length)
 
     def without(self, number: int, limit: float) -> Mover | None:
         """Return a mover for which the crease that is so manyth in length has vanished, or None.
@@ -102,9 +101,9 @@ class Mover:
 
     def _vanish(self, limit: float, number: int | None = None) -> bool:
         """Take a step for which creases shorter than ``limit`` vanish, and one more; return whether it was taken."""
-        if self._creases is None or not self._basis.shape[1]:
+        if self._folded is None or not self._basis.shape[1]:
             return False
-        now = _Lengths.of(self._creases)
+        now = _Lengths.of(self._folded[1])
         order = np.argsort(now.length, kind="stable")
         gone = order[now.length[order] < limit]
         if number is not None:
@@ -119,10 +118,10 @@ class Mover:
 
     def _go(self, move: Floats) -> bool:
         other = self._moved(self._basis @ move)
-        creases = self._fold(other)
-        if creases is None:
+        folded = self._fold(other)
+        if folded is None:
             return False
-        self.solution, self._creases = other, creases
+        self.solution, self._folded = other, folded
         return True
 
     def _moved(self, by: Floats) -> Solution:
@@ -131,19 +130,19 @@ class Mover:
         return replace(self.solution, x=x, along=self._program.walked[:, : len(x)] @ x)
 
     def _slopes(self, now: _Lengths, some: Numbers) -> Floats:
-        """The derivatives of lengths by the directions of the basis, by differences; 0 where the order changes."""
-        step = min(DIFFERENCE * self._program.outline.size, 0.05 * float(now.length.min()))
-        slopes = np.zeros((len(some), self._basis.shape[1]))
-        for column, direction in enumerate(self._basis.T):
-            for way in (step, -step):
-                moved = self._fold(self._moved(direction * way))
-                if moved is None:
-                    continue
-                then = _Lengths.of(moved)
-                if np.array_equal(now.edges, then.edges):
-                    slopes[:, column] = (then.length[some] - now.length[some]) / way
-                    break
-        return slopes
+        """The derivatives of lengths by the directions of the basis."""
+        assert self._folded is not None
+        molecules, creases = self._folded
+        count = len(self.solution.x)
+        along = self._program.walked[:, :count] @ self._basis
+        direction = self._program.outline.direction[self.solution.turns.side]
+        slopes = vertex_slopes(molecules, direction[:, :, None] * along[:, None], self._basis)
+        number = {place: vertex for vertex, place in enumerate(molecules.vertices.flat)}
+        place = creases.vertices_coords
+        vertex = np.array([number.get((x, y), -1) for x, y in place.tolist()])  # the sheet's corners have none
+        start, end = now.edges[some].T
+        unit = (place[end] - place[start]) / now.length[some, None]
+        return np.einsum("ij,ijm->im", unit, slopes[vertex[end]] - slopes[vertex[start]])
 
     def _longest(self, now: _Lengths, slopes: Floats, target: float) -> Floats | None:
         """Return the step within reach for which the shortest crease is longest, by a linear program."""

@@ -42,10 +42,14 @@ SPIKE = 1e-9
 
 @dataclass
 class Vertices:
-    """The growing list of vertices: where they are on the sheet, and where they land."""
+    """The growing list of vertices: where they are on the sheet, and where they land.
+
+    ``cuts``: vertices where an edge is cut off at the sheet's border, with the edge's ends and the border's axis.
+    """
 
     flat: list[tuple[float, float]] = field(default_factory=list)
     folded: list[tuple[float, float]] = field(default_factory=list)
+    cuts: list[tuple[int, int, int, int]] = field(default_factory=list)
 
     def add(self, flat: Floats, folded: tuple[float, float]) -> int:
         """Add a vertex and return its number."""
@@ -139,8 +143,8 @@ class Molecule:
     Facet k begins at the border between turns k and k + 1. ``sign`` is +1 when heights count upwards; ``limit`` is
     where an unbounded molecule ends, None for a bounded one; ``size`` is what ties are relative to; ``turned``: the
     pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
-    nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border. Raises
-    ``UnfoldableError`` when the molecule does not close.
+    nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border; ``middles``: see
+    there. Raises ``UnfoldableError`` when the molecule does not close.
     """
 
     def __init__(
@@ -152,6 +156,7 @@ class Molecule:
         self.tie = TIE * size
         self.turned = turned
         self.gussets = 0
+        self.middles: list[Middle] = []
         self.lowest_event = math.inf
         self.first_vertex = len(vertices.flat)
         count = self.border_facets = len(border.vertices)
@@ -330,6 +335,8 @@ class Molecule:
                 raise self._lost(part, "a gusset between a peak and a valley")
             place = position[i] + along * far_i
             vertex = self._vertex_at(place, gusset.x, height)
+            lowest = turns[gusset.at]
+            self.middles.append(Middle(vertex, lowest.before, lowest.after, position[gusset.at]))
             wrapped = [self._facet(other.vertex, vertex), self._facet(vertex, one.vertex)]  # after j, before i
             around = [self._facet(one.vertex, vertex), self._facet(vertex, other.vertex)]  # after i, before j
             self._insert_before(one.after, [around[0], wrapped[1]])
@@ -435,6 +442,19 @@ class Molecule:
         self.order[place:place] = new
 
 
+@dataclass(frozen=True, eq=False)
+class Middle:
+    """The vertex of a gusset crease where its path in the tree turns: it lands where another turn has come to.
+
+    ``position`` ``(2,)`` mm: where that turn was at the time; ``before``, ``after``: the facets on either side of it.
+    """
+
+    vertex: int
+    before: int
+    after: int
+    position: Floats
+
+
 @dataclass(frozen=True)
 class _Gusset:
     """When a gusset crease forms, from turn ``first`` on to turn ``last``, and the x where its path turns."""
@@ -442,6 +462,7 @@ class _Gusset:
     time: float
     first: int
     last: int
+    at: int
     x: float
 
 
@@ -570,7 +591,7 @@ class _State:
                 break
             if self.sees(float(time[n]), int(i[n]), int(j[n])):
                 x = float(level[n] + level_slope[n] * time[n])
-                return _Gusset(float(time[n]), int(i[n]), int(j[n]), x)
+                return _Gusset(float(time[n]), int(i[n]), int(j[n]), int(at[n]), x)
         return None
 
     def sees(self, time: float, i: int, j: int) -> bool:
