@@ -17,7 +17,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -39,10 +41,10 @@ FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
 LONG_MM = 3.3  # what short creases are made as long as, a little more than foldable
 VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as good as gone
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
+CROSSINGS = 4  # orders of events that are tried before the shortest crease is left as it is
 VARIATIONS = 4
 OVERTIME = 1.0
-import os
-WEIGHT=float(os.environ.get("W","1.15"))
+TOO_SHORT, STILL_SHORTER = 1.4, 0.4  # what creases count when the shortest is nearly foldable, and what more at 0 mm
 PATIENCE = 15  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
@@ -381,7 +383,8 @@ class _Search:
         number = min(int(self.rng.geometric(0.4)) - 1, len(self.solved) - 1)
         key, solution, plan = self.solved[number]
         wish, weight = self._wishes(solution.turns, plain=False)
-        if self.best is not None and self.best.key[0]:
+        short = self.best is not None and (self.best.key[0] or self.best.key[2] > -FOLDABLE_MM)
+        if short and self.rng.random() < 0.5:
             # apart from each other: what hangs together in one hub cannot be moved much
             share = self.rng.normal(0.0, 0.15, len(wish)) * self.outline.length[solution.turns.side]
             wish = np.where(solution.turns.corner, np.nan, solution.along + share)
@@ -400,7 +403,7 @@ class _Search:
         found = self._try(moved, plan)
         if found < key:
             self.solved[number] = (found, moved, plan)
-        elif self.best is not None and self.best.key[0]:
+        elif short:
             self.solved.append((found, moved, plan))
         self.solved.sort(key=lambda item: item[0])
 
@@ -422,14 +425,33 @@ class _Search:
             self._lengthen(mover, plan)
 
     def _lengthen(self, mover: Mover, plan: _Plan) -> None:
-        """Make the shortest creases longer."""
+        """Make the shortest creases longer, and where they do not get longer, let them go through zero."""
+        longest, mover = self._stretch(mover, plan)
+        better = True
+        while better and 0 < longest < LONG_MM:
+            better = False
+            for other in islice(mover.across(LONG_MM), CROSSINGS):
+                length, other = self._stretch(other, plan)
+                if length > 1.05 * longest:
+                    mover, longest, better = other, length, True
+                    break
+
+    def _stretch(self, mover: Mover, plan: _Plan) -> tuple[float, Mover]:
+        """Make the shortest creases as long as they get while events keep their order.
+
+        Returns the length of the shortest, 0 if nothing can move, and the mover.
+        """
         longest, stalled = 0.0, 0
+        best = mover
         while stalled < 2 and longest < LONG_MM and mover.lengthen(LONG_MM):
-            self._try(mover.solution, plan)
             shortest = float(mover.lengths()[0])
             # a step may make things worse before the next makes them better
             stalled = 0 if shortest > 1.05 * longest else stalled + 1
-            longest = max(longest, shortest)
+            if shortest > longest:
+                longest, best = shortest, copy(mover)
+        if longest:
+            self._try(best.solution, plan)
+        return longest, best
 
     def _creases(self, solution: Solution, plan: _Plan) -> tuple[Molecules, CreasePattern] | None:
         """The molecules and creases of a solution, not verified, or None."""
@@ -509,5 +531,7 @@ def _rank(creases: CreasePattern) -> tuple[bool, float, float]:
     """Patterns in order: those with all creases long enough to fold at all, then fewer creases, then longer ones."""
     ends = creases.vertices_coords[creases.edges_vertices[creases.edges_assignment != "B"]]
     shortest = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
-    count = creases.crease_count * (1.0 if shortest >= FOLDABLE_MM else WEIGHT)
+    count: float = creases.crease_count
+    if shortest < FOLDABLE_MM:
+        count *= TOO_SHORT + STILL_SHORTER * (1 - shortest / FOLDABLE_MM)
     return shortest < SHORTEST_MM, count, -shortest

@@ -10,7 +10,7 @@ the shortest of the others is made as long as it can be, by a linear program for
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -27,6 +27,12 @@ CLEARANCE = 0.003
 """The clearance, relative to distances, that is left to turns that see each other."""
 
 NEWTON_STEPS = 4
+
+TRUST = 0.05
+"""How far images may move in one step, as a part of the shape's size."""
+
+SHORT, MOST_CROSSINGS = 1.1, 8
+"""Creases up to this many times as long as the shortest are made to go through zero, so many at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +69,7 @@ class Mover:
         rows = [self._program.ends[:, :count], np.eye(1, count), _levels(outline, solution)]
         self._basis = null_space(np.vstack(rows))
         self._kept = np.zeros((0, self._basis.shape[1]))
-        self._trust = 0.05 * outline.size
+        self._trust = TRUST * outline.size
         self._folded = fold(solution)
 
     def lengthen(self, target: float) -> bool:
@@ -73,8 +79,8 @@ class Mover:
         now = _Lengths.of(self._folded[1])
         slopes = self._slopes(now, np.arange(len(now.length)))
         while self._trust > 1e-4 * self._program.outline.size:
-            move = self._longest(now, slopes, target)
-            if move is not None and self._go(move):
+            found = self._longest(now, slopes, target)
+            if found is not None and self._go(found[1]):
                 return True
             self._trust /= 4
         return False
@@ -144,8 +150,43 @@ class Mover:
         unit = (place[end] - place[start]) / now.length[some, None]
         return np.einsum("ij,ijm->im", unit, slopes[vertex[end]] - slopes[vertex[start]])
 
-    def _longest(self, now: _Lengths, slopes: Floats, target: float) -> Floats | None:
-        """Return the step within reach for which the shortest crease is longest, by a linear program."""
+    def across(self, target: float) -> Iterator[Mover]:
+        """Yield movers for which shortest creases have gone through zero: some events have changed their order.
+
+        Those first for which the shortest crease promises to become longest.
+        """
+        if self._folded is None or not self._basis.shape[1]:
+            return
+        now = _Lengths.of(self._folded[1])
+        slopes = self._slopes(now, np.arange(len(now.length)))
+        mover = copy(self)
+        mover._trust = TRUST * self._program.outline.size
+        # creases that vanish together are between the same two events
+        order = np.argsort(now.length, kind="stable")
+        short = order[now.length[order] < SHORT * now.length[order[0]]]
+        rates = slopes[short] / now.length[short, None]
+        left = np.ones(len(short), dtype=bool)
+        found = []
+        while left.any() and len(found) < MOST_CROSSINGS:
+            first = int(np.flatnonzero(left)[0])
+            together = np.abs(rates - rates[first]).max(axis=1) < 1e-3 * np.abs(rates[first]).max()
+            together[first] = True
+            left &= ~together
+            step = mover._longest(now, slopes, target, short[together])
+            if step is not None:
+                found.append((-step[0], len(found), step[1]))
+        for _, _, move in sorted(found, key=lambda item: item[:2]):
+            other = copy(mover)
+            if other._go(move):
+                yield other
+
+    def _longest(
+        self, now: _Lengths, slopes: Floats, target: float, crossed: Numbers | None = None
+    ) -> tuple[float, Floats] | None:
+        """Return how long the shortest crease can be, and the step within reach for that, by a linear program.
+
+        ``crossed``: creases that go through zero.
+        """
         width, trust = slopes.shape[1], self._trust
         cost = np.zeros(width + 1)
         cost[width] = -1.0
@@ -156,8 +197,12 @@ class Mover:
         def wide(rows: Floats, last: float) -> Floats:
             return np.pad(rows, ((0, 0), (0, 1)), constant_values=last)
 
+        way = np.ones(len(now.length))
+        if crossed is not None:
+            way[crossed] = -1.0
         near = np.flatnonzero(now.length < target + 2 * trust)
-        solver.add(wide(slopes[near], -1.0), -now.length[near], np.full(len(near), np.inf))
+        rows, lengths = way[near, None] * slopes[near], way[near] * now.length[near]
+        solver.add(wide(rows, -1.0), -lengths, np.full(len(near), np.inf))
         if len(self._kept):
             # what has vanished stays so, as far as these agree with each other
             _, size, rows = np.linalg.svd(self._kept, full_matrices=False)
@@ -166,7 +211,7 @@ class Mover:
         rows, bounds = self._program.conditions(self.solution, CLEARANCE)
         solver.add(wide(rows[:, : len(self._basis)] @ self._basis, 0.0), np.full(len(rows), -np.inf), bounds)
         found = solver.run()
-        return None if found is None else found[:width]
+        return None if found is None else (float(found[width]), found[:width])
 
 
 def _levels(outline: Outline, solution: Solution) -> Floats:

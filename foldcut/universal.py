@@ -32,7 +32,7 @@ import numpy as np
 
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, Floats, Numbers
-from foldcut.plane import cross, left_normal
+from foldcut.plane import cross
 
 # Distances that differ by less than this part of the shape's size are equal.
 TIE = 1e-9
@@ -84,12 +84,14 @@ class _Turn:
     level: float
 
     def __post_init__(self) -> None:
-        turn = math.atan2(float(cross(self.arriving, self.leaving)), float(self.arriving @ self.leaving))
+        (a, b), (c, d) = self.arriving.tolist(), self.leaving.tolist()
+        turn = math.atan2(a * d - b * c, a * c + b * d)
         self.angle = math.pi - turn
         self.spike = self.angle < SPIKE
-        self.shrink = 0.0 if self.spike else math.tan(turn / 2)  # of a side, at this end, per unit of height
-        self.velocity = left_normal(self.leaving) + self.leaving * self.shrink
-        self.slope = -self.shrink if self.peak else self.shrink
+        shrink = 0.0 if self.spike else math.tan(turn / 2)  # of a side, at this end, per unit of height
+        up = 1.0 if self.peak else -1.0
+        velocity = c * shrink - d, d * shrink + c
+        self.row = (*self.position.tolist(), *velocity, self.x, -up * shrink, self.height, shrink, up, self.level)
 
 
 @dataclass
@@ -472,16 +474,16 @@ class _State:
     def __init__(self, part: _Part, turned: int) -> None:
         self.part = part
         turns = part.turns
-        rise = np.array([part.height - t.height for t in turns])
-        self.velocity = np.array([t.velocity for t in turns])
-        self.slope = np.array([t.slope for t in turns])
-        self.shrink = np.array([t.shrink for t in turns])
-        self.position = np.array([t.position for t in turns]) + self.velocity * rise[:, None]
-        self.x = np.array([t.x for t in turns]) + self.slope * rise
-        self.peak = np.array([t.peak for t in turns])
-        self.up = np.where(self.peak, 1.0, -1.0)
+        columns = np.array([t.row for t in turns]).T
+        self.velocity = columns[2:4].T.copy()
+        self.slope, height, self.shrink, self.up, level = columns[5:].copy()
+        rise = part.height - height
+        self.position = columns[:2].T + self.velocity * rise[:, None]
+        self.x = columns[4] + self.slope * rise
+        self.peak = self.up > 0
+        self.after = np.arange(1, len(turns) + 1)
+        self.after[-1] = 0
         # a turn that moves outwards is wrapped at the level that it comes to
-        level = np.array([t.level for t in turns])
         outwards = (self.shrink < 0) & (self.up * (level - self.x) > 0)
         self.level = np.where(outwards, level, self.x)
         self.level_slope = np.where(outwards, 0.0, self.slope)
@@ -499,13 +501,13 @@ class _State:
     def lengths(self, time: float) -> Floats:
         """The lengths of the stretches of border after the turns."""
         x = self.images(time)
-        lengths: Floats = self.up * (x - np.roll(x, -1))
+        lengths: Floats = self.up * (x - x[self.after])
         return lengths
 
     def next_collapse(self, tie: float) -> float:
         """When the next stretches of border vanish."""
         length = self.lengths(0.0)
-        rate = self.shrink + np.roll(self.shrink, -1)
+        rate = self.shrink + self.shrink[self.after]
         with np.errstate(all="ignore"):
             time = np.where(rate > 0, np.maximum(length, 0.0) / rate, np.inf)
         return float(np.where(length <= tie, 0.0, time).min())
@@ -525,8 +527,11 @@ class _State:
 
     def coincident(self, tie: float) -> tuple[int, int] | None:
         """Two turns, not neighbours, that are in the same place now, both on the sheet and when folded."""
-        near = np.abs(self.x[:, None] - self.x) <= tie
-        near &= np.abs(self.position[:, None] - self.position).max(axis=2) <= tie
+        near = np.abs(self.position[:, None, 0] - self.position[:, 0]) <= tie
+        if np.count_nonzero(near) == len(near):
+            return None
+        near &= np.abs(self.position[:, None, 1] - self.position[:, 1]) <= tie
+        near &= np.abs(self.x[:, None] - self.x) <= tie
         for i, j in np.argwhere(np.triu(near, 2)).tolist():
             if (i or j < len(self.x) - 1) and self.peak[i] == self.peak[j]:
                 return i, j
@@ -581,14 +586,12 @@ class _State:
             time = np.where(q > 0, 2 * c / q, np.inf)
         time = np.where(distance - path <= tie, np.where(b < 0, 0.0, np.inf), time)
         time[distance < path - 1e3 * tie] = np.inf  # it was too near from the start: see the search
-        time[np.isnan(time) | (time < 0)] = np.inf
-        if math.isfinite(before):
+        some = np.flatnonzero((time >= 0) & (time <= before) & np.isfinite(time))
+        if math.isfinite(before) and len(some):
             # a tie with a collapse is the collapse's
-            then = apart + parting * before
-            time[path + path_slope * before - np.hypot(then[:, 0], then[:, 1]) <= tie] = np.inf
-        for n in np.argsort(time, kind="stable"):
-            if time[n] > before or not math.isfinite(time[n]):
-                break
+            then = apart[some] + parting[some] * before
+            some = some[path[some] + path_slope[some] * before - np.hypot(then[:, 0], then[:, 1]) > tie]
+        for n in some[np.argsort(time[some], kind="stable")]:
             if self.sees(float(time[n]), int(i[n]), int(j[n])):
                 x = float(level[n] + level_slope[n] * time[n])
                 return _Gusset(float(time[n]), int(i[n]), int(j[n]), int(at[n]), x)
