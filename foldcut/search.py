@@ -31,7 +31,7 @@ from foldcut.ties import Mover
 from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns
 
-EFFORTS = {"fast": 0.7, "normal": 4.5, "best": 60.0}
+EFFORTS = {"fast": 0.8, "normal": 7.5, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_Budget``."""
 
 CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
@@ -43,9 +43,9 @@ VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as goo
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 CROSSINGS = 4  # orders of events that are tried before the shortest crease is left as it is
 VARIATIONS = 4
-OVERTIME = 1.0
+OVERTIME = 0.3
 TOO_SHORT, STILL_SHORTER = 1.4, 0.4  # what creases count when the shortest is nearly foldable, and what more at 0 mm
-PATIENCE = 15  # how many times what an effort allows may be spent as long as there is no pattern
+PATIENCE = 2  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
 
@@ -135,10 +135,13 @@ class _Budget:
         self.started = time.monotonic()
 
     def program(self, turns: int) -> None:
-        self.spent += 0.002 + 0.00004 * turns + 0.0000015 * turns**2
+        self.spent += 0.002 + 2e-7 * turns**3
 
     def fold(self, turns: int) -> None:
-        self.spent += 0.003 + 0.0006 * turns + 0.000002 * turns**2
+        self.spent += 0.002 + 0.0003 * turns + 3e-6 * turns**2
+
+    def step(self, turns: int) -> None:
+        self.spent += 0.002 + 1.2e-5 * turns**2
 
 
 @dataclass(frozen=True, eq=False)
@@ -384,7 +387,8 @@ class _Search:
         key, solution, plan = self.solved[number]
         wish, weight = self._wishes(solution.turns, plain=False)
         short = self.best is not None and (self.best.key[0] or self.best.key[2] > -FOLDABLE_MM)
-        if short and self.rng.random() < 0.5:
+        apart = short and self.rng.random() < 0.8
+        if apart:
             # apart from each other: what hangs together in one hub cannot be moved much
             share = self.rng.normal(0.0, 0.15, len(wish)) * self.outline.length[solution.turns.side]
             wish = np.where(solution.turns.corner, np.nan, solution.along + share)
@@ -401,19 +405,19 @@ class _Search:
         if moved is None:
             return
         found = self._try(moved, plan)
+        if apart:
+            self._lengthen(self._mover(moved, plan), plan)
         if found < key:
             self.solved[number] = (found, moved, plan)
-        elif short:
-            self.solved.append((found, moved, plan))
         self.solved.sort(key=lambda item: item[0])
 
     def _settle(self, solution: Solution, plan: _Plan) -> None:
         """Let short creases get longer, or vanish."""
-        mover = Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
+        mover = self._mover(solution, plan)
         self._lengthen(mover, plan)
         if self.best is None or self.best.key[0]:
             return  # first one that can be folded at all
-        mover = Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
+        mover = self._mover(solution, plan)
         number = 0
         while number < IN_VAIN and len(lengths := mover.lengths()) > number and lengths[number] < VANISH_MM:
             less = mover.without(number, TINY_MM)
@@ -423,6 +427,9 @@ class _Search:
                 mover, number = less, 0
         if mover.solution is not solution:
             self._lengthen(mover, plan)
+
+    def _mover(self, solution: Solution, plan: _Plan) -> Mover:
+        return Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
 
     def _lengthen(self, mover: Mover, plan: _Plan) -> None:
         """Make the shortest creases longer, and where they do not get longer, let them go through zero."""
@@ -444,6 +451,7 @@ class _Search:
         longest, stalled = 0.0, 0
         best = mover
         while stalled < 2 and longest < LONG_MM and mover.lengthen(LONG_MM):
+            self.budget.step(len(mover.solution.x))
             shortest = float(mover.lengths()[0])
             # a step may make things worse before the next makes them better
             stalled = 0 if shortest > 1.05 * longest else stalled + 1

@@ -5,7 +5,8 @@
 Facets stay rigid: a vertex lands where each of its facets takes it. A facet that begins at the border keeps to its side
 of the shape and to the cut line. One that begins at a gusset crease begins in one height, and the crease's middle lands
 where the turn has come to in which its path turns. These equations are linear and have one solution as long as events
-keep their order; where several events share a vertex, they have one only for directions that do not part them.
+keep their order; where several events share a vertex, they have one only for directions that do not part them. How far
+a crease goes that ends beyond the sheet is left open.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ SOFT = 1e-13
 
 
 def vertex_slopes(molecules: Molecules, places: Floats, images: Floats) -> Floats:
-    """Return the derivatives of all vertices' places on the sheet, ``(v, 2, m)``, by ``m`` directions.
+    """Return the derivatives of the vertices' places on the sheet, ``(v, 2, m)``, by ``m`` directions.
 
     ``places`` ``(n, 2, m)``, ``images`` ``(n, m)``: the derivatives of the turns' places and images.
     """
@@ -88,14 +89,13 @@ class _System:
         number = np.full(len(rings), -1)
         number[some] = np.arange(len(some))
         for middle in molecule.middles:
+            if middle.level is not None:
+                self._equations(np.array([[4 * middle.vertex + 2, 4 * middle.level + 2]]), np.array([[1.0, -1.0]]))
+                continue
             # a point of the turn's trajectory that lands in the middle
             beside = number[[middle.before, middle.after]]
             beside = beside[beside >= 0]
             lands = self.folded[middle.vertex]
-            k = beside[0]
-            there = facets.linear[k] @ (middle.position - facets.centre[k]) + facets.landing[k]
-            if abs(there[0] - lands[0]) > 1e-7 * np.ptp(self.flat):
-                continue  # the turn goes on falling or rising: see ``Border.levels``
             point = np.full(len(beside), self.width)
             self.width += 2
             middles = np.full(len(beside), 4 * middle.vertex)
@@ -122,7 +122,9 @@ class _System:
         cosine = np.add.reduceat((flat * folded).sum(axis=1), start)
         sine = np.add.reduceat(cross(flat, folded), start)
         cosine, sine = np.stack([cosine, sine]) / np.hypot(cosine, sine)
-        linear = np.stack([np.stack([cosine, -sine * mirror], axis=1), np.stack([sine, cosine * mirror], axis=1)], axis=1)
+        linear = np.stack(
+            [np.stack([cosine, -sine * mirror], axis=1), np.stack([sine, cosine * mirror], axis=1)], axis=1
+        )
         return _Facets(linear, centre, landing)
 
     def _rigid(
@@ -139,7 +141,9 @@ class _System:
         from_centre = lands - facets.landing[facet]
         turning = np.stack([-from_centre[:, 1], from_centre[:, 0]], axis=1)
         for axis in (0, 1):
-            columns = np.stack([column + 2 + axis, point, point + 1, first + 3 * facet, first + 3 * facet + 1 + axis], axis=1)
+            columns = np.stack(
+                [column + 2 + axis, point, point + 1, first + 3 * facet, first + 3 * facet + 1 + axis], axis=1
+            )
             linear = facets.linear[facet, axis]
             ones = np.ones(len(facet))
             self._equations(columns, np.stack([ones, -linear[:, 0], -linear[:, 1], -turning[:, axis], -ones], axis=1))

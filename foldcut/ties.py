@@ -2,10 +2,12 @@
 
 Solution -> solutions near it, with fewer and longer creases.
 
-The length of a crease is a smooth function of the images of the turns as long as the events keep their order. Newton's
-method on the lengths of the shortest creases finds images for which they vanish; on the way the order may change, then
-others are short in the same places, and the next step takes these. What has vanished is kept so, to first order, while
-the shortest of the others is made as long as it can be, by a linear program for each step.
+The length of a crease is a smooth function of the images of the turns as long as the events keep their order; its
+derivatives come from ``slopes``. Newton's method on the lengths of the shortest creases finds images for which they
+vanish; on the way the order may change, then others are short in the same places, and the next step takes these. What
+has vanished is kept so, to first order, while the shortest of the others is made as long as it can be, by a linear
+program for each step. Where it gets no longer, a shortest crease is sent through zero, which changes the order of two
+events, and the next steps go on from there.
 """
 
 from __future__ import annotations
@@ -52,7 +54,8 @@ class _Lengths:
 class Mover:
     """Moves the turns of a solution so that its creases get longer, or so that short ones vanish.
 
-    ``fold`` returns the molecules and the creases of a solution, or None; ``careful`` as for ``Program``; ``solution``: where it is now.
+    ``fold`` returns the molecules and the creases of a solution, or None; ``careful`` as for ``Program``; ``solution``:
+    where it is now.
     """
 
     def __init__(
@@ -148,7 +151,8 @@ class Mover:
         vertex = np.array([number.get((x, y), -1) for x, y in place.tolist()])  # the sheet's corners have none
         start, end = now.edges[some].T
         unit = (place[end] - place[start]) / now.length[some, None]
-        return np.einsum("ij,ijm->im", unit, slopes[vertex[end]] - slopes[vertex[start]])
+        changes: Floats = np.einsum("ij,ijm->im", unit, slopes[vertex[end]] - slopes[vertex[start]])
+        return changes
 
     def across(self, target: float) -> Iterator[Mover]:
         """Yield movers for which shortest creases have gone through zero: some events have changed their order.
@@ -166,7 +170,7 @@ class Mover:
         short = order[now.length[order] < SHORT * now.length[order[0]]]
         rates = slopes[short] / now.length[short, None]
         left = np.ones(len(short), dtype=bool)
-        found = []
+        found: list[tuple[float, int, Floats]] = []
         while left.any() and len(found) < MOST_CROSSINGS:
             first = int(np.flatnonzero(left)[0])
             together = np.abs(rates - rates[first]).max(axis=1) < 1e-3 * np.abs(rates[first]).max()

@@ -159,6 +159,7 @@ class Molecule:
         self.turned = turned
         self.gussets = 0
         self.middles: list[Middle] = []
+        self._levels = dict(zip(border.levels.tolist(), border.vertices, strict=True))
         self.lowest_event = math.inf
         self.first_vertex = len(vertices.flat)
         count = self.border_facets = len(border.vertices)
@@ -338,7 +339,8 @@ class Molecule:
             place = position[i] + along * far_i
             vertex = self._vertex_at(place, gusset.x, height)
             lowest = turns[gusset.at]
-            self.middles.append(Middle(vertex, lowest.before, lowest.after, position[gusset.at]))
+            level = self._levels[lowest.level] if abs(float(x[gusset.at]) - gusset.x) > self.tie else None
+            self.middles.append(Middle(vertex, lowest.before, lowest.after, position[gusset.at], level))
             wrapped = [self._facet(other.vertex, vertex), self._facet(vertex, one.vertex)]  # after j, before i
             around = [self._facet(one.vertex, vertex), self._facet(vertex, other.vertex)]  # after i, before j
             self._insert_before(one.after, [around[0], wrapped[1]])
@@ -449,12 +451,14 @@ class Middle:
     """The vertex of a gusset crease where its path in the tree turns: it lands where another turn has come to.
 
     ``position`` ``(2,)`` mm: where that turn was at the time; ``before``, ``after``: the facets on either side of it.
+    ``level``: the border's vertex of the turn that it keeps its distance from instead, if it lands on a level.
     """
 
     vertex: int
     before: int
     after: int
     position: Floats
+    level: int | None
 
 
 @dataclass(frozen=True)
