@@ -31,7 +31,7 @@ from foldcut.ties import Mover
 from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns
 
-EFFORTS = {"fast": 0.8, "normal": 7.5, "best": 60.0}
+EFFORTS = {"fast": 0.8, "normal": 6.0, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_Budget``."""
 
 CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
@@ -44,7 +44,7 @@ IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewher
 CROSSINGS = 4  # orders of events that are tried before the shortest crease is left as it is
 VARIATIONS = 4
 OVERTIME = 0.3
-TOO_SHORT, STILL_SHORTER = 1.4, 0.4  # what creases count when the shortest is nearly foldable, and what more at 0 mm
+TOO_SHORT, STILL_SHORTER = 1.65, 0.35  # what creases count when the shortest is nearly foldable, and what more at 0 mm
 PATIENCE = 2  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
@@ -204,14 +204,19 @@ class _Search:
                 return
 
     def finish(self) -> None:
-        """Spend more as long as the best pattern has creases that nobody can fold."""
+        """Spend more as long as the best pattern has creases that are hard to fold."""
         if self.budget.seconds is not None or self.budget.allowed == np.inf:
             return
         self.budget.more(OVERTIME)
-        while self.best is not None and self.best.key[0] and self.solved:
+        while self._short and self.solved:
             self._settle_next()
             for _ in range(VARIATIONS):
                 self._vary()
+
+    @property
+    def _short(self) -> bool:
+        """Whether the best pattern has creases that are hard to fold."""
+        return self.best is not None and self.best.key[2] > -FOLDABLE_MM
 
     def _settle_next(self) -> bool:
         """Settle the best solution that has not been settled yet, if there is one."""
@@ -383,11 +388,10 @@ class _Search:
 
     def _vary(self) -> None:
         """Try other wishes for one of the best plans so far."""
-        number = min(int(self.rng.geometric(0.4)) - 1, len(self.solved) - 1)
+        apart = self._short and self.rng.random() < 0.8
+        number = min(int(self.rng.geometric(0.2 if apart else 0.4)) - 1, len(self.solved) - 1)
         key, solution, plan = self.solved[number]
         wish, weight = self._wishes(solution.turns, plain=False)
-        short = self.best is not None and (self.best.key[0] or self.best.key[2] > -FOLDABLE_MM)
-        apart = short and self.rng.random() < 0.8
         if apart:
             # apart from each other: what hangs together in one hub cannot be moved much
             share = self.rng.normal(0.0, 0.15, len(wish)) * self.outline.length[solution.turns.side]
