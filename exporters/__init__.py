@@ -1,45 +1,71 @@
 """Writers of finished patterns: one module per format, one table of them.
 
-Stage: after verification. Input: a ``FoldedPattern`` and a ``Profile``; output: the bytes of a file. An
-exporter opens no file, prints nothing and changes no geometry; the same input gives the same bytes.
+Stage: after verification. A pattern's exporter takes a ``FoldedPattern``, a job's exporter the ``Job`` that a machine
+does, both a ``Profile``; the output is the bytes of a file. An exporter opens no file, prints nothing and changes no
+geometry; the same input gives the same bytes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
+from typing import cast
 
 from foldcut.errors import FileFormatError
+from foldcut.job import Job, Side, make_jobs
 from foldcut.model import FoldedPattern
-from foldcut.profiles import Profile, load_profile
+from foldcut.profiles import Profile, Treatment, load_profile
 
-from . import fold, svg
+PatternExporter = Callable[[FoldedPattern, Profile], bytes]
+JobExporter = Callable[[Job, Profile], bytes]
 
-Exporter = Callable[[FoldedPattern, Profile], bytes]
-
-EXPORTERS: dict[str, Exporter] = {
-    ".fold": fold.export,
-    ".svg": svg.export,
-}
+# Imported when they are used: ezdxf alone takes longer to import than all the rest.
+PATTERN_EXPORTERS = {".fold": "fold", ".svg": "svg"}
+JOB_EXPORTERS = {".svg": "layered_svg", ".dxf": "dxf", ".hpgl": "hpgl", ".gcode": "gcode"}
 
 
-def find_exporter(suffix: str) -> Exporter:
-    """Return the exporter for a file name's ending, such as ``".svg"``; upper or lower case.
+def check_suffix(suffix: str, profile: Profile | None = None) -> None:
+    """Raise FileFormatError unless there is an exporter for a file name's ending, such as ``".svg"``.
 
-    Raises FileFormatError: no exporter writes such files.
+    Without a profile there are files of the pattern only.
     """
-    try:
-        return EXPORTERS[suffix.lower()]
-    except KeyError:
-        known = ", ".join(EXPORTERS)
-        what = (
-            f"foldcut cannot write {suffix} files" if suffix else "an output file needs an ending that names its format"
-        )
-        raise FileFormatError(f"{what}; use one of {known}") from None
+    known = {**PATTERN_EXPORTERS, **(JOB_EXPORTERS if profile else {})}
+    if suffix.lower() in known:
+        return
+    if suffix.lower() in JOB_EXPORTERS:
+        raise FileFormatError(f"{suffix} files are for a machine: name it with --profile; see foldcut profiles")
+    what = f"foldcut cannot write {suffix} files" if suffix else "an output file needs an ending that names its format"
+    raise FileFormatError(f"{what}; use one of {', '.join(known)}")
 
 
 def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) -> bytes:
     """Return ``pattern`` as the bytes of a file with this ending; ``profile`` is "plain" unless given.
 
-    Raises FileFormatError: no exporter writes such files.
+    Raises FileFormatError: no exporter writes such files of a pattern.
     """
-    return find_exporter(suffix)(pattern, profile or load_profile())
+    check_suffix(suffix)
+    exporter = cast(PatternExporter, _module(PATTERN_EXPORTERS[suffix.lower()]))
+    return exporter(pattern, profile or load_profile())
+
+
+def export_jobs(
+    pattern: FoldedPattern,
+    suffix: str,
+    profile: Profile,
+    *,
+    material: str | None = None,
+    treatment: Treatment | None = None,
+    two_sided: bool = False,
+) -> dict[Side, tuple[Job, bytes]]:
+    """Return the jobs of ``pattern`` for a machine, with the bytes of their files, by the side of the sheet.
+
+    Raises FileFormatError: no exporter writes such files. Raises JobError: the job does not suit the machine.
+    """
+    check_suffix(suffix, profile)
+    exporter = cast(JobExporter, _module(JOB_EXPORTERS[suffix.lower()]))
+    jobs = make_jobs(pattern, profile, material=material, treatment=treatment, two_sided=two_sided)
+    return {job.side: (job, exporter(job, profile)) for job in jobs}
+
+
+def _module(name: str) -> object:
+    return import_module(f"{__package__}.{name}").export

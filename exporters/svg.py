@@ -18,8 +18,9 @@ import numpy as np
 import svgwrite
 from svgwrite.extensions import Inkscape
 
+from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern, Sheet
-from foldcut.profiles import Profile
+from foldcut.profiles import Drawing, Profile
 
 DIGITS = 4
 """Digits after the point, in mm: far below what any machine resolves."""
@@ -27,15 +28,16 @@ DIGITS = 4
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     """Return ``pattern`` as an SVG file."""
+    look = profile.drawing
     sheet = pattern.sheet
-    size = (f"{_number(sheet.width)}mm", f"{_number(sheet.height)}mm")
-    box = f"0 0 {_number(sheet.width)} {_number(sheet.height)}"
+    size = (f"{number(sheet.width)}mm", f"{number(sheet.height)}mm")
+    box = f"0 0 {number(sheet.width)} {number(sheet.height)}"
     drawing = svgwrite.Drawing(size=size, viewBox=box, debug=False)
-    drawing.set_desc(title=_printable(pattern.title) or "foldcut")
+    drawing.set_desc(title=printable(pattern.title) or "foldcut")
     inkscape = Inkscape(drawing)
 
     def layer(label: str, colour: str, width: float, paths: Iterable[str]) -> Any:
-        group = inkscape.layer(label=label, id=label.lower(), fill="none", stroke=colour, stroke_width=_number(width))
+        group = inkscape.layer(label=label, id=label.lower(), fill="none", stroke=colour, stroke_width=number(width))
         for data in paths:
             group.add(drawing.path(d=data))
         return drawing.add(group)
@@ -43,52 +45,25 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     creases = pattern.creases
     lines = _flip(creases.vertices_coords, sheet)[creases.edges_vertices]
     mountains, valleys = (lines[creases.edges_assignment == letter] for letter in "MV")
-    mountain_paths = (_segments(mountain_pieces(line, profile)) for line in mountains)
-    valley_paths = (_segments(valley_pieces(line, profile)) for line in valleys)
+    mountain_paths = (_segments(mountain_pieces(line, look)) for line in mountains)
+    valley_paths = (_segments(valley_pieces(line, look)) for line in valleys)
     outlines = (_closed(_flip(loop, sheet)) for loop in pattern.shape.loops)
-    layer("Shape", profile.shape_colour, profile.shape_stroke_mm, outlines)
-    width = profile.crease_stroke_mm
-    layer("Valley", profile.valley_colour, width, valley_paths)
-    layer("Mountain", profile.mountain_colour, width, mountain_paths)
-    layer("Cut", profile.border_colour, profile.border_stroke_mm, [_closed(_flip(sheet.corners, sheet))])
+    layer("Shape", look.shape_colour, look.shape_stroke_mm, outlines)
+    width = look.crease_stroke_mm
+    layer("Valley", look.valley_colour, width, valley_paths)
+    layer("Mountain", look.mountain_colour, width, mountain_paths)
+    layer("Cut", look.border_colour, look.border_stroke_mm, [_closed(_flip(sheet.corners, sheet))])
 
-    legend = _legend(pattern.title, sheet, profile)
-    group = layer("Legend", profile.legend_colour, profile.legend_stroke_mm, legend.paths)
+    legend = _legend(pattern.title, sheet, look)
+    group = layer("Legend", look.legend_colour, look.legend_stroke_mm, legend.paths)
     for text, x, y in legend.texts:
-        place = (_number(x), _number(y))
-        group.add(drawing.text(text, insert=place, fill=profile.legend_colour, stroke="none", **legend.font))
+        place = (number(x), number(y))
+        group.add(drawing.text(text, insert=place, fill=look.legend_colour, stroke="none", **legend.font))
 
     root = drawing.get_xml()
     ET.indent(root, " ")
     text = ET.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode()
-
-
-def valley_pieces(line: Floats, profile: Profile) -> Floats:
-    """Return the dashes along a valley, ``(n, 2, 2)``, stretched a little so that both ends have ink."""
-    dash, gap = profile.dash_mm, profile.gap_mm
-    count = round((_length(line) - dash) / (dash + gap))
-    return _divided(line, [dash, gap] * max(0, count) + [dash])
-
-
-def mountain_pieces(line: Floats, profile: Profile) -> Floats:
-    """Return the dashes and dots along a mountain, ``(n, 2, 2)``, stretched to begin and end with a dash."""
-    dash, gap, dot = profile.dash_mm, profile.gap_mm, profile.dot_mm
-    count = round((_length(line) - dash) / (dash + gap + dot + gap))
-    return _divided(line, [dash, gap, dot, gap] * max(0, count) + [dash])
-
-
-def _divided(line: Floats, lengths: Sequence[float]) -> Floats:
-    """Divide a line in these proportions and return every other part, the first and the last among them."""
-    ends = np.concatenate([[0.0], np.cumsum(lengths) / np.sum(lengths)])
-    start, end = line
-    points: Floats = start + ends[:, None] * (end - start)
-    points[-1] = end
-    return points.reshape(-1, 2, 2)
-
-
-def _length(line: Floats) -> float:
-    return float(np.hypot(*(line[1] - line[0])))
 
 
 def _flip(points: Floats, sheet: Sheet) -> Floats:
@@ -110,25 +85,25 @@ class _Legend:
     font: dict[str, str]
 
 
-def _legend(title: str, sheet: Sheet, profile: Profile) -> _Legend:
+def _legend(title: str, sheet: Sheet, look: Drawing) -> _Legend:
     """Set the legend in rows along the bottom edge, the ruler lowest, all inside the sheet."""
-    small = sheet.width < profile.small_sheet_mm
-    ruler = profile.small_ruler_mm if small else profile.ruler_mm
-    inset = min(profile.inset_mm, 0.05 * sheet.width)
-    size = min(profile.text_mm, 0.025 * sheet.width)
-    sample = profile.sample_mm * size / profile.text_mm
+    small = sheet.width < look.small_sheet_mm
+    ruler = look.small_ruler_mm if small else look.ruler_mm
+    inset = min(look.inset_mm, 0.05 * sheet.width)
+    size = min(look.text_mm, 0.025 * sheet.width)
+    sample = look.sample_mm * size / look.text_mm
     sample_line = np.array([[0.0, 0.0], [sample, 0.0]])
     samples = [
-        (mountain_pieces(sample_line, profile), "mountain: fold away from you"),
-        (valley_pieces(sample_line, profile), "valley: fold toward you"),
+        (mountain_pieces(sample_line, look), "mountain: fold away from you"),
+        (valley_pieces(sample_line, look), "valley: fold toward you"),
         (sample_line[None], "shape: the one straight cut, when folded flat"),
     ]
-    legend = _Legend([], [], {"font_family": "sans-serif", "font_size": _number(size)})
+    legend = _Legend([], [], {"font_family": "sans-serif", "font_size": number(size)})
     x, y, right = inset, sheet.height - inset, sheet.width - inset
     if x + ruler + 4 * size <= sheet.width:
         _add_ruler(legend, ruler, x, y, size)
         x += ruler + 6 * size
-    title = _shortened(_printable(title), (right - inset) / size)
+    title = _shortened(printable(title), (right - inset) / size)
     if x + _text_width(title) * size > right:
         x, y = inset, y - 2 * LINE_HEIGHT * size
     if title:
@@ -146,15 +121,15 @@ def _legend(title: str, sheet: Sheet, profile: Profile) -> _Legend:
 
 def _add_ruler(legend: _Legend, length: float, x: float, y: float, size: float) -> None:
     """Add a ruler from (x, y) to the right: a tick every mm, longer at 5 and 10, and its length in words."""
-    ticks = [f"M{_point((x, y))}H{_number(x + length)}"]
+    ticks = [f"M{_point((x, y))}H{number(x + length)}"]
     for mm in range(round(length) + 1):
         height = size * (1.0 if mm % 10 == 0 else 0.7 if mm % 5 == 0 else 0.4)
-        ticks.append(f"M{_point((x + mm, y))}V{_number(y - height)}")
+        ticks.append(f"M{_point((x + mm, y))}V{number(y - height)}")
     legend.paths.append("".join(ticks))
     legend.texts.append((f"{length:g} mm", x + length + 0.5 * size, y))
 
 
-def _printable(text: str) -> str:
+def printable(text: str) -> str:
     """Return the text without the characters that XML forbids or nobody sees."""
     return "".join(filter(str.isprintable, text))
 
@@ -178,16 +153,21 @@ def _segments(pieces: Floats) -> str:
     return "".join(f"M{_point(start)}L{_point(end)}" for start, end in pieces.tolist())
 
 
+def path_data(points: Iterable[Sequence[float]], *, closed: bool) -> str:
+    """Return path data of a polyline or a closed polygon."""
+    return "M" + "L".join(map(_point, points)) + ("Z" if closed else "")
+
+
 def _closed(loop: Floats) -> str:
     """Return path data of a closed polygon, ``(n, 2)``."""
-    return "M" + "L".join(map(_point, loop.tolist())) + "Z"
+    return path_data(loop.tolist(), closed=True)
 
 
 def _point(point: Sequence[float]) -> str:
-    return f"{_number(point[0])} {_number(point[1])}"
+    return f"{number(point[0])} {number(point[1])}"
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
     """Return a number of mm in the shortest form, without exponent or negative zero."""
     text = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text

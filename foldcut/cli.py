@@ -1,4 +1,4 @@
-"""The command line: ``foldcut make``, ``foldcut check``, ``foldcut samples``.
+"""The command line: ``foldcut make``, ``foldcut check``, ``foldcut profiles``, ``foldcut samples``.
 
 Only this module prints: reports on stdout, progress and one-line errors on stderr. It exits with 0 when the
 pattern was made and verified, 1 when there is none or it is not verified, 2 when the input is at fault, 130
@@ -23,7 +23,9 @@ from foldcut.errors import BadInputError, FoldcutError, UnfoldableError
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
-    from foldcut.model import Finding
+    from foldcut.job import Job, Side
+    from foldcut.model import Finding, FoldedPattern, Sheet
+    from foldcut.profiles import Profile
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
@@ -32,6 +34,8 @@ EPILOG = """\
 examples:
   foldcut make fish                        the sample "fish" on A4, as fish-creases.svg and fish-creases.fold
   foldcut make logo.svg -o logo.fold       your own drawing
+  foldcut make fish --profile glowforge    the job for a machine, in its format
+  foldcut profiles                         the machines that foldcut knows
   foldcut check logo.fold                  does this pattern fold flat?
   foldcut COMMAND --help                   all options of a command, with examples
 
@@ -47,8 +51,11 @@ examples:
   foldcut make swan --effort best --seconds 60
   foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
   foldcut make fish --method paper --ribbon 0.5mm
+  foldcut make fish --profile laser-dxf --material card-160g --treatment perforate
+  foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
 
-Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder.
+Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder, or with --profile
+NAME-PROFILE with the ending of the machine's format.
 Existing files are replaced. Ctrl-C during the search goes on with the best pattern found so far.
 """
 
@@ -57,6 +64,13 @@ examples:
   foldcut check fish.fold
   foldcut check fish.fold --shape fish     also check that the cut gives this shape
   foldcut check fish.fold --json
+"""
+
+PROFILES_EPILOG = """\
+examples:
+  foldcut profiles
+  foldcut profiles show glowforge
+  foldcut profiles validate my-laser.toml
 """
 
 SAMPLES_EPILOG = """\
@@ -107,18 +121,25 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _make(args: argparse.Namespace) -> int:
     """Fold a shape and write the files."""
     from foldcut import pipeline, report
-    from foldcut.exporters import export, find_exporter
+    from foldcut.exporters import check_suffix
     from foldcut.files import check_targets, write_files
+    from foldcut.profiles import load_profile
     from foldcut.progress import ProgressBar
     from foldcut.sheet import parse_length, parse_sheet
 
     source = _shape_path(args.shape)
-    outputs = [Path(out) for out in args.output or _default_outputs(source)]
+    profile = None if args.profile is None else load_profile(args.profile, args.set)
+    if profile is None and (args.set or args.material or args.treatment or args.two_sided):
+        raise BadInputError("--set, --material, --treatment and --two-sided are for a machine: name it with --profile")
+    outputs = [Path(out) for out in args.output or _default_outputs(source, args.profile, profile)]
     for path in outputs:
-        find_exporter(path.suffix)
+        check_suffix(path.suffix, profile)
         if path.exists() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
-    check_targets(outputs)
+    targets = [target for path in outputs for target in _sides(path, args.two_sided).values()]
+    check_targets(targets)
+    if profile is not None:
+        _check_job(parse_sheet(args.sheet), profile, args)
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         result = pipeline.fold(
@@ -136,12 +157,13 @@ def _make(args: argparse.Namespace) -> int:
             seconds=args.seconds,
             progress=bar,
         )
-    files = []
+    files: list[dict[str, Any]] = []
+    jobs: list[Job] = []
     if result.verified:
-        contents = {path: export(result.folded_pattern, path.suffix) for path in outputs}
+        contents, jobs = _contents(result.folded_pattern, outputs, profile, args)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
         write_files(contents)
-    made = report.make_report(result, files)
+    made = report.make_report(result, files, jobs, profile)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
 
@@ -191,9 +213,73 @@ def _shape_path(name: str) -> Path:
     raise BadInputError(f"{name}: {what}; give a drawing or one of the samples {', '.join(sample_names())}")
 
 
-def _default_outputs(source: Path) -> list[str]:
+def _contents(
+    pattern: FoldedPattern, outputs: Sequence[Path], profile: Profile | None, args: argparse.Namespace
+) -> tuple[dict[Path, bytes], list[Job]]:
+    """Return what goes into the files, and the jobs among it."""
+    from foldcut.exporters import PATTERN_EXPORTERS, export, export_jobs
+
+    contents: dict[Path, bytes] = {}
+    jobs: list[Job] = []
+    for path in outputs:
+        if profile is None or (path.suffix.lower() in PATTERN_EXPORTERS and path.suffix.lower() != ".svg"):
+            contents[path] = export(pattern, path.suffix)
+            continue
+        made = export_jobs(
+            pattern,
+            path.suffix,
+            profile,
+            material=args.material,
+            treatment=args.treatment,
+            two_sided=args.two_sided,
+        )
+        for side, name in _sides(path, args.two_sided).items():
+            job, contents[name] = made[side]
+            jobs.append(job)
+    return contents, jobs
+
+
+def _check_job(sheet: Sheet, profile: Profile, args: argparse.Namespace) -> None:
+    """Raise what is wrong with the job before any long work."""
+    from foldcut.job import check_job
+
+    check_job(sheet, profile, material=args.material)
+
+
+def _sides(path: Path, two_sided: bool) -> dict[Side, Path]:
+    """Return the files of a job: one, or one for the front and one for the back."""
+    if not two_sided or path.suffix.lower() == ".fold":
+        return {"both": path}
+    return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
+
+
+def _default_outputs(source: Path, name: str | None, profile: Profile | None) -> list[str]:
     """Return the outputs when none are asked for; never the drawing's own name."""
-    return [f"{source.stem}-creases.svg", f"{source.stem}-creases.fold"]
+    if name is None or profile is None:
+        return [f"{source.stem}-creases.svg", f"{source.stem}-creases.fold"]
+    return [f"{source.stem}-{Path(name).stem}.{profile.format}"]
+
+
+def _profiles(args: argparse.Namespace) -> int:
+    """List, show or validate profiles."""
+    from foldcut.profiles import load_profile, profile_names
+
+    if args.action == "list":
+        profiles = {name: load_profile(name) for name in profile_names()}
+        width = max(map(len, profiles))
+        lines = [f"{name:<{width}}  {p.format:<5}  {p.title}" for name, p in profiles.items()]
+        listed = [{"name": name, "title": p.title, "format": p.format, "kind": p.kind} for name, p in profiles.items()]
+        _print_report({"ok": True, "profiles": listed}, lines, args.json)
+        return DONE
+    if not args.name:
+        raise BadInputError(f"foldcut profiles {args.action} needs the name of a profile or the path of a TOML file")
+    profile = load_profile(args.name, args.set)
+    if args.action == "show":
+        shown = json.dumps(profile.model_dump(exclude_none=True), indent=2, ensure_ascii=False)
+        _print_report({"ok": True, "profile": profile.model_dump(exclude_none=True)}, [shown], args.json)
+    else:
+        _print_report({"ok": True, "profile": args.name}, [f"{args.name}: valid"], args.json)
+    return DONE
 
 
 def _parse_scale(text: str) -> str | float:
@@ -302,6 +388,7 @@ def _parser() -> _Parser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands")
     _add_make(commands)
     _add_check(commands)
+    _add_profiles(commands)
     _add_samples(commands)
     return parser
 
@@ -392,6 +479,20 @@ def _add_make(commands: Any) -> None:
         default="0mm",
         help="leave out corners that are no more than this off, on the sheet (default: none)",
     )
+    machine = make.add_argument_group("the machine")
+    machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
+    machine.add_argument(
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="change a value of the profile (repeatable)"
+    )
+    machine.add_argument("--material", metavar="NAME", help="what the sheet is made of (default: the profile's first)")
+    machine.add_argument(
+        "--treatment",
+        choices=("score", "perforate", "draw"),
+        help="of the creases: unbroken lines, cuts with gaps, or dashed and dash-dotted lines (default: the profile's)",
+    )
+    machine.add_argument(
+        "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
+    )
     _add_common(make)
 
 
@@ -407,6 +508,22 @@ def _add_check(commands: Any) -> None:
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     _add_common(check)
+
+
+def _add_profiles(commands: Any) -> None:
+    profiles = commands.add_parser(
+        "profiles",
+        help="list, show and validate the machines' profiles",
+        description="List, show and validate profiles: what foldcut knows of machines. Your own go into "
+        "~/.config/foldcut/profiles, or anywhere: --profile takes a path that ends in .toml.",
+        epilog=PROFILES_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    profiles.set_defaults(run=_profiles)
+    profiles.add_argument("action", nargs="?", choices=("list", "show", "validate"), default="list")
+    profiles.add_argument("name", nargs="?", metavar="PROFILE", help="a name, or the path of a TOML file")
+    profiles.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
+    profiles.add_argument("--json", action="store_true", help="print for programs")
 
 
 def _add_samples(commands: Any) -> None:

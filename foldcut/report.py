@@ -15,7 +15,9 @@ from foldcut.model import CreasePattern, Finding, Sheet
 from foldcut.verify import CHECKS
 
 if TYPE_CHECKING:
+    from foldcut.job import Job
     from foldcut.pipeline import Result
+    from foldcut.profiles import Profile
 
 Report = dict[str, Any]
 
@@ -23,7 +25,9 @@ MOST_FINDINGS = 10
 """How many findings the text shows; the report for programs has all."""
 
 
-def make_report(result: Result, files: Sequence[Report]) -> Report:
+def make_report(
+    result: Result, files: Sequence[Report], jobs: Sequence[Job] = (), profile: Profile | None = None
+) -> Report:
     """Return the report of ``foldcut make``; ``files`` are the written ones: path, bytes, replaced."""
     pattern = result.folded_pattern
     sheet = pattern.sheet
@@ -42,6 +46,9 @@ def make_report(result: Result, files: Sequence[Report]) -> Report:
         "verified": list(CHECKS) if result.verified else [],
         "findings": list(map(asdict, result.findings)),
         "notes": list(result.notes),
+        "jobs": [_job_report(job) for job in jobs],
+        "machine": profile.title if profile else None,
+        "next": list(profile.instructions) if profile else [],
         "files": list(files),
     }
 
@@ -64,9 +71,43 @@ def make_lines(report: Report) -> list[str]:
         *[("note", note) for note in report["notes"]],
         *[("warning", warning) for warning in report["warnings"]],
         *_verdict_rows(report),
+        *_job_rows(report),
         *[("written", _file_text(file)) for file in report["files"]],
+        *[("next", line) for line in report["next"] if report["files"]],
     ]
     return [report["title"] or "untitled", *_aligned(rows)]
+
+
+def _job_report(job: Job) -> Report:
+    """Return a job in numbers."""
+    return {
+        "side": job.side,
+        "turned": job.turned,
+        "travel_before_mm": job.travel_before,
+        "travel_mm": job.travel,
+        "steps": [
+            {
+                "role": step.role,
+                "layer": step.operation.layer,
+                "strokes": len(step.strokes),
+                "length_mm": step.length,
+                **({"setting": step.setting.model_dump()} if step.setting else {}),
+            }
+            for step in job.steps
+        ],
+    }
+
+
+def _job_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines about the machine's jobs."""
+    rows = [("machine", report["machine"])] if report["machine"] else []
+    for job in report["jobs"]:
+        steps = "; ".join(f"{step['layer']} {step['length_mm'] / 1000:.2f} m" for step in job["steps"])
+        turned = ", the sheet lies a quarter turn to the left" if job["turned"] else ""
+        rows.append(("job" if job["side"] == "both" else job["side"], steps + turned))
+        before, after = job["travel_before_mm"] / 1000, job["travel_mm"] / 1000
+        rows.append(("", f"{after:.2f} m between strokes ({before:.2f} m in the pattern's order)"))
+    return rows
 
 
 def _method_numbers(result: Result) -> Report:

@@ -1,80 +1,295 @@
-"""Device and layout profiles: one TOML file each, read into a frozen dataclass.
+"""Device profiles: one TOML file for each machine, read into one schema.
 
-A profile holds what an exporter must not decide: colours, line widths, dash lengths, sizes of the legend.
-Names end in their unit. A key that is missing, unknown or of the wrong kind is an error.
+A profile holds what an exporter must not decide: the size of the bed, colours, layers, pens, speeds, dashes. Names end
+in their unit. ``base`` lists files of ``base/`` whose tables a profile goes on from. Every number has a source: an
+entry of ``sources`` for its key or a table around it. Unknown, missing or wrong keys are errors.
 """
 
 from __future__ import annotations
 
-import dataclasses
-import re
+import difflib
+import os
 import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from foldcut.errors import FileFormatError
 
+Colour = Annotated[str, Field(pattern="^#[0-9a-f]{6}$")]
+Millimetres = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Role = Literal["mark", "mountain", "valley", "cut"]
+Treatment = Literal["score", "perforate", "draw"]
+Setup = Literal["mark", "score", "perforate", "cut"]
 
-@dataclasses.dataclass(frozen=True)
-class Profile:
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
+
+
+class Drawing(_Table):
     """How a drawing looks: colours as ``#rrggbb``, lengths in mm."""
 
-    mountain_colour: str
-    valley_colour: str
-    border_colour: str
-    shape_colour: str
-    legend_colour: str
-    crease_stroke_mm: float
-    border_stroke_mm: float
-    shape_stroke_mm: float
-    legend_stroke_mm: float
-    dash_mm: float
-    gap_mm: float
-    dot_mm: float
-    text_mm: float
-    inset_mm: float
-    sample_mm: float
-    ruler_mm: float
-    small_ruler_mm: float
-    small_sheet_mm: float
+    mountain_colour: Colour
+    valley_colour: Colour
+    border_colour: Colour
+    shape_colour: Colour
+    legend_colour: Colour
+    crease_stroke_mm: Millimetres
+    border_stroke_mm: Millimetres
+    shape_stroke_mm: Millimetres
+    legend_stroke_mm: Millimetres
+    dash_mm: Millimetres
+    gap_mm: Millimetres
+    dot_mm: Millimetres
+    text_mm: Millimetres
+    inset_mm: Millimetres
+    sample_mm: Millimetres
+    ruler_mm: Millimetres
+    small_ruler_mm: Millimetres
+    small_sheet_mm: Millimetres
 
 
-def parse_profile(text: str, name: str) -> Profile:
+class Bed(_Table):
+    """What the machine reaches, and the corner where the sheet is put and x and y are 0."""
+
+    width_mm: Millimetres
+    height_mm: Millimetres
+    origin: Literal["lower-left", "upper-left"] = "lower-left"
+
+
+class Operation(_Table):
+    """What an operation is called, its colour, and the pen or tool that does it."""
+
+    layer: Annotated[str, Field(min_length=1, max_length=60)]
+    colour: Colour
+    pen: Annotated[int, Field(ge=1, le=8)] | None = None
+
+
+class Setting(_Table):
+    """Speed, power in percent of the most, and how often."""
+
+    speed_mm_s: Millimetres
+    power_percent: Annotated[float, Field(ge=0, le=100)]
+    passes: Annotated[int, Field(ge=1, le=20)] = 1
+
+
+class Dash(_Table):
+    """A perforation: cuts and gaps in turn; ``clearance_mm``: how far cuts keep from the ends of a crease."""
+
+    dash_mm: Millimetres
+    gap_mm: Millimetres
+    clearance_mm: Annotated[float, Field(ge=0)]
+
+
+class Material(_Table):
+    """What a sheet is made of: its thickness, the dashes for it, and the machine's settings where it has any."""
+
+    thickness_mm: Millimetres
+    mountain: Dash
+    valley: Dash
+    mark: Setting | None = None
+    score: Setting | None = None
+    perforate: Setting | None = None
+    cut: Setting | None = None
+
+
+class Hpgl(_Table):
+    """The size of a plotter's unit."""
+
+    unit_mm: Millimetres
+
+
+class Gcode(_Table):
+    """How the tool is switched: a laser by its power, a pen by Z in mm, or by a servo's S value."""
+
+    tool: Literal["laser", "z", "servo"]
+    most_power: Annotated[int, Field(gt=0)] = 1000
+    pen_up: float = 5.0
+    pen_down: float = 0.0
+    travel_mm_s: Millimetres = 80.0
+    draw_mm_s: Millimetres = 40.0
+
+
+class Profile(_Table):
+    """A machine, and how foldcut's jobs are made for it."""
+
+    title: str
+    kind: Literal["laser", "cutter", "plotter", "printer"]
+    format: Literal["svg", "dxf", "hpgl", "gcode"]
+    treatment: Treatment
+    cut_outline: bool
+    kerf_mm: Annotated[float, Field(ge=0, lt=5)] = 0.0
+    dxf_version: Literal["R12", "R2000"] = "R2000"
+    instructions: Annotated[tuple[str, ...], Field(min_length=3, max_length=3)]
+    drawing: Drawing
+    bed: Bed | None = None
+    operations: dict[Role, Operation] = {}
+    materials: dict[str, Material] = {}
+    hpgl: Hpgl | None = None
+    gcode: Gcode | None = None
+    sources: dict[str, str]
+
+
+def profile_names() -> tuple[str, ...]:
+    """Return the names of the profiles that come with foldcut or are in the user's folder, sorted."""
+    folder = user_folder()
+    users = [path.stem for path in folder.glob("*.toml")] if folder.is_dir() else []
+    return tuple(sorted({*_names(resources.files(__package__).iterdir()), *users}))
+
+
+def user_folder() -> Path:
+    """Return the folder of the user's own profiles: ``foldcut/profiles`` in the configuration folder."""
+    return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "foldcut" / "profiles"
+
+
+def load_profile(name: str = "plain", overrides: Sequence[str] = ()) -> Profile:
+    """Return a profile by its name, or by the path of a TOML file, with ``key=value`` overrides.
+
+    Raises FileFormatError: there is no such profile, or it or an override is not valid.
+    """
+    return _parsed(_profile_text(name), name, tuple(overrides))
+
+
+def parse_profile(text: str, name: str, overrides: Sequence[str] = ()) -> Profile:
     """Read a profile from TOML text; ``name`` is what errors call it.
 
-    Raises FileFormatError: the text is no TOML, or a key is missing, unknown or of the wrong kind.
+    Raises FileFormatError: the text is no TOML, a key is missing, unknown or wrong, or a number has no source.
     """
-    try:
-        values = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise FileFormatError(f"profile {name} is not valid TOML: {error}") from error
-    known = {field.name for field in dataclasses.fields(Profile)}
-    if unknown := sorted(values.keys() - known):
-        raise FileFormatError(f"profile {name} has unknown keys: {', '.join(unknown)}; remove or correct them")
-    if missing := sorted(known - values.keys()):
-        raise FileFormatError(f"profile {name} lacks the keys: {', '.join(missing)}; add them")
-    for key, value in values.items():
-        _check_value(name, key, value)
-    return Profile(**values)
+    return _parsed(text, name, tuple(overrides))
 
 
 @cache
-def load_profile(name: str = "plain") -> Profile:
-    """Return the profile ``name`` that comes with foldcut.
+def _parsed(text: str, name: str, overrides: tuple[str, ...]) -> Profile:
+    own = _toml(text, name)
+    bases = own.pop("base", [])
+    if not (isinstance(bases, list) and all(isinstance(base, str) for base in bases)):
+        raise FileFormatError(f"profile {name}: base must be a list of names")
+    values: dict[str, Any] = {}
+    folder = resources.files(__package__) / "base"
+    for base in bases:
+        if base not in (known := _names(folder.iterdir())):
+            raise FileFormatError(f"profile {name}: there is no base {base!r}; choose of {', '.join(sorted(known))}")
+        values = _merged(values, _toml((folder / f"{base}.toml").read_text("utf-8"), base))
+    values = _merged(values, own)
+    for override in overrides:
+        values = _merged(values, _override(override))
+    try:
+        profile = Profile.model_validate(values)
+    except ValidationError as error:
+        raise FileFormatError(f"profile {name}: {_explained(error)}") from error
+    changed = {override.partition("=")[0].strip() for override in overrides}
+    for key in _numbers(values):
+        around = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
+        if not any(place in profile.sources for place in around) and key not in changed:
+            raise FileFormatError(f"profile {name}: the number {key} has no source; add {key!r} to [sources]")
+    return profile
 
-    Raises FileFormatError: there is no such profile, or it is not valid.
-    """
-    folder = resources.files(__package__)
-    names = sorted(entry.name[:-5] for entry in folder.iterdir() if entry.name.endswith(".toml"))
-    if name not in names:
-        raise FileFormatError(f"there is no profile {name!r}; choose one of {', '.join(names)}")
-    return parse_profile(folder.joinpath(f"{name}.toml").read_text("utf-8"), name)
+
+def _profile_text(name: str) -> str:
+    path = Path(name)
+    own = path if path.suffix == ".toml" else user_folder() / f"{name}.toml"
+    if own.is_file():
+        try:
+            return own.read_text("utf-8")
+        except UnicodeDecodeError as error:
+            raise FileFormatError(f"profile {own} is no UTF-8 text") from error
+    if path.suffix == ".toml":
+        raise FileFormatError(f"there is no profile file {name}")
+    known = profile_names()
+    if name not in known:
+        near = difflib.get_close_matches(name, known, 1)
+        hint = f"; did you mean {near[0]}?" if near else f"; choose one of {', '.join(known)}"
+        raise FileFormatError(f"there is no profile {name!r}{hint}")
+    return resources.files(__package__).joinpath(f"{name}.toml").read_text("utf-8")
 
 
-def _check_value(name: str, key: str, value: object) -> None:
-    """Raise unless ``value`` is what the key's ending promises."""
-    if key.endswith("_colour"):
-        if not (isinstance(value, str) and re.fullmatch("#[0-9a-f]{6}", value)):
-            raise FileFormatError(f"profile {name}: {key} = {value!r} is no colour; write it as #rrggbb")
-    elif isinstance(value, bool) or not (isinstance(value, int | float) and 0 < value < float("inf")):
-        raise FileFormatError(f"profile {name}: {key} = {value!r} is no length; give a number of mm above 0")
+def _names(entries: Iterable[Any]) -> set[str]:
+    return {entry.name[:-5] for entry in entries if entry.name.endswith(".toml")}
+
+
+def _toml(text: str, name: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise FileFormatError(f"profile {name} is not valid TOML: {error}") from error
+
+
+def _override(text: str) -> dict[str, Any]:
+    """Return the nested table that ``a.b=value`` means; a value that is no TOML is a text."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise FileFormatError(f"--set {text} is no KEY=VALUE; write for example --set bed.width_mm=300")
+    try:
+        parsed: Any = tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        parsed = value
+    *tables, last = _split(key.strip())
+    nested: dict[str, Any] = {last: parsed}
+    for table in reversed(tables):
+        nested = {table: nested}
+    return nested
+
+
+def _split(key: str) -> list[str]:
+    """Split a dotted key; names in quotes keep their dots."""
+    try:
+        table: Any = tomllib.loads(f"{key} = 0")
+    except tomllib.TOMLDecodeError as error:
+        raise FileFormatError(f"--set {key}: this is no key; write for example bed.width_mm") from error
+    names = []
+    while isinstance(table, dict):
+        name, table = next(iter(table.items()))
+        names.append(name)
+    return names
+
+
+def _merged(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
+    """Return both tables in one; where both have a value, the other's."""
+    merged = dict(one)
+    for key, value in other.items():
+        both = isinstance(value, dict) and isinstance(merged.get(key), dict)
+        merged[key] = _merged(merged[key], value) if both else value
+    return merged
+
+
+def _numbers(values: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+    """Yield the dotted keys of all numbers."""
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from _numbers(value, f"{prefix}{key}.")
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield f"{prefix}{key}"
+
+
+def _explained(error: ValidationError) -> str:
+    """Return what is wrong with the first key that is, in a line."""
+    first = error.errors()[0]
+    *around, last = [str(part) for part in first["loc"] if part != "[key]"]
+    key = ".".join([*around, last])
+    if first["type"] == "extra_forbidden":
+        known = _fields(around)
+        near = difflib.get_close_matches(last, known, 1)
+        return f"unknown key {key}" + (f"; did you mean {near[0]}?" if near else f"; known: {', '.join(known)}")
+    if first["type"] == "missing":
+        return f"the key {key} is missing"
+    if first["type"] == "string_pattern_mismatch":
+        return f"{key} = {first['input']!r} is no colour; write it as #rrggbb"
+    return f"{key} = {first['input']!r}: {first['msg']}"
+
+
+def _fields(path: Sequence[str]) -> list[str]:
+    """Return the keys of the table at a path of the schema."""
+    table: Any = Profile
+    tables = {"drawing": Drawing, "bed": Bed, "hpgl": Hpgl, "gcode": Gcode, "operations": Operation}
+    tables |= {"mountain": Dash, "valley": Dash, "materials": Material}
+    settings = dict.fromkeys(("mark", "score", "perforate", "cut"), Setting)
+    for depth, name in enumerate(path):
+        if depth and path[0] == "operations":
+            continue
+        table = (settings if depth > 1 and name in settings else tables).get(name, table)
+    return list(table.model_fields)

@@ -18,16 +18,16 @@ from numpy.testing import assert_allclose
 from patterns import book_fold, build_pattern, letter_fold, notched_sheet
 
 from foldcut.errors import FileFormatError
-from foldcut.exporters import EXPORTERS, export, find_exporter
+from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
 from foldcut.exporters.fold import face_orders, overlapping_faces
-from foldcut.exporters.svg import mountain_pieces, valley_pieces
+from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern
-from foldcut.profiles import load_profile, parse_profile
+from foldcut.profiles import load_profile
 
 GOLDEN = Path(__file__).parent / "golden"
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
-PLAIN = load_profile()
+PLAIN = load_profile().drawing
 
 
 def same_as_golden(data: bytes, name: str) -> bool:
@@ -36,12 +36,12 @@ def same_as_golden(data: bytes, name: str) -> bool:
     return data.replace(creator, b'"foldcut VERSION"') == (GOLDEN / name).read_bytes()
 
 
-@pytest.mark.parametrize("suffix", EXPORTERS)
+@pytest.mark.parametrize("suffix", PATTERN_EXPORTERS)
 def test_bytes_are_those_of_the_golden_file(suffix: str) -> None:
     assert same_as_golden(export(book_fold(), suffix), f"book{suffix}")
 
 
-@pytest.mark.parametrize("suffix", EXPORTERS)
+@pytest.mark.parametrize("suffix", PATTERN_EXPORTERS)
 def test_golden_comparison_sees_a_flipped_crease_and_a_moved_vertex(suffix: str) -> None:
     pattern = book_fold()
     coords = np.array(pattern.creases.vertices_coords)
@@ -51,17 +51,19 @@ def test_golden_comparison_sees_a_flipped_crease_and_a_moved_vertex(suffix: str)
     assert not same_as_golden(export(moved, suffix), f"book{suffix}")
 
 
-@pytest.mark.parametrize("suffix", EXPORTERS)
+@pytest.mark.parametrize("suffix", PATTERN_EXPORTERS)
 def test_the_same_pattern_gives_the_same_bytes(suffix: str) -> None:
     assert export(letter_fold(), suffix) == export(letter_fold(), suffix)
 
 
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
     with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg"):
-        find_exporter(".xyz")
+        check_suffix(".xyz")
     with pytest.raises(FileFormatError, match="needs an ending"):
-        find_exporter("")
-    assert find_exporter(".SVG") is find_exporter(".svg")
+        check_suffix("")
+    with pytest.raises(FileFormatError, match="--profile"):
+        check_suffix(".dxf")
+    check_suffix(".SVG")
 
 
 # FOLD
@@ -292,23 +294,3 @@ def test_a_title_with_markup_and_control_characters_gives_valid_xml() -> None:
     root = ET.fromstring(export(pattern, ".svg"))
     assert root.findtext(f"{SVG}title") == 'a <b> & "c"  ü'
     assert json.loads(export(pattern, ".fold"))["file_title"] == pattern.title
-
-
-# Profiles
-
-
-def test_a_profile_with_an_unknown_missing_or_wrong_key_is_an_error() -> None:
-    text = "\n".join(f"{field.name} = {getattr(PLAIN, field.name)!r}" for field in dataclasses.fields(PLAIN))
-    assert parse_profile(text, "same") == PLAIN
-    cases = {
-        "unknown keys: pen": f"{text}\npen = 1",
-        "lacks the keys: dash_mm": text.replace("dash_mm", "# dash_mm"),
-        "dash_mm = -1 is no length": text.replace(f"dash_mm = {PLAIN.dash_mm}", "dash_mm = -1"),
-        "is no colour": text.replace("'#ff0000'", "'red'"),
-        "is not valid TOML": "dash_mm = = 3",
-    }
-    for message, broken in cases.items():
-        with pytest.raises(FileFormatError, match=message):
-            parse_profile(broken, "broken")
-    with pytest.raises(FileFormatError, match="choose one of plain"):
-        load_profile("nowhere")

@@ -1,0 +1,81 @@
+"""G-code: a job for machines with GRBL, a laser or a pen on a Z axis or a servo.
+
+Input: a ``Job`` and a ``Profile``; output: G-code in mm, absolute, one block a line. A laser is in dynamic mode (M4):
+its power follows the speed, and G0 never fires; power is relative to ``$30``. Source: GRBL 1.1, *Laser Mode*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from foldcut.job import Job, JobError, Step
+from foldcut.profiles import Gcode, Profile
+
+DIGITS = 4
+"""Digits after the point, in mm."""
+
+
+def export(job: Job, profile: Profile) -> bytes:
+    """Return a job as a G-code file.
+
+    Raises JobError: the profile does not say how the tool is switched, or a laser's setting is missing.
+    """
+    code = profile.gcode
+    if code is None:
+        raise JobError(f"the profile {profile.title!r} lacks what G-code needs: --set gcode.tool=laser, z or servo")
+    lines = [f"; foldcut: {''.join(c if c.isascii() and c.isprintable() else '?' for c in job.title)}", "G21", "G90"]
+    lines += _laser(job, profile, code) if code.tool == "laser" else _pen(job, code)
+    lines += ["G0 X0 Y0", "M2"]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _laser(job: Job, profile: Profile, code: Gcode) -> Iterator[str]:
+    yield "M4 S0"
+    for step in job.steps:
+        setting = step.setting
+        if setting is None:
+            raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")
+        power = round(setting.power_percent / 100 * code.most_power)
+        yield f"; {step.operation.layer}"
+        for _ in range(setting.passes):
+            for first, rest in _strokes(job, step):
+                yield f"G0 {first}"
+                yield f"G1 {rest[0]} S{power} F{_number(60 * setting.speed_mm_s)}"
+                yield from (f"G1 {point}" for point in rest[1:])
+    yield "M5"
+
+
+def _pen(job: Job, code: Gcode) -> Iterator[str]:
+    up, down = (
+        ([f"M3 S{code.pen_up:g}", "G4 P0.2"], [f"M3 S{code.pen_down:g}", "G4 P0.2"])
+        if code.tool == "servo"
+        else ([f"G0 Z{_number(code.pen_up)}"], [f"G1 Z{_number(code.pen_down)} F{_number(60 * code.draw_mm_s)}"])
+    )
+    feed = _number(60 * code.draw_mm_s)
+    yield from up
+    pen: int | None = None
+    for step in job.steps:
+        if step.operation.pen != pen:
+            pen = step.operation.pen
+            yield from (f"; pen {pen}: {step.operation.layer}", "M0")
+        for first, rest in _strokes(job, step):
+            yield f"G0 {first}"
+            yield from down
+            yield from (f"G1 {point} F{feed}" for point in rest)
+            yield from up
+    if code.tool == "servo":
+        yield "M5"
+
+
+def _strokes(job: Job, step: Step) -> Iterator[tuple[str, list[str]]]:
+    """Yield where each stroke begins, and its other points."""
+    for stroke in step.strokes:
+        first, *rest = (f"X{_number(x)} Y{_number(y)}" for x, y in (stroke + np.array(job.at)).tolist())
+        yield first, rest
+
+
+def _number(value: float) -> str:
+    text = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text

@@ -1,0 +1,345 @@
+"""The job: what a machine does to the sheet, operation after operation, ready for any format.
+
+``FoldedPattern`` and ``Profile`` -> ``Job``. Lengths are mm, y points up, (0, 0) is the sheet's lower left corner as it
+lies on the bed; ``Job.at`` says where that is.
+
+Creases that go straight on are one line, and no line is there twice. Perforations are fitted to each crease between
+two vertices: cuts end a clearance before both, so that no two cuts meet. Operations come in this order: marks,
+mountains, valleys, the sheet's outline last; each operation's strokes are in the order of a short way for the pen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+import shapely
+
+from foldcut.errors import BadInputError
+from foldcut.model import Floats, FoldedPattern, Sheet
+from foldcut.plane import cross
+from foldcut.profiles import Bed, Dash, Drawing, Operation, Profile, Role, Setting, Treatment
+
+Side = Literal["both", "front", "back"]
+
+STRAIGHT = 1e-9
+"""Creases that turn less than this, in radians, go straight on."""
+
+CORNER_MARK_MM = 5.0
+"""The length of the corner marks that line the back up with the front."""
+
+
+class JobError(BadInputError):
+    """The job does not suit the machine: too large, or the profile lacks what it needs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One operation: its strokes, ``(n, 2)`` each, in the order and direction they are made."""
+
+    role: Role
+    operation: Operation
+    setting: Setting | None
+    strokes: tuple[Floats, ...]
+
+    @property
+    def length(self) -> float:
+        """The length of all strokes in mm."""
+        return float(sum(np.hypot(*np.diff(stroke, axis=0).T).sum() for stroke in self.strokes))
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """Everything that is done to one side of a sheet.
+
+    ``size`` of the sheet as it lies, in mm; ``at``: where its lower left corner lies from the bed's; ``turned``:
+    whether it lies a quarter turn counter-clockwise; ``travel_before`` and ``travel``: the way between strokes, in
+    mm, in the pattern's own order and in the job's.
+    """
+
+    title: str
+    size: tuple[float, float]
+    at: tuple[float, float]
+    turned: bool
+    side: Side
+    steps: tuple[Step, ...]
+    travel_before: float
+    travel: float
+
+
+def make_jobs(
+    pattern: FoldedPattern,
+    profile: Profile,
+    *,
+    material: str | None = None,
+    treatment: Treatment | None = None,
+    two_sided: bool = False,
+    outline: bool = True,
+) -> tuple[Job, ...]:
+    """Return the job for a pattern on a machine, or with ``two_sided`` those for its front and its back.
+
+    ``material`` is one of the profile's, its first unless given; ``treatment`` of the creases: "score", "perforate" or
+    "draw", the profile's unless given. ``two_sided``: mountains from the front, valleys from the back, which is turned
+    over like a page, left to right; corner marks on both sides show how it lies. ``outline``: mark where the cut will
+    be.
+
+    Raises JobError: the sheet does not fit the bed, or the profile has no such material.
+    """
+    treatment = treatment or profile.treatment
+    check_job(pattern.sheet, profile, material=material)
+    dashes, settings = _material(profile, material, treatment)
+    lay = _Lay.on(pattern.sheet, profile.bed)
+    sides: tuple[Side, ...] = ("front", "back") if two_sided else ("both",)
+    jobs = []
+    for side in sides:
+        roles: dict[Role, list[list[Floats]]] = {"mark": [], "mountain": [], "valley": [], "cut": []}
+        if outline and side != "back":
+            roles["mark"] += [[_closed(loop)] for loop in pattern.shape.loops]
+        if two_sided:
+            roles["mark"] += [[corner] for corner in _corner_marks(pattern.sheet)]
+        for role, letter, absent in (("mountain", "M", "back"), ("valley", "V", "front")):
+            if side != absent:
+                roles[role] += list(_creases(pattern, letter, treatment, dashes, profile.drawing))  # type: ignore[index]
+        if profile.cut_outline and side != "front":
+            roles["cut"].append([_closed(_outset(pattern.sheet.corners, profile.kerf_mm / 2))])
+        jobs.append(_job(pattern, profile, roles, settings, lay, side))
+    return tuple(jobs)
+
+
+def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None) -> None:
+    """Raise JobError: the sheet does not fit the bed, or the profile has no such material or is for drawings only."""
+    for role in ("mark", "mountain", "valley", "cut"):
+        if role not in profile.operations:
+            raise JobError(
+                f"the profile {profile.title!r} has no operation {role!r}; leave --profile out for a drawing"
+            )
+    _material(profile, material, "score")
+    _Lay.on(sheet, profile.bed)
+
+
+def _job(
+    pattern: FoldedPattern,
+    profile: Profile,
+    roles: dict[Role, list[list[Floats]]],
+    settings: dict[Role, Setting | None],
+    lay: _Lay,
+    side: Side,
+) -> Job:
+    steps = []
+    before = after = 0.0
+    here = there = np.zeros(2)
+    for role, lines in roles.items():
+        if not lines:
+            continue
+        lines = [[lay.place(piece, side) for piece in line] for line in lines]
+        before += _travel(lines, there)
+        there = lines[-1][-1][-1]
+        lines = _ordered(lines, here)
+        after += _travel(lines, here)
+        here = lines[-1][-1][-1]
+        steps.append(
+            Step(role, profile.operations[role], settings[role], tuple(piece for line in lines for piece in line))
+        )
+    return Job(pattern.title, lay.size, lay.at, lay.turned, side, tuple(steps), before, after)
+
+
+def _material(
+    profile: Profile, name: str | None, treatment: Treatment
+) -> tuple[dict[str, Dash], dict[Role, Setting | None]]:
+    """Return the dashes by letter and the settings by role."""
+    if not profile.materials:
+        raise JobError(f"the profile {profile.title!r} has no materials")
+    name = name or next(iter(profile.materials))
+    if name not in profile.materials:
+        raise JobError(f"there is no material {name!r}; choose one of {', '.join(profile.materials)}")
+    material = profile.materials[name]
+    score = material.perforate if treatment == "perforate" else material.score
+    settings: dict[Role, Setting | None] = {
+        "mark": material.mark,
+        "mountain": score,
+        "valley": score,
+        "cut": material.cut,
+    }
+    return {"M": material.mountain, "V": material.valley}, settings
+
+
+@dataclass(frozen=True)
+class _Lay:
+    """How the sheet lies on the bed."""
+
+    sheet: Sheet
+    size: tuple[float, float]
+    at: tuple[float, float]
+    turned: bool
+
+    @classmethod
+    def on(cls, sheet: Sheet, bed: Bed | None) -> _Lay:
+        """Lay a sheet in the origin's corner, upright if it fits so, else turned a quarter."""
+        width, height = sheet.width, sheet.height
+        if bed is None:
+            return cls(sheet, (width, height), (0.0, 0.0), False)
+        slack = 1e-6
+        for turned, (w, h) in ((False, (width, height)), (True, (height, width))):
+            if w <= bed.width_mm + slack and h <= bed.height_mm + slack:
+                at = (0.0, bed.height_mm - h if bed.origin == "upper-left" else 0.0)
+                return cls(sheet, (w, h), at, turned)
+        small, large = sorted((bed.width_mm, bed.height_mm))
+        raise JobError(
+            f"the sheet of {width:g} x {height:g} mm does not fit the machine's {bed.width_mm:g} x "
+            f"{bed.height_mm:g} mm; use --sheet {small:g}x{large:g}mm or smaller, or another machine"
+        )
+
+    def place(self, points: Floats, side: Side) -> Floats:
+        """Move points from the pattern's sheet to the sheet as it lies."""
+        x, y = points[:, 0], points[:, 1]
+        if side == "back":
+            x = self.sheet.width - x
+        return np.column_stack([self.sheet.height - y, x] if self.turned else [x, y])
+
+
+def _creases(
+    pattern: FoldedPattern, letter: str, treatment: Treatment, dashes: dict[str, Dash], drawing: Drawing
+) -> Iterator[list[Floats]]:
+    """Yield the creases of a kind, each as the pieces that are made of it."""
+    creases = pattern.creases
+    edges = creases.edges_vertices[creases.edges_assignment == letter]
+    points = creases.vertices_coords
+    if treatment == "perforate":
+        for edge in edges:
+            pieces = perforation(points[edge], dashes[letter])
+            if pieces:
+                yield pieces
+        return
+    for a, b in straight_lines(points, edges.tolist()):
+        line = points[[a, b]]
+        if treatment == "score":
+            yield [line]
+        elif letter == "V":
+            yield list(valley_pieces(line, drawing))
+        else:
+            yield list(mountain_pieces(line, drawing))
+
+
+def straight_lines(points: Floats, edges: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
+    """Join edges that go straight on through a vertex; returns the ends of each line, in the order of the edges."""
+    at: dict[int, list[int]] = defaultdict(list)
+    for number, edge in enumerate(edges):
+        for vertex in edge:
+            at[vertex].append(number)
+
+    def other(number: int, vertex: int) -> int:
+        a, b = edges[number]
+        return b if vertex == a else a
+
+    onward: dict[tuple[int, int], int] = {}
+    for vertex, mine in at.items():
+        for n, one in enumerate(mine):
+            for two in mine[n + 1 :]:
+                u, v = (points[other(number, vertex)] - points[vertex] for number in (one, two))
+                if u @ v < 0 and abs(float(cross(u, v))) < STRAIGHT * math.hypot(*u) * math.hypot(*v):
+                    onward[one, vertex], onward[two, vertex] = two, one
+    lines = []
+    done: set[int] = set()
+    for first, (a, b) in enumerate(edges):
+        if first in done:
+            continue
+        ends = []
+        for vertex in (a, b):
+            number = first
+            done.add(number)
+            while (number, vertex) in onward:
+                number = onward[number, vertex]
+                vertex = other(number, vertex)
+                done.add(number)
+            ends.append(vertex)
+        lines.append((ends[0], ends[1]))
+    return lines
+
+
+def perforation(line: Floats, dash: Dash) -> list[Floats]:
+    """Return the cuts along a crease, ``(2, 2)`` each: stretched a little to fit, with paper at both ends.
+
+    A crease too short for one cut and both clearances gets one cut in its middle half; none is lost.
+    """
+    length = float(math.dist(*line))
+    room = length - 2 * dash.clearance_mm
+    if room < dash.dash_mm:
+        ends = np.array([0.25, 0.75])
+    else:
+        count = max(0, round((room - dash.dash_mm) / (dash.dash_mm + dash.gap_mm)))
+        steps = np.array([0.0, *np.cumsum([dash.dash_mm, *[dash.gap_mm, dash.dash_mm] * count])])
+        ends = (dash.clearance_mm + steps / steps[-1] * room) / length
+    places = line[0] + ends[:, None] * (line[1] - line[0])
+    return list(places.reshape(-1, 2, 2))
+
+
+def valley_pieces(line: Floats, drawing: Drawing) -> Floats:
+    """Return the dashes along a valley, ``(n, 2, 2)``, stretched a little so that both ends have ink."""
+    dash, gap = drawing.dash_mm, drawing.gap_mm
+    count = round((math.dist(*line) - dash) / (dash + gap))
+    return _divided(line, [dash, gap] * max(0, count) + [dash])
+
+
+def mountain_pieces(line: Floats, drawing: Drawing) -> Floats:
+    """Return the dashes and dots along a mountain, ``(n, 2, 2)``, stretched to begin and end with a dash."""
+    dash, gap, dot = drawing.dash_mm, drawing.gap_mm, drawing.dot_mm
+    count = round((math.dist(*line) - dash) / (dash + gap + dot + gap))
+    return _divided(line, [dash, gap, dot, gap] * max(0, count) + [dash])
+
+
+def _divided(line: Floats, lengths: Sequence[float]) -> Floats:
+    """Divide a line in these proportions and return every other part, the first and the last among them."""
+    ends = np.concatenate([[0.0], np.cumsum(lengths) / np.sum(lengths)])
+    start, end = line
+    points: Floats = start + ends[:, None] * (end - start)
+    points[-1] = end
+    return points.reshape(-1, 2, 2)
+
+
+def _closed(loop: Floats) -> Floats:
+    return np.concatenate([loop, loop[:1]])
+
+
+def _outset(corners: Floats, by: float) -> Floats:
+    """Return the outline moved outwards by half the kerf, so that what is cut has its true size."""
+    if not by:
+        return corners
+    ring = shapely.Polygon(corners).buffer(by, join_style="mitre").exterior
+    return np.asarray(ring.coords)[:-1]
+
+
+def _corner_marks(sheet: Sheet) -> list[Floats]:
+    """An L in each corner of the sheet but the upper right, which shows how the sheet lies."""
+    inset, size = CORNER_MARK_MM / 2, CORNER_MARK_MM
+    marks = []
+    for x, y, right, up in ((0.0, 0.0, 1, 1), (sheet.width, 0.0, -1, 1), (0.0, sheet.height, 1, -1)):
+        x, y = x + right * inset, y + up * inset
+        marks.append(np.array([(x + right * size, y), (x, y), (x, y + up * size)]))
+    return marks
+
+
+def _travel(lines: Sequence[Sequence[Floats]], start: Floats) -> float:
+    """The way between strokes in mm, from ``start`` on."""
+    pieces = [piece for line in lines for piece in line]
+    ways = [math.dist(start, pieces[0][0]), *(math.dist(a[-1], b[0]) for a, b in pairwise(pieces))]
+    return sum(ways)
+
+
+def _ordered(lines: list[list[Floats]], start: Floats) -> list[list[Floats]]:
+    """Order lines, and turn them round, so that each begins near where the last one ended."""
+    ends = np.array([[line[0][0], line[-1][-1]] for line in lines])
+    left = np.ones(len(lines), dtype=bool)
+    here, order = start, []
+    for _ in lines:
+        away = np.where(left[:, None], ((ends - here) ** 2).sum(axis=2), np.inf)
+        line, end = divmod(int(away.argmin()), 2)
+        left[line] = False
+        pieces = lines[line]
+        order.append([piece[::-1] for piece in reversed(pieces)] if end else pieces)
+        here = ends[line, 1 - end]
+    return order
