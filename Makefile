@@ -25,7 +25,7 @@ bench: $(VENV)/installed-test
 bench-compact: $(VENV)/installed-test
 	$(BIN)/python tests/bench/compact.py $(SHAPES)
 
-## Fold 500 random polygons by the compact method; takes about an hour.
+## Fold 500 random polygons by the compact method; takes about four minutes.
 sweep-compact: $(VENV)/installed-test
 	FOLDCUT_RANDOM_COMPACT=500 $(BIN)/python -m pytest -n 2 -k random_polygons_are_folded tests/test_search.py
 

@@ -30,6 +30,9 @@ Side = Literal["both", "front", "back"]
 STRAIGHT = 1e-9
 """Creases that turn less than this, in radians, go straight on."""
 
+PASSES, MOST_LINES = 20, 4000
+"""How often the whole way is gone through to make it shorter, and for how many lines at most."""
+
 CORNER_MARK_MM = 5.0
 """The length of the corner marks that line the back up with the front."""
 
@@ -334,12 +337,41 @@ def _ordered(lines: list[list[Floats]], start: Floats) -> list[list[Floats]]:
     """Order lines, and turn them round, so that each begins near where the last one ended."""
     ends = np.array([[line[0][0], line[-1][-1]] for line in lines])
     left = np.ones(len(lines), dtype=bool)
-    here, order = start, []
+    here, order, back = start, [], []
     for _ in lines:
         away = np.where(left[:, None], ((ends - here) ** 2).sum(axis=2), np.inf)
         line, end = divmod(int(away.argmin()), 2)
         left[line] = False
-        pieces = lines[line]
-        order.append([piece[::-1] for piece in reversed(pieces)] if end else pieces)
+        order.append(line)
+        back.append(bool(end))
         here = ends[line, 1 - end]
-    return order
+    order, back = _two_opt(ends, order, back, start)
+    turned = ([piece[::-1] for piece in reversed(line)] for line in lines)
+    both = list(zip(lines, turned, strict=True))
+    return [both[line][end] for line, end in zip(order, back, strict=True)]
+
+
+def _two_opt(ends: Floats, order: list[int], back: list[bool], start: Floats) -> tuple[list[int], list[bool]]:
+    """Turn stretches of the way round as long as that makes it shorter."""
+    way = np.where(np.array(back)[:, None, None], ends[order][:, ::-1], ends[order])  # (n, 2, 2): in, out
+    number, turned = np.array(order), np.array(back)
+    count = len(number)
+    for _ in range(PASSES if count <= MOST_LINES else 0):
+        better = False
+        for i in range(count):
+            before = way[i - 1, 1] if i else start
+            # the stretch from i to j turned round; after the last line the way ends anywhere
+            joined = np.hypot(*(way[i:, 1] - before).T)
+            after = np.append(np.hypot(*(way[i + 1 :, 0] - way[i, 0]).T), 0.0)
+            now = np.append(np.hypot(*(way[i + 1 :, 0] - way[i:-1, 1]).T), 0.0)
+            gain = math.dist(before, way[i, 0]) + now - joined - after
+            j = int(gain.argmax())
+            if gain[j] > 1e-6:
+                some = slice(i, i + j + 1)
+                way[some] = way[some][::-1, ::-1].copy()
+                number[some] = number[some][::-1].copy()
+                turned[some] = ~turned[some][::-1]
+                better = True
+        if not better:
+            break
+    return number.tolist(), turned.tolist()

@@ -268,7 +268,8 @@ def _numbers(values: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
 
 def _explained(error: ValidationError) -> str:
     """Return what is wrong with the first key that is, in a line."""
-    first = error.errors()[0]
+    # a key that is missing may be one that is misspelt
+    first = min(error.errors(), key=lambda found: found["type"] != "extra_forbidden")
     *around, last = [str(part) for part in first["loc"] if part != "[key]"]
     key = ".".join([*around, last])
     if first["type"] == "extra_forbidden":

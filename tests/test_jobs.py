@@ -1,0 +1,329 @@
+"""Jobs, and every format of theirs read back by programs that are not ours: the same strokes, where they belong."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import itertools
+import re
+import time
+import xml.etree.ElementTree as ET
+from functools import cache
+from pathlib import Path
+
+import ezdxf
+import numpy as np
+import pytest
+import shapely
+import svgelements
+from numpy.testing import assert_allclose
+from patterns import book_fold
+from programs import require_program, run_program
+
+from foldcut.exporters import export_jobs
+from foldcut.job import Job, JobError, Side, make_jobs, perforation, straight_lines
+from foldcut.model import Floats, FoldedPattern
+from foldcut.pipeline import fold
+from foldcut.profiles import Dash, load_profile, profile_names
+from foldcut.samples import sample_path
+
+MACHINES = [name for name in profile_names() if load_profile(name).operations]
+NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025}
+
+
+@cache
+def folded(name: str, method: str = "compact") -> FoldedPattern:
+    sheet = "180x250mm"  # fits every machine
+    return fold(sample_path(name), sheet, effort="fast", method=method, min_crease=0).require_verified()
+
+
+@cache
+def made(machine: str, sample: str = "bolt", two_sided: bool = False) -> dict[Side, tuple[Job, bytes]]:
+    profile = load_profile(machine)
+    return export_jobs(folded(sample), f".{profile.format}", profile, two_sided=two_sided)
+
+
+# What the readers see: strokes by layer, colour, pen or comment, in mm, y up from the sheet's lower left corner.
+
+Strokes = dict[str, list[Floats]]
+
+
+def read_dxf(data: bytes, job: Job) -> Strokes:
+    """Read DXF with ezdxf: strokes by layer."""
+    document = ezdxf.read(io.StringIO(data.decode()))
+    found: Strokes = {}
+    for entity in document.modelspace():
+        if entity.dxftype() == "LINE":
+            points = [entity.dxf.start, entity.dxf.end]
+        else:
+            vertices = (
+                [v.dxf.location for v in entity.vertices] if entity.dxftype() == "POLYLINE" else entity.vertices()
+            )
+            points = [*vertices]
+            if entity.is_closed if entity.dxftype() == "POLYLINE" else entity.closed:
+                points.append(points[0])
+        found.setdefault(entity.dxf.layer, []).append(np.array([(p[0], p[1]) for p in points]))
+    return found
+
+
+def read_svg(data: bytes, job: Job) -> Strokes:
+    """Read SVG with svgelements at 25.4 pixels an inch: strokes by colour."""
+    svg = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
+    found: Strokes = {}
+    for path in svg.elements(lambda element: isinstance(element, svgelements.Path)):
+        points = [(path[0].end.x, path[0].end.y), *((piece.end.x, piece.end.y) for piece in path[1:])]
+        flipped = np.array(points) * (1, -1) + (0, job.size[1])
+        found.setdefault(path.stroke.hex, []).append(flipped)
+    return found
+
+
+def read_gcode(data: bytes, job: Job) -> Strokes:
+    """Read G-code by GRBL's rules for X, Y, Z, S, G0, G1: strokes by the comment before them."""
+    found: Strokes = {}
+    name, here, stroke = "", np.zeros(2), [np.zeros(2)]
+    stroke_name = name
+    for line in data.decode().splitlines():
+        if line.startswith(";"):
+            name = line[2:].partition(": ")[2] or line[2:]
+        words = dict(re.findall(r"([GXYZSFMP])(-?[\d.]+)", line))
+        if "X" not in words:
+            continue
+        to = np.array([float(words["X"]), float(words["Y"])])
+        if words["G"] == "0":
+            if len(stroke) > 1:
+                found.setdefault(stroke_name, []).append(np.array(stroke))
+            stroke, stroke_name = [to], name
+        else:
+            stroke.append(to)
+        here = to
+    assert_allclose(here, 0)
+    return {name: [stroke - job.at for stroke in strokes] for name, strokes in found.items()}
+
+
+def named(job: Job, suffix: str) -> Strokes:
+    """The job's own strokes, by what a reader of the format tells them apart by."""
+    found: Strokes = {}
+    for step in job.steps:
+        name = step.operation.colour if suffix == ".svg" else step.operation.layer
+        found.setdefault(name, []).extend(step.strokes)
+    return found
+
+
+def differences(seen: Strokes, job: Job, suffix: str) -> list[str]:
+    """List what a reader sees otherwise than the job has it."""
+    faults = []
+    for name, strokes in named(job, suffix).items():
+        there = seen.get(name, [])
+        if len(there) != len(strokes):
+            faults.append(f"{name}: {len(there)} strokes for {len(strokes)}")
+            continue
+        away = max(
+            float(np.abs(a - b).max()) if a.shape == b.shape else np.inf for a, b in zip(there, strokes, strict=True)
+        )
+        if away > NEAR_MM[suffix]:
+            faults.append(f"{name}: off by {away} mm")
+    faults += [f"{name}: not in the job" for name in seen.keys() - named(job, suffix).keys()]
+    return faults
+
+
+READERS = {".dxf": read_dxf, ".svg": read_svg, ".gcode": read_gcode}
+
+
+@pytest.mark.parametrize("sample", ["bolt", "star", "plus"])
+@pytest.mark.parametrize("machine", [m for m in MACHINES if load_profile(m).format != "hpgl"])
+def test_every_stroke_is_read_back(machine: str, sample: str) -> None:
+    suffix = f".{load_profile(machine).format}"
+    ((job, data),) = made(machine, sample).values()
+    assert differences(READERS[suffix](data, job), job, suffix) == []
+
+
+@pytest.mark.parametrize("machine", ["laser-dxf", "glowforge", "grbl-laser"])
+def test_the_comparison_sees_what_is_lost_moved_or_in_the_wrong_layer(machine: str) -> None:
+    suffix = f".{load_profile(machine).format}"
+    ((job, data),) = made(machine).values()
+    seen = READERS[suffix](data, job)
+    one, other, *_ = seen
+    lost = {**seen, one: seen[one][1:]}
+    moved = {**seen, one: [seen[one][0] + 0.002, *seen[one][1:]]}
+    swapped = {**seen, one: seen[other], other: seen[one]}
+    extra = {**seen, "extra": seen[one]}
+    assert all(differences(wrong, job, suffix) for wrong in (lost, moved, swapped, extra))
+
+
+@pytest.mark.parametrize("machine", [m for m in MACHINES if load_profile(m).format == "hpgl"])
+def test_hp2xx_reads_every_stroke_of_a_plot(machine: str, tmp_path: Path) -> None:
+    hp2xx = require_program("hp2xx")
+    ((job, data),) = made(machine).values()
+    profile = load_profile(machine)
+    assert profile.hpgl is not None
+    plot, drawing = tmp_path / "job.hpgl", tmp_path / "job.dxf"
+    plot.write_bytes(data)
+    run_program(hp2xx, "-q", "-t", "-m", "dxf", "-f", drawing, plot)
+    ends = []
+    lines = drawing.read_text().split()
+    for n, word in enumerate(lines):
+        if word == "LINE":
+            codes = dict(zip(lines[n + 1 : n + 17 : 2], lines[n + 2 : n + 18 : 2], strict=True))
+            ends.append([[float(codes["10"]), float(codes["20"])], [float(codes["11"]), float(codes["21"])]])
+    seen = np.array(ends)
+    ours = np.concatenate([np.stack([s[:-1], s[1:]], axis=1) for step in job.steps for s in step.strokes])
+    # hp2xx takes 0.025 mm for every plotter's unit, and moves the plot to its own corner
+    ours = np.rint((ours + job.at) / profile.hpgl.unit_mm) * 0.025
+    ours = ours[np.abs(ours[:, 0] - ours[:, 1]).max(axis=1) > 0]
+    assert len(seen) == len(ours)
+    scale = np.ptp(ours.reshape(-1, 2), axis=0) / np.ptp(seen.reshape(-1, 2), axis=0)
+    assert scale[0] == pytest.approx(scale[1], rel=1e-3)
+    assert_allclose((seen - seen.min(axis=(0, 1))) * scale[0], ours - ours.min(axis=(0, 1)), atol=0.05)
+
+
+def test_dxf_is_clean_and_has_its_unit() -> None:
+    for machine, version in (("laser-dxf", "AC1015"), ("silhouette-cameo", "AC1009")):
+        ((job, data),) = made(machine).values()
+        document = ezdxf.read(io.StringIO(data.decode()))
+        assert document.dxfversion == version
+        assert not document.audit().errors
+        assert document.header["$EXTMAX"][:2] == job.size
+        if version != "AC1009":
+            assert (document.header["$INSUNITS"], document.header["$MEASUREMENT"]) == (4, 1)
+
+
+def test_inkscape_sees_a_job_at_true_size(tmp_path: Path) -> None:
+    inkscape = require_program("inkscape")
+    path = tmp_path / "job.svg"
+    ((job, data),) = made("glowforge").values()
+    path.write_bytes(data)
+    seen = run_program(inkscape, "--query-all", path).splitlines()
+    boxes = {row.split(",")[0]: [float(v) * 25.4 / 96 for v in row.split(",")[1:]] for row in seen}
+    stroke = load_profile("glowforge").drawing.crease_stroke_mm
+    for count, step in enumerate(job.steps, 1):
+        x, y, width, height = boxes[f"step-{count}-{step.role}"]
+        points = np.concatenate(step.strokes)
+        low, high = points.min(axis=0), points.max(axis=0)
+        assert_allclose([x, job.size[1] - y - height], low, atol=stroke)
+        assert_allclose([width, height], high - low, atol=2 * stroke)
+
+
+# The job itself
+
+
+@pytest.mark.parametrize("machine", MACHINES)
+def test_no_crease_is_lost_and_none_is_there_twice(machine: str) -> None:
+    pattern = folded("plus")
+    (job,) = make_jobs(pattern, load_profile(machine), treatment="score")
+    creases = pattern.creases
+    for step in job.steps:
+        lines = shapely.multilinestrings([shapely.linestrings(stroke) for stroke in step.strokes])
+        assert shapely.union_all(lines).length == pytest.approx(step.length)  # none twice
+        if step.role in ("mountain", "valley"):
+            some = creases.edges_assignment == step.role[0].upper()
+            ends = creases.vertices_coords[creases.edges_vertices[some]]
+            assert step.length == pytest.approx(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
+    assert [step.role for step in job.steps][:3] == ["mark", "mountain", "valley"]
+    if load_profile(machine).cut_outline:
+        assert job.steps[-1].role == "cut"
+
+
+def test_creases_that_go_straight_on_are_one_line() -> None:
+    points = np.array([(0, 0), (1, 0), (3, 0), (3, 2), (3, -1), (5, 0)], dtype=float)
+    assert straight_lines(points, [(0, 1), (1, 2), (2, 3), (2, 4), (5, 2)]) == [(0, 5), (4, 3)]
+
+
+@pytest.mark.parametrize("length", [0.3, 1.0, 2.0, 5.0, 7.3, 100.0])
+def test_perforations_fit_their_crease(length: float) -> None:
+    dash = Dash(dash_mm=1.0, gap_mm=0.5, clearance_mm=0.4)
+    pieces = np.array(perforation(np.array([[0.0, 0.0], [length, 0.0]]), dash))[:, :, 0]
+    assert len(pieces)
+    assert pieces[0, 0] == pytest.approx(length - pieces[-1, 1])
+    assert pieces[0, 0] >= min(0.4, length / 4) - 1e-9
+    gaps = pieces[1:, 0] - pieces[:-1, 1]
+    assert (gaps > 0.2).all()
+
+
+def test_perforations_never_cross() -> None:
+    (job,) = make_jobs(folded("bolt"), load_profile("laser-dxf"), treatment="perforate")
+    cuts = [shapely.linestrings(s) for step in job.steps if step.role in ("mountain", "valley") for s in step.strokes]
+    tree = shapely.STRtree(cuts)
+    first, second = tree.query(cuts, predicate="intersects")
+    assert (first == second).all()
+
+
+def test_two_sides_lie_on_each_other() -> None:
+    pattern = folded("bolt")
+    front, back = make_jobs(pattern, load_profile("laser-dxf"), two_sided=True)
+    assert {step.role for step in front.steps} == {"mark", "mountain"}
+    assert {step.role for step in back.steps} == {"mark", "valley", "cut"}
+    (both,) = make_jobs(pattern, load_profile("laser-dxf"))
+    for step in back.steps:
+        if step.role == "valley":
+            mirrored = [stroke * (-1, 1) + (pattern.sheet.width, 0) for stroke in step.strokes]
+            want = next(other for other in both.steps if other.role == "valley")
+            one, other = (
+                sorted(tuple(np.round(np.sort(s, axis=0).ravel(), 6).tolist()) for s in some)
+                for some in (mirrored, want.strokes)
+            )
+            assert one == other
+
+
+def test_the_sheet_is_turned_where_it_fits_only_so_and_refused_where_it_does_not() -> None:
+    pattern = folded("bolt")
+    (job,) = make_jobs(pattern, load_profile("laser-dxf", ["bed.height_mm=200"]))
+    assert job.turned
+    assert job.size == (250.0, 180.0)
+    (upper,) = make_jobs(pattern, load_profile("glowforge", ["bed.height_mm=260"]))
+    assert upper.at == (0.0, 10.0)
+    with pytest.raises(JobError, match=r"180 x 250 mm does not fit the machine's 100 x 400 mm; use --sheet 100x400mm"):
+        make_jobs(pattern, load_profile("laser-dxf", ["bed.width_mm=100"]))
+    with pytest.raises(JobError, match="no material 'felt'; choose one of paper-80g"):
+        make_jobs(pattern, load_profile("laser-dxf"), material="felt")
+    with pytest.raises(JobError, match="no operation 'mark'"):
+        make_jobs(pattern, load_profile("plain"))
+
+
+def test_what_a_format_needs_and_a_profile_lacks_is_an_error() -> None:
+    with pytest.raises(JobError, match=r"hpgl\.unit_mm"):
+        export_jobs(book_fold(), ".hpgl", load_profile("glowforge"))
+    with pytest.raises(JobError, match=r"gcode\.tool"):
+        export_jobs(book_fold(), ".gcode", load_profile("glowforge"))
+
+
+def test_the_kerf_is_on_cuts_only() -> None:
+    pattern = book_fold()
+    (plain,) = make_jobs(pattern, load_profile("laser-dxf"))
+    (wide,) = make_jobs(pattern, load_profile("laser-dxf", ["kerf_mm=0.2"]))
+    for one, other in zip(plain.steps, wide.steps, strict=True):
+        if one.role == "cut":
+            assert other.length == pytest.approx(one.length + 8 * 0.1)
+        else:
+            assert_allclose(np.concatenate(one.strokes), np.concatenate(other.strokes))
+
+
+def test_a_laser_is_off_between_strokes_and_at_the_end() -> None:
+    text = made("grbl-laser")["both"][1].decode().splitlines()
+    assert "M4 S0" in text
+    assert text[-3] == "M5"
+    assert all("S" not in line for line in text if line.startswith("G0"))
+    assert all(
+        re.search(r"S\d+ F", line)
+        for before, line in itertools.pairwise(text)
+        if before.startswith("G0 X") and line.startswith("G1")
+    )
+
+
+def test_the_way_between_strokes_is_short() -> None:
+    pattern = folded("triangle", "paper")
+    assert pattern.creases.crease_count > 500
+    start = time.perf_counter()
+    (job,) = make_jobs(pattern, load_profile("laser-dxf"))
+    seconds = time.perf_counter() - start
+    assert job.travel * 5 < job.travel_before
+    assert seconds < 30  # a bound for what hangs, no measurement
+    assert dataclasses.replace(job).steps
+
+
+def test_jobs_have_the_same_bytes_each_time() -> None:
+    for machine in ("laser-dxf", "glowforge", "roland-dxy", "grbl-laser"):
+        profile = load_profile(machine)
+        one, other = (export_jobs(folded("bolt"), f".{profile.format}", profile)["both"][1] for _ in range(2))
+        assert one == other
+        if profile.format == "svg":
+            ET.fromstring(one)
