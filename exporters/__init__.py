@@ -21,7 +21,7 @@ JobExporter = Callable[[Job, Profile], bytes]
 
 # Imported when they are used: ezdxf alone takes longer to import than all the rest.
 PATTERN_EXPORTERS = {".fold": "fold", ".svg": "svg"}
-JOB_EXPORTERS = {".svg": "layered_svg", ".dxf": "dxf", ".hpgl": "hpgl", ".gcode": "gcode"}
+JOB_EXPORTERS = {".svg": "layered_svg", ".dxf": "dxf", ".hpgl": "hpgl", ".gcode": "gcode", ".pdf": "pdf"}
 
 
 def check_suffix(suffix: str, profile: Profile | None = None) -> None:
@@ -56,6 +56,7 @@ def export_jobs(
     material: str | None = None,
     treatment: Treatment | None = None,
     two_sided: bool = False,
+    tile: bool = False,
 ) -> dict[Side, tuple[Job, bytes]]:
     """Return the jobs of ``pattern`` for a machine, with the bytes of their files, by the side of the sheet.
 
@@ -63,7 +64,7 @@ def export_jobs(
     """
     check_suffix(suffix, profile)
     exporter = cast(JobExporter, _module(JOB_EXPORTERS[suffix.lower()]))
-    jobs = make_jobs(pattern, profile, material=material, treatment=treatment, two_sided=two_sided)
+    jobs = make_jobs(pattern, profile, material=material, treatment=treatment, two_sided=two_sided, tile=tile)
     return {job.side: (job, exporter(job, profile)) for job in jobs}
 
 

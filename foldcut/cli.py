@@ -52,6 +52,7 @@ examples:
   foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
   foldcut make fish --method paper --ribbon 0.5mm
   foldcut make fish --profile laser-dxf --material card-160g --treatment perforate
+  foldcut make swan --sheet a2 --profile printer-a4 --tile
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
 
 Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder, or with --profile
@@ -129,8 +130,10 @@ def _make(args: argparse.Namespace) -> int:
 
     source = _shape_path(args.shape)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
-    if profile is None and (args.set or args.material or args.treatment or args.two_sided):
-        raise BadInputError("--set, --material, --treatment and --two-sided are for a machine: name it with --profile")
+    if profile is None and (args.set or args.material or args.treatment or args.two_sided or args.tile):
+        raise BadInputError(
+            "--set, --material, --treatment, --two-sided and --tile are for a machine: name it with --profile"
+        )
     outputs = [Path(out) for out in args.output or _default_outputs(source, args.profile, profile)]
     for path in outputs:
         check_suffix(path.suffix, profile)
@@ -232,6 +235,7 @@ def _contents(
             material=args.material,
             treatment=args.treatment,
             two_sided=args.two_sided,
+            tile=args.tile,
         )
         for side, name in _sides(path, args.two_sided).items():
             job, contents[name] = made[side]
@@ -243,7 +247,7 @@ def _check_job(sheet: Sheet, profile: Profile, args: argparse.Namespace) -> None
     """Raise what is wrong with the job before any long work."""
     from foldcut.job import check_job
 
-    check_job(sheet, profile, material=args.material)
+    check_job(sheet, profile, material=args.material, tile=args.tile)
 
 
 def _sides(path: Path, two_sided: bool) -> dict[Side, Path]:
@@ -492,6 +496,9 @@ def _add_make(commands: Any) -> None:
     )
     machine.add_argument(
         "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
+    )
+    machine.add_argument(
+        "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
     )
     _add_common(make)
 

@@ -83,20 +83,21 @@ def make_jobs(
     treatment: Treatment | None = None,
     two_sided: bool = False,
     outline: bool = True,
+    tile: bool = False,
 ) -> tuple[Job, ...]:
     """Return the job for a pattern on a machine, or with ``two_sided`` those for its front and its back.
 
     ``material`` is one of the profile's, its first unless given; ``treatment`` of the creases: "score", "perforate" or
     "draw", the profile's unless given. ``two_sided``: mountains from the front, valleys from the back, which is turned
     over like a page, left to right; corner marks on both sides show how it lies. ``outline``: mark where the cut will
-    be.
+    be. ``tile``: a printer may take several pages for the sheet.
 
     Raises JobError: the sheet does not fit the bed, or the profile has no such material.
     """
     treatment = treatment or profile.treatment
-    check_job(pattern.sheet, profile, material=material)
+    check_job(pattern.sheet, profile, material=material, tile=tile)
     dashes, settings = _material(profile, material, treatment)
-    lay = _Lay.on(pattern.sheet, profile.bed)
+    lay = _Lay.on(pattern.sheet, None if tile else profile.bed)
     sides: tuple[Side, ...] = ("front", "back") if two_sided else ("both",)
     jobs = []
     for side in sides:
@@ -114,7 +115,7 @@ def make_jobs(
     return tuple(jobs)
 
 
-def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None) -> None:
+def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None, tile: bool = False) -> None:
     """Raise JobError: the sheet does not fit the bed, or the profile has no such material or is for drawings only."""
     for role in ("mark", "mountain", "valley", "cut"):
         if role not in profile.operations:
@@ -122,7 +123,9 @@ def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None) ->
                 f"the profile {profile.title!r} has no operation {role!r}; leave --profile out for a drawing"
             )
     _material(profile, material, "score")
-    _Lay.on(sheet, profile.bed)
+    if tile and profile.page is None:
+        raise JobError(f"the profile {profile.title!r} cannot tile: only printers take several pages")
+    _Lay.on(sheet, None if tile else profile.bed)
 
 
 def _job(
@@ -194,7 +197,7 @@ class _Lay:
         small, large = sorted((bed.width_mm, bed.height_mm))
         raise JobError(
             f"the sheet of {width:g} x {height:g} mm does not fit the machine's {bed.width_mm:g} x "
-            f"{bed.height_mm:g} mm; use --sheet {small:g}x{large:g}mm or smaller, or another machine"
+            f"{bed.height_mm:g} mm; use --sheet {small:g}x{large:g}mm or smaller, or --tile on a printer"
         )
 
     def place(self, points: Floats, side: Side) -> Floats:

@@ -104,6 +104,13 @@ class Hpgl(_Table):
     unit_mm: Millimetres
 
 
+class Page(_Table):
+    """What a printer leaves white at the edges of the paper, and how far the pages of a large sheet overlap."""
+
+    margin_mm: Annotated[float, Field(ge=0, lt=50)]
+    overlap_mm: Annotated[float, Field(ge=0, lt=50)]
+
+
 class Gcode(_Table):
     """How the tool is switched: a laser by its power, a pen by Z in mm, or by a servo's S value."""
 
@@ -120,7 +127,7 @@ class Profile(_Table):
 
     title: str
     kind: Literal["laser", "cutter", "plotter", "printer"]
-    format: Literal["svg", "dxf", "hpgl", "gcode"]
+    format: Literal["svg", "dxf", "hpgl", "gcode", "pdf"]
     treatment: Treatment
     cut_outline: bool
     kerf_mm: Annotated[float, Field(ge=0, lt=5)] = 0.0
@@ -130,6 +137,7 @@ class Profile(_Table):
     bed: Bed | None = None
     operations: dict[Role, Operation] = {}
     materials: dict[str, Material] = {}
+    page: Page | None = None
     hpgl: Hpgl | None = None
     gcode: Gcode | None = None
     sources: dict[str, str]
@@ -286,7 +294,7 @@ def _explained(error: ValidationError) -> str:
 def _fields(path: Sequence[str]) -> list[str]:
     """Return the keys of the table at a path of the schema."""
     table: Any = Profile
-    tables = {"drawing": Drawing, "bed": Bed, "hpgl": Hpgl, "gcode": Gcode, "operations": Operation}
+    tables = {"drawing": Drawing, "bed": Bed, "hpgl": Hpgl, "gcode": Gcode, "page": Page, "operations": Operation}
     tables |= {"mountain": Dash, "valley": Dash, "materials": Material}
     settings = dict.fromkeys(("mark", "score", "perforate", "cut"), Setting)
     for depth, name in enumerate(path):

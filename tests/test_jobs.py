@@ -21,6 +21,7 @@ from patterns import book_fold
 from programs import require_program, run_program
 
 from foldcut.exporters import export_jobs
+from foldcut.exporters.pdf import tiles
 from foldcut.job import Job, JobError, Side, make_jobs, perforation, straight_lines
 from foldcut.model import Floats, FoldedPattern
 from foldcut.pipeline import fold
@@ -28,7 +29,7 @@ from foldcut.profiles import Dash, load_profile, profile_names
 from foldcut.samples import sample_path
 
 MACHINES = [name for name in profile_names() if load_profile(name).operations]
-NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025}
+NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025, ".pdf": 0.001}
 
 
 @cache
@@ -126,11 +127,37 @@ def differences(seen: Strokes, job: Job, suffix: str) -> list[str]:
     return faults
 
 
+def read_pdf(data: bytes, folder: Path) -> list[Strokes]:
+    """Read PDF with mutool: for each page strokes by layer, in mm from its lower left corner."""
+    path = folder / "job.pdf"
+    path.write_bytes(data)
+    run_program(require_program("qpdf"), "--check", path)
+    pages = []
+    for page in ET.fromstring(run_program(require_program("mutool"), "trace", path)).iter("page"):
+        height = float(page.attrib["mediabox"].split()[3])
+        found: Strokes = {}
+        layer = ""
+        for element in page:
+            if element.tag == "layer":
+                layer = element.attrib["name"]
+            elif element.tag == "end_layer":
+                layer = ""
+            elif element.tag == "stroke_path" and layer:
+                a, b, c, d, e, f = map(float, element.attrib["transform"].split())
+                points = np.array(
+                    [[float(part.attrib["x"]), float(part.attrib["y"])] for part in element if "x" in part.attrib]
+                )
+                placed = points @ np.array([[a, b], [c, d]]) + (e, f)
+                found.setdefault(layer, []).append((placed * (1, -1) + (0, height)) / 72 * 25.4)
+        pages.append(found)
+    return pages
+
+
 READERS = {".dxf": read_dxf, ".svg": read_svg, ".gcode": read_gcode}
 
 
 @pytest.mark.parametrize("sample", ["bolt", "star", "plus"])
-@pytest.mark.parametrize("machine", [m for m in MACHINES if load_profile(m).format != "hpgl"])
+@pytest.mark.parametrize("machine", [m for m in MACHINES if load_profile(m).format in ("dxf", "svg", "gcode")])
 def test_every_stroke_is_read_back(machine: str, sample: str) -> None:
     suffix = f".{load_profile(machine).format}"
     ((job, data),) = made(machine, sample).values()
@@ -174,6 +201,44 @@ def test_hp2xx_reads_every_stroke_of_a_plot(machine: str, tmp_path: Path) -> Non
     scale = np.ptp(ours.reshape(-1, 2), axis=0) / np.ptp(seen.reshape(-1, 2), axis=0)
     assert scale[0] == pytest.approx(scale[1], rel=1e-3)
     assert_allclose((seen - seen.min(axis=(0, 1))) * scale[0], ours - ours.min(axis=(0, 1)), atol=0.05)
+
+
+@pytest.mark.parametrize("machine", ["printer-a4", "printer-letter", "print-shop-a3"])
+def test_mutool_reads_every_stroke_of_a_page(machine: str, tmp_path: Path) -> None:
+    ((job, data),) = made(machine, "plus").values()
+    (page,) = read_pdf(data, tmp_path)
+    bed = load_profile(machine).bed
+    assert bed is not None
+    corner = (np.array([bed.width_mm, bed.height_mm]) - job.size) / 2
+    assert differences({name: [s - corner for s in strokes] for name, strokes in page.items()}, job, ".pdf") == []
+    assert differences({name: [s * 1.001 for s in strokes] for name, strokes in page.items()}, job, ".pdf")
+
+
+def test_pages_of_a_large_sheet_show_all_of_it_where_it_is(tmp_path: Path) -> None:
+    pattern = fold(sample_path("star"), "a2", effort="fast").require_verified()
+    profile = load_profile("printer-a4")
+    ((job, data),) = export_jobs(pattern, ".pdf", profile, tile=True).values()
+    pages, places = read_pdf(data, tmp_path), list(tiles(job, profile))
+    assert len(pages) == len(places) == 8
+    for page, tile in zip(pages, places, strict=True):
+        shifted = {name: [s + np.array([tile.x, tile.y]) for s in strokes] for name, strokes in page.items()}
+        assert differences(shifted, job, ".pdf") == []
+    printed = shapely.union_all(
+        [
+            shapely.box(
+                tile.x + tile.inset,
+                tile.y + tile.inset,
+                tile.x + tile.inset + tile.clear_width,
+                tile.y + tile.inset + tile.clear_height,
+            )
+            for tile in places
+        ]
+    )
+    assert printed.buffer(1e-6).contains(shapely.box(0, 0, *job.size))
+    with pytest.raises(JobError, match="--tile on a printer"):
+        export_jobs(pattern, ".pdf", profile)
+    with pytest.raises(JobError, match="only printers take several pages"):
+        export_jobs(pattern, ".dxf", load_profile("laser-dxf"), tile=True)
 
 
 def test_dxf_is_clean_and_has_its_unit() -> None:
@@ -321,7 +386,7 @@ def test_the_way_between_strokes_is_short() -> None:
 
 
 def test_jobs_have_the_same_bytes_each_time() -> None:
-    for machine in ("laser-dxf", "glowforge", "roland-dxy", "grbl-laser"):
+    for machine in ("laser-dxf", "glowforge", "roland-dxy", "grbl-laser", "printer-a4"):
         profile = load_profile(machine)
         one, other = (export_jobs(folded("bolt"), f".{profile.format}", profile)["both"][1] for _ in range(2))
         assert one == other

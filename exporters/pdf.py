@@ -1,0 +1,167 @@
+"""PDF: a job to print in true size, on one page or on as many as the sheet takes, with a layer for each operation.
+
+Input: a ``Job`` and a ``Profile`` with the paper (``bed``) and the printer's ``page``; output: PDF. A sheet larger than
+the paper is cut into tiles that overlap; crosses mark the same places on neighbouring pages. Every page has a ruler.
+Layers are optional content (ISO 32000-1, 8.11); viewers are asked not to scale (12.2, PrintScaling).
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pikepdf
+from pikepdf import Array, Dictionary, Name, String
+from reportlab.lib.units import mm
+from reportlab.pdfgen.canvas import Canvas
+
+from foldcut.job import Job, JobError
+from foldcut.profiles import Profile
+
+RULER_MM = 100.0
+CROSS_MM = 4.0
+
+
+def export(job: Job, profile: Profile) -> bytes:
+    """Return a job as a PDF file; the same job gives the same bytes.
+
+    Raises JobError: the profile does not say how large the paper is, or what its printer leaves white.
+    """
+    if profile.bed is None or profile.page is None:
+        raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; use one for a printer")
+    raw = io.BytesIO()
+    canvas = Canvas(raw, invariant=True, pageCompression=0)
+    canvas.setTitle(job.title or "foldcut")
+    canvas.setCreator("foldcut")
+    look = profile.drawing
+    for tile in tiles(job, profile):
+        canvas.setPageSize((tile.width * mm, tile.height * mm))
+        canvas.saveState()
+        if tile.tiled:
+            clip = canvas.beginPath()
+            clip.rect(tile.inset * mm, tile.inset * mm, tile.clear_width * mm, tile.clear_height * mm)
+            canvas.clipPath(clip, stroke=0)
+        for number, step in enumerate(job.steps):
+            canvas._code.append(f"/OC /L{number} BDC")
+            canvas.setStrokeColor(step.operation.colour)
+            canvas.setLineWidth(look.crease_stroke_mm * mm)
+            for stroke in step.strokes:
+                path = canvas.beginPath()
+                points = [((x - tile.x) * mm, (y - tile.y) * mm) for x, y in stroke.tolist()]
+                path.moveTo(*points[0])
+                for point in points[1:]:
+                    path.lineTo(*point)
+                canvas.drawPath(path)
+            canvas._code.append("EMC")
+        canvas.restoreState()
+        _furniture(canvas, tile, job, profile)
+        canvas.showPage()
+    canvas.save()
+    return _with_layers(raw.getvalue(), [step.operation.layer for step in job.steps])
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A page: its size, the place of the sheet at its lower left corner, and what is printed of it, in mm."""
+
+    width: float
+    height: float
+    x: float
+    y: float
+    inset: float
+    row: int
+    column: int
+    count: int
+
+    @property
+    def tiled(self) -> bool:
+        """Whether there are more pages."""
+        return self.count > 1
+
+    @property
+    def clear_width(self) -> float:
+        """The width that is printed on."""
+        return self.width - 2 * self.inset
+
+    @property
+    def clear_height(self) -> float:
+        """The height that is printed on."""
+        return self.height - 2 * self.inset
+
+
+def tiles(job: Job, profile: Profile) -> Iterator[Tile]:
+    """Yield the pages that a sheet takes, row by row from the upper left."""
+    assert profile.bed is not None
+    assert profile.page is not None
+    width, height = job.size
+    page = profile.bed.width_mm, profile.bed.height_mm
+    slack = 1e-6
+    for w, h in (page, page[::-1]):
+        if width <= w + slack and height <= h + slack:
+            yield Tile(w, h, -(w - width) / 2, -(h - height) / 2, 0.0, 0, 0, 1)
+            return
+    inset, overlap = profile.page.margin_mm, profile.page.overlap_mm
+
+    def counts(w: float, h: float) -> tuple[int, int]:
+        return tuple(
+            max(1, math.ceil((size - overlap - slack) / (side - 2 * inset - overlap)))
+            for size, side in ((width, w), (height, h))
+        )  # type: ignore[return-value]
+
+    w, h = min((page, page[::-1]), key=lambda size: math.prod(counts(*size)))
+    columns, rows = counts(w, h)
+    step = w - 2 * inset - overlap, h - 2 * inset - overlap
+    # the tiles together are centred on the sheet
+    left = (width - columns * step[0] - overlap) / 2
+    low = (height - rows * step[1] - overlap) / 2
+    for row in range(rows):
+        for column in range(columns):
+            x, y = left + column * step[0], low + (rows - 1 - row) * step[1]
+            yield Tile(w, h, x - inset, y - inset, inset, row, column, rows * columns)
+
+
+def _furniture(canvas: Canvas, tile: Tile, job: Job, profile: Profile) -> None:
+    """Draw the ruler, the page's name, and crosses where pages overlap."""
+    look, page = profile.drawing, profile.page
+    assert page is not None
+    canvas.setStrokeColor(look.legend_colour)
+    canvas.setFillColor(look.legend_colour)
+    canvas.setLineWidth(look.legend_stroke_mm * mm)
+    x, y = page.margin_mm + 2, page.margin_mm + 2
+    length = min(RULER_MM, 10 * math.floor((tile.width - 2 * x) / 10))
+    ruler = canvas.beginPath()
+    ruler.moveTo(x * mm, y * mm)
+    ruler.lineTo((x + length) * mm, y * mm)
+    for n in range(round(length / 10) + 1):
+        ruler.moveTo((x + 10 * n) * mm, y * mm)
+        ruler.lineTo((x + 10 * n) * mm, (y + look.text_mm) * mm)
+    canvas.drawPath(ruler)
+    canvas.setFont("Helvetica", look.text_mm * mm)
+    name = f"  row {tile.row + 1}, column {tile.column + 1} of {tile.count} pages" if tile.tiled else ""
+    canvas.drawString((x + length + 2) * mm, y * mm, f"{length:g} mm{name}")
+    if not tile.tiled:
+        return
+    crosses = canvas.beginPath()
+    half = page.overlap_mm / 2
+    for cx in (tile.inset + half, tile.width - tile.inset - half):
+        for cy in (tile.inset + half, tile.height - tile.inset - half):
+            for dx, dy in ((CROSS_MM / 2, 0.0), (0.0, CROSS_MM / 2)):
+                crosses.moveTo((cx - dx) * mm, (cy - dy) * mm)
+                crosses.lineTo((cx + dx) * mm, (cy + dy) * mm)
+    canvas.drawPath(crosses)
+
+
+def _with_layers(data: bytes, names: list[str]) -> bytes:
+    """Return the file with its marked content as layers, and a wish not to be scaled."""
+    with pikepdf.open(io.BytesIO(data)) as pdf:
+        groups = [pdf.make_indirect(Dictionary(Type=Name.OCG, Name=String(name))) for name in names]
+        order = Array(groups)
+        pdf.Root.OCProperties = Dictionary(OCGs=Array(groups), D=Dictionary(Order=order, ON=Array(groups)))
+        pdf.Root.ViewerPreferences = Dictionary(PrintScaling=Name("/None"))
+        for page in pdf.pages:
+            page.Resources.Properties = Dictionary({f"/L{number}": group for number, group in enumerate(groups)})
+        out = io.BytesIO()
+        pdf.save(out, deterministic_id=True, compress_streams=True)
+    return out.getvalue()
