@@ -20,8 +20,15 @@ PatternExporter = Callable[[FoldedPattern, Profile], bytes]
 JobExporter = Callable[[Job, Profile], bytes]
 
 # Imported when they are used: ezdxf alone takes longer to import than all the rest.
-PATTERN_EXPORTERS = {".fold": "fold", ".svg": "svg"}
-JOB_EXPORTERS = {".svg": "layered_svg", ".dxf": "dxf", ".hpgl": "hpgl", ".gcode": "gcode", ".pdf": "pdf"}
+PATTERN_EXPORTERS = {".fold": "fold.export", ".svg": "svg.export", ".cp": "lines.export_cp", ".opx": "lines.export_opx"}
+SOFTWARE_SVG = "lines.export_svg"
+JOB_EXPORTERS = {
+    ".svg": "layered_svg.export",
+    ".dxf": "dxf.export",
+    ".hpgl": "hpgl.export",
+    ".gcode": "gcode.export",
+    ".pdf": "pdf.export",
+}
 
 
 def check_suffix(suffix: str, profile: Profile | None = None) -> None:
@@ -41,11 +48,15 @@ def check_suffix(suffix: str, profile: Profile | None = None) -> None:
 def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) -> bytes:
     """Return ``pattern`` as the bytes of a file with this ending; ``profile`` is "plain" unless given.
 
+    With a profile of kind "software" SVG is bare lines, else a drawing to look at and to print.
+
     Raises FileFormatError: no exporter writes such files of a pattern.
     """
     check_suffix(suffix)
-    exporter = cast(PatternExporter, _module(PATTERN_EXPORTERS[suffix.lower()]))
-    return exporter(pattern, profile or load_profile())
+    profile = profile or load_profile()
+    bare = suffix.lower() == ".svg" and profile.kind == "software"
+    exporter = cast(PatternExporter, _imported(SOFTWARE_SVG if bare else PATTERN_EXPORTERS[suffix.lower()]))
+    return exporter(pattern, profile)
 
 
 def export_jobs(
@@ -63,10 +74,11 @@ def export_jobs(
     Raises FileFormatError: no exporter writes such files. Raises JobError: the job does not suit the machine.
     """
     check_suffix(suffix, profile)
-    exporter = cast(JobExporter, _module(JOB_EXPORTERS[suffix.lower()]))
+    exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
     jobs = make_jobs(pattern, profile, material=material, treatment=treatment, two_sided=two_sided, tile=tile)
     return {job.side: (job, exporter(job, profile)) for job in jobs}
 
 
-def _module(name: str) -> object:
-    return import_module(f"{__package__}.{name}").export
+def _imported(name: str) -> object:
+    module, _, function = name.partition(".")
+    return getattr(import_module(f"{__package__}.{module}"), function)

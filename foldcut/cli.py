@@ -141,7 +141,7 @@ def _make(args: argparse.Namespace) -> int:
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
     targets = [target for path in outputs for target in _sides(path, args.two_sided).values()]
     check_targets(targets)
-    if profile is not None:
+    if profile is not None and profile.operations:
         _check_job(parse_sheet(args.sheet), profile, args)
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
@@ -220,13 +220,13 @@ def _contents(
     pattern: FoldedPattern, outputs: Sequence[Path], profile: Profile | None, args: argparse.Namespace
 ) -> tuple[dict[Path, bytes], list[Job]]:
     """Return what goes into the files, and the jobs among it."""
-    from foldcut.exporters import PATTERN_EXPORTERS, export, export_jobs
+    from foldcut.exporters import JOB_EXPORTERS, export, export_jobs
 
     contents: dict[Path, bytes] = {}
     jobs: list[Job] = []
     for path in outputs:
-        if profile is None or (path.suffix.lower() in PATTERN_EXPORTERS and path.suffix.lower() != ".svg"):
-            contents[path] = export(pattern, path.suffix)
+        if profile is None or not profile.operations or path.suffix.lower() not in JOB_EXPORTERS:
+            contents[path] = export(pattern, path.suffix, profile)
             continue
         made = export_jobs(
             pattern,
@@ -252,7 +252,7 @@ def _check_job(sheet: Sheet, profile: Profile, args: argparse.Namespace) -> None
 
 def _sides(path: Path, two_sided: bool) -> dict[Side, Path]:
     """Return the files of a job: one, or one for the front and one for the back."""
-    if not two_sided or path.suffix.lower() == ".fold":
+    if not two_sided or path.suffix.lower() in (".fold", ".cp", ".opx"):
         return {"both": path}
     return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
 

@@ -126,7 +126,7 @@ class Profile(_Table):
     """A machine, and how foldcut's jobs are made for it."""
 
     title: str
-    kind: Literal["laser", "cutter", "plotter", "printer"]
+    kind: Literal["laser", "cutter", "plotter", "printer", "software"]
     format: Literal["svg", "dxf", "hpgl", "gcode", "pdf"]
     treatment: Treatment
     cut_outline: bool

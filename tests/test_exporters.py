@@ -57,7 +57,7 @@ def test_the_same_pattern_gives_the_same_bytes(suffix: str) -> None:
 
 
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
-    with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg"):
+    with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg, \.cp, \.opx"):
         check_suffix(".xyz")
     with pytest.raises(FileFormatError, match="needs an ending"):
         check_suffix("")
@@ -294,3 +294,43 @@ def test_a_title_with_markup_and_control_characters_gives_valid_xml() -> None:
     root = ET.fromstring(export(pattern, ".svg"))
     assert root.findtext(f"{SVG}title") == 'a <b> & "c"  ü'
     assert json.loads(export(pattern, ".fold"))["file_title"] == pattern.title
+
+
+# Bare lines
+
+
+def lines_of(data: bytes, kind: str) -> list[tuple[str, list[float]]]:
+    """Read bare lines by the rules of Flat-Folder's reader: letter and x1, y1, x2, y2."""
+    if kind == ".cp":
+        rows = [line.split() for line in data.decode().splitlines()]
+        return [("UBMVF"[int(row[0])], [float(value) for value in row[1:]]) for row in rows]
+    root = ET.fromstring(data)
+    if kind == ".opx":
+        found = []
+        for element in root.iter("object"):
+            if element.get("class") == "oripa.OriLineProxy":
+                values = {child.get("property"): float(child[0].text or "nan") for child in element}
+                found.append(("UBMV"[int(values["type"])], [values[name] for name in ("x0", "y0", "x1", "y1")]))
+        return found
+    colours = {"#000000": "B", "#ff0000": "M", "#0000ff": "V"}
+    return [
+        (
+            colours[dict(pair.split(":") for pair in line.attrib["style"].split(";"))["stroke"]],
+            [float(line.attrib[name]) for name in ("x1", "y1", "x2", "y2")],
+        )
+        for line in root.iter(f"{SVG}line")
+    ]
+
+
+@pytest.mark.parametrize("kind", [".svg", ".cp", ".opx"])
+def test_bare_lines_are_all_edges_with_y_down(kind: str) -> None:
+    pattern = letter_fold()
+    data = export(pattern, kind, load_profile("origami-software"))
+    creases = pattern.creases
+    points = creases.vertices_coords * (1, -1) + (0, pattern.sheet.height)
+    want = [
+        (letter, points[edge].ravel().tolist())
+        for letter, edge in zip(creases.edges_assignment.tolist(), creases.edges_vertices, strict=True)
+    ]
+    assert lines_of(data, kind) == want
+    assert lines_of(data, kind)[1:] != want
