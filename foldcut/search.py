@@ -41,7 +41,7 @@ FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
 LONG_MM = 3.3  # what short creases are made as long as, a little more than foldable
 VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as good as gone
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
-CROSSINGS = 4  # orders of events that are tried before the shortest crease is left as it is
+CROSSINGS = 2  # orders of events that are tried before the shortest crease is left as it is
 VARIATIONS = 4
 OVERTIME = 0.3
 TOO_SHORT, STILL_SHORTER = 1.65, 0.35  # what creases count when the shortest is nearly foldable, and what more at 0 mm
@@ -389,7 +389,8 @@ class _Search:
     def _vary(self) -> None:
         """Try other wishes for one of the best plans so far."""
         apart = self._short and self.rng.random() < 0.8
-        number = min(int(self.rng.geometric(0.2 if apart else 0.4)) - 1, len(self.solved) - 1)
+        folding = sum(key < np.inf for key, *_ in self.solved)
+        number = min(int(self.rng.geometric(0.2 if apart else 0.4)), folding or len(self.solved)) - 1
         key, solution, plan = self.solved[number]
         wish, weight = self._wishes(solution.turns, plain=False)
         if apart:
@@ -452,13 +453,13 @@ class _Search:
 
         Returns the length of the shortest, 0 if nothing can move, and the mover.
         """
-        longest, stalled = 0.0, 0
+        longest, stalled = 0.0, 0.0
         best = mover
         while stalled < 2 and longest < LONG_MM and mover.lengthen(LONG_MM):
             self.budget.step(len(mover.solution.x))
             shortest = float(mover.lengths()[0])
             # a step may make things worse before the next makes them better
-            stalled = 0 if shortest > 1.05 * longest else stalled + 1
+            stalled = 0.0 if shortest > 1.05 * longest else stalled + (0.4 if shortest > 1.003 * longest else 1.0)
             if shortest > longest:
                 longest, best = shortest, copy(mover)
         if longest:
@@ -506,11 +507,12 @@ class _Search:
             return np.inf
         walk, molecules, creases, folded = made
         key = _rank(creases)
-        if self.best is not None and key >= self.best.key:
-            return key[1] + 1e4 * key[0]
-        if verify(creases, folded.layers, self.shape):
+        better = self.best is None or key < self.best.key
+        # with pockets turned about half do not fold: none of these may be searched around
+        if (better or plan.turned) and verify(creases, folded.layers, self.shape):
             return np.inf
-        self.best = _Found(key, solution, plan, creases, folded, walk, molecules)
+        if better:
+            self.best = _Found(key, solution, plan, creases, folded, walk, molecules)
         return key[1] + 1e4 * key[0]
 
 
