@@ -74,9 +74,20 @@ def export_jobs(
     Raises FileFormatError: no exporter writes such files. Raises JobError: the job does not suit the machine.
     """
     check_suffix(suffix, profile)
-    exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
     jobs = make_jobs(pattern, profile, material=material, treatment=treatment, two_sided=two_sided, tile=tile)
-    return {job.side: (job, exporter(job, profile)) for job in jobs}
+    return {job.side: (job, export_job(job, suffix, profile)) for job in jobs}
+
+
+def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
+    """Return a job as the bytes of a file with this ending.
+
+    Raises FileFormatError: no exporter writes jobs so. Raises JobError: the profile lacks what the format needs.
+    """
+    if suffix.lower() not in JOB_EXPORTERS:
+        raise FileFormatError(
+            f"{suffix or 'a name without an ending'} is no job; use one of {', '.join(JOB_EXPORTERS)}"
+        )
+    return cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))(job, profile)
 
 
 def _imported(name: str) -> object:

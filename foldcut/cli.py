@@ -1,4 +1,4 @@
-"""The command line: ``foldcut make``, ``foldcut check``, ``foldcut profiles``, ``foldcut samples``.
+"""The command line: ``foldcut make``, ``check``, ``coupon``, ``profiles``, ``samples``.
 
 Only this module prints: reports on stdout, progress and one-line errors on stderr. It exits with 0 when the
 pattern was made and verified, 1 when there is none or it is not verified, 2 when the input is at fault, 130
@@ -65,6 +65,12 @@ examples:
   foldcut check fish.fold
   foldcut check fish.fold --shape fish     also check that the cut gives this shape
   foldcut check fish.fold --json
+"""
+
+COUPON_EPILOG = """\
+examples:
+  foldcut coupon --profile grbl-laser
+  foldcut coupon --profile laser-dxf --material card-300g -o card.dxf
 """
 
 PROFILES_EPILOG = """\
@@ -264,6 +270,27 @@ def _default_outputs(source: Path, name: str | None, profile: Profile | None) ->
     return [f"{source.stem}-{Path(name).stem}.{profile.format}"]
 
 
+def _coupon(args: argparse.Namespace) -> int:
+    """Write a machine's test card."""
+    from foldcut.coupon import make_coupon
+    from foldcut.exporters import export_job
+    from foldcut.files import check_targets, write_files
+    from foldcut.profiles import load_profile
+
+    profile = load_profile(args.profile, args.set)
+    path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
+    check_targets([path])
+    job, rows = make_coupon(profile, args.material)
+    data = export_job(job, path.suffix, profile)
+    replaced = path.exists()
+    write_files({path: data})
+    lines = [job.title, *(f"  {row}" for row in rows), f"  written   {path} ({len(data):,} bytes)"]
+    files = [{"path": str(path), "bytes": len(data), "replaced": replaced}]
+    if args.json or not args.quiet:
+        _print_report({"ok": True, "title": job.title, "rows": rows, "files": files}, lines, args.json)
+    return DONE
+
+
 def _profiles(args: argparse.Namespace) -> int:
     """List, show or validate profiles."""
     from foldcut.profiles import load_profile, profile_names
@@ -392,6 +419,7 @@ def _parser() -> _Parser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands")
     _add_make(commands)
     _add_check(commands)
+    _add_coupon(commands)
     _add_profiles(commands)
     _add_samples(commands)
     return parser
@@ -515,6 +543,23 @@ def _add_check(commands: Any) -> None:
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     _add_common(check)
+
+
+def _add_coupon(commands: Any) -> None:
+    coupon = commands.add_parser(
+        "coupon",
+        help="write a test card of scores and perforations for a machine",
+        description="Write a test card: strips to fold, scored and perforated in many settings. A row's number is told "
+        "by the ticks beside it.",
+        epilog=COUPON_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    coupon.set_defaults(run=_coupon)
+    coupon.add_argument("--profile", metavar="NAME", required=True, help="the machine; see foldcut profiles")
+    coupon.add_argument("--material", metavar="NAME", help="what the card is made of (default: the profile's first)")
+    coupon.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
+    coupon.add_argument("-o", "--output", metavar="FILE", help="(default: coupon-PROFILE in the machine's format)")
+    _add_common(coupon)
 
 
 def _add_profiles(commands: Any) -> None:

@@ -143,10 +143,10 @@ def _job(
         if not lines:
             continue
         lines = [[lay.place(piece, side) for piece in line] for line in lines]
-        before += _travel(lines, there)
+        before += travel(lines, there)
         there = lines[-1][-1][-1]
         lines = _ordered(lines, here)
-        after += _travel(lines, here)
+        after += travel(lines, here)
         here = lines[-1][-1][-1]
         steps.append(
             Step(role, profile.operations[role], settings[role], tuple(piece for line in lines for piece in line))
@@ -329,7 +329,7 @@ def _corner_marks(sheet: Sheet) -> list[Floats]:
     return marks
 
 
-def _travel(lines: Sequence[Sequence[Floats]], start: Floats) -> float:
+def travel(lines: Sequence[Sequence[Floats]], start: Floats) -> float:
     """The way between strokes in mm, from ``start`` on."""
     pieces = [piece for line in lines for piece in line]
     ways = [math.dist(start, pieces[0][0]), *(math.dist(a[-1], b[0]) for a, b in pairwise(pieces))]

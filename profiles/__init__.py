@@ -65,7 +65,8 @@ class Bed(_Table):
 class Operation(_Table):
     """What an operation is called, its colour, and the pen or tool that does it."""
 
-    layer: Annotated[str, Field(min_length=1, max_length=60)]
+    # what DXF allows
+    layer: Annotated[str, Field(max_length=60, pattern=r'^[^<>/\\":;?*|=`\x00-\x1f]+$')]
     colour: Colour
     pen: Annotated[int, Field(ge=1, le=8)] | None = None
 
@@ -287,7 +288,12 @@ def _explained(error: ValidationError) -> str:
     if first["type"] == "missing":
         return f"the key {key} is missing"
     if first["type"] == "string_pattern_mismatch":
-        return f"{key} = {first['input']!r} is no colour; write it as #rrggbb"
+        rule = (
+            "is no colour; write it as #rrggbb"
+            if last.endswith("colour")
+            else "has letters that DXF layers may not have"
+        )
+        return f"{key} = {first['input']!r} {rule}"
     return f"{key} = {first['input']!r}: {first['msg']}"
 
 

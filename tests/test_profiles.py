@@ -68,6 +68,7 @@ def test_profiles_are_complete(name: str) -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (("[bed]", "[operations.cut]\nlayer = 'a/b'\n[bed]"), "letters that DXF layers may not have"),
         (("width_mm", "widht_mm"), "unknown key bed.widht_mm; did you mean width_mm"),
         (("format = ", "fromat = "), "unknown key fromat; did you mean format|the key format is missing"),
         (("height_mm = 200.0", ""), "the key bed.height_mm is missing"),
