@@ -20,7 +20,13 @@ PatternExporter = Callable[[FoldedPattern, Profile], bytes]
 JobExporter = Callable[[Job, Profile], bytes]
 
 # Imported when they are used: ezdxf alone takes longer to import than all the rest.
-PATTERN_EXPORTERS = {".fold": "fold.export", ".svg": "svg.export", ".cp": "lines.export_cp", ".opx": "lines.export_opx"}
+PATTERN_EXPORTERS = {
+    ".fold": "fold.export",
+    ".svg": "svg.export",
+    ".cp": "lines.export_cp",
+    ".opx": "lines.export_opx",
+    ".stl": "stl.export",
+}
 SOFTWARE_SVG = "lines.export_svg"
 JOB_EXPORTERS = {
     ".svg": "layered_svg.export",

@@ -258,7 +258,7 @@ def _check_job(sheet: Sheet, profile: Profile, args: argparse.Namespace) -> None
 
 def _sides(path: Path, two_sided: bool) -> dict[Side, Path]:
     """Return the files of a job: one, or one for the front and one for the back."""
-    if not two_sided or path.suffix.lower() in (".fold", ".cp", ".opx"):
+    if not two_sided or path.suffix.lower() in (".fold", ".cp", ".opx", ".stl"):
         return {"both": path}
     return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
 

@@ -105,6 +105,14 @@ class Hpgl(_Table):
     unit_mm: Millimetres
 
 
+class Solid(_Table):
+    """The scored sheet as a solid: its thickness, and how wide and deep grooves are."""
+
+    thickness_mm: Millimetres
+    groove_width_mm: Millimetres
+    groove_depth_mm: Millimetres
+
+
 class Page(_Table):
     """What a printer leaves white at the edges of the paper, and how far the pages of a large sheet overlap."""
 
@@ -128,7 +136,7 @@ class Profile(_Table):
 
     title: str
     kind: Literal["laser", "cutter", "plotter", "printer", "software"]
-    format: Literal["svg", "dxf", "hpgl", "gcode", "pdf"]
+    format: Literal["svg", "dxf", "hpgl", "gcode", "pdf", "stl"]
     treatment: Treatment
     cut_outline: bool
     kerf_mm: Annotated[float, Field(ge=0, lt=5)] = 0.0
@@ -139,6 +147,7 @@ class Profile(_Table):
     operations: dict[Role, Operation] = {}
     materials: dict[str, Material] = {}
     page: Page | None = None
+    solid: Solid | None = None
     hpgl: Hpgl | None = None
     gcode: Gcode | None = None
     sources: dict[str, str]
@@ -300,7 +309,15 @@ def _explained(error: ValidationError) -> str:
 def _fields(path: Sequence[str]) -> list[str]:
     """Return the keys of the table at a path of the schema."""
     table: Any = Profile
-    tables = {"drawing": Drawing, "bed": Bed, "hpgl": Hpgl, "gcode": Gcode, "page": Page, "operations": Operation}
+    tables = {
+        "drawing": Drawing,
+        "bed": Bed,
+        "hpgl": Hpgl,
+        "gcode": Gcode,
+        "page": Page,
+        "solid": Solid,
+        "operations": Operation,
+    }
     tables |= {"mountain": Dash, "valley": Dash, "materials": Material}
     settings = dict.fromkeys(("mark", "score", "perforate", "cut"), Setting)
     for depth, name in enumerate(path):

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Install the programs that read our files in the tests: node with rabbit-ear and fold, rsvg-convert, inkscape,
-# hp2xx, qpdf, mutool.
+# hp2xx, qpdf, mutool, admesh.
 # What is there already is left alone. What cannot be installed is no error: the tests that need it skip and say so.
 set -uo pipefail
 cd "$(dirname "$0")"
@@ -12,6 +12,7 @@ if ! have node || ! have npm; then packages+=(nodejs npm); fi
 have rsvg-convert || packages+=(librsvg2-bin)
 have inkscape || packages+=(inkscape)
 have hp2xx || packages+=(hp2xx)
+have admesh || packages+=(admesh)
 have qpdf || packages+=(qpdf)
 have mutool || packages+=(mupdf-tools)
 
