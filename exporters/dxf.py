@@ -22,11 +22,12 @@ def export(job: Job, profile: Profile) -> bytes:
     """Return a job as a DXF file; the same job gives the same bytes."""
     # no dates, no random identifiers
     ezdxf.options.write_fixed_meta_data_for_testing = True  # type: ignore[attr-defined]
-    document = new(profile.dxf_version, units=units.MM)
-    document.header["$MEASUREMENT"] = 1
+    document = new(profile.dxf_version)
     width, height = job.size
     old = profile.dxf_version == "R12"
     if not old:
+        document.units = units.MM
+        document.header["$MEASUREMENT"] = 1
         document.header["$PSVPSCALE"] = 1.0
     space = document.modelspace()
     for step in job.steps:
