@@ -8,6 +8,7 @@ Lines and polylines only; line types are lost on import, so dashes are pieces. T
 from __future__ import annotations
 
 import io
+import logging
 
 import ezdxf
 from ezdxf import colors, units
@@ -16,6 +17,9 @@ from ezdxf.filemanagement import new
 
 from foldcut.job import Job
 from foldcut.profiles import Profile
+
+# it warns of R12's having no units, on standard error if nobody listens
+logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 
 
 def export(job: Job, profile: Profile) -> bytes:

@@ -6,6 +6,8 @@ import dataclasses
 import io
 import itertools
 import re
+import subprocess
+import sys
 import time
 import xml.etree.ElementTree as ET
 from functools import cache
@@ -250,6 +252,14 @@ def test_dxf_is_clean_and_has_its_unit() -> None:
         assert document.header["$EXTMAX"][:2] == job.size
         if version != "AC1009":
             assert (document.header["$INSUNITS"], document.header["$MEASUREMENT"]) == (4, 1)
+
+
+def test_nothing_is_said_on_standard_error() -> None:
+    code = "from patterns import book_fold; from foldcut.exporters import export_jobs as e; "
+    code += "from foldcut.profiles import load_profile; e(book_fold(), '.dxf', load_profile('silhouette-cameo'))"
+    folder = Path(__file__).parent
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=folder, check=True)
+    assert (done.stdout, done.stderr) == ("", "")
 
 
 def test_inkscape_sees_a_job_at_true_size(tmp_path: Path) -> None:
