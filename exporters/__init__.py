@@ -12,8 +12,8 @@ from importlib import import_module
 from typing import cast
 
 from foldcut.errors import FileFormatError
-from foldcut.job import Job, Side, make_jobs
-from foldcut.model import FoldedPattern
+from foldcut.job import Job, Side, check_job, make_jobs, steps_of
+from foldcut.model import FoldedPattern, Sheet
 from foldcut.profiles import Profile, Treatment, load_profile
 
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
@@ -82,6 +82,15 @@ def export_jobs(
     check_suffix(suffix, profile)
     jobs = make_jobs(pattern, profile, material=material, treatment=treatment, two_sided=two_sided, tile=tile)
     return {job.side: (job, export_job(job, suffix, profile)) for job in jobs}
+
+
+def check_job_export(
+    suffix: str, profile: Profile, sheet: Sheet, *, material: str | None = None, tile: bool = False
+) -> None:
+    """Raise what ``export_jobs`` would for any pattern on this sheet, before there is one."""
+    check_job(sheet, profile, material=material, tile=tile)
+    size = (sheet.width, sheet.height)
+    export_job(Job("", size, (0.0, 0.0), False, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)
 
 
 def export_job(job: Job, suffix: str, profile: Profile) -> bytes:

@@ -24,7 +24,7 @@ from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
     from foldcut.job import Job, Side
-    from foldcut.model import Finding, FoldedPattern, Sheet
+    from foldcut.model import Finding, FoldedPattern
     from foldcut.profiles import Profile
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
@@ -128,7 +128,6 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _make(args: argparse.Namespace) -> int:
     """Fold a shape and write the files."""
     from foldcut import pipeline, report
-    from foldcut.exporters import check_suffix
     from foldcut.files import check_targets, write_files
     from foldcut.profiles import load_profile
     from foldcut.progress import ProgressBar
@@ -136,19 +135,13 @@ def _make(args: argparse.Namespace) -> int:
 
     source = _shape_path(args.shape)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
-    if profile is None and (args.set or args.material or args.treatment or args.two_sided or args.tile):
-        raise BadInputError(
-            "--set, --material, --treatment, --two-sided and --tile are for a machine: name it with --profile"
-        )
     outputs = [Path(out) for out in args.output or _default_outputs(source, args.profile, profile)]
+    _check_machine(args, profile, outputs)
     for path in outputs:
-        check_suffix(path.suffix, profile)
         if path.exists() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
     targets = [target for path in outputs for target in _sides(path, args.two_sided).values()]
     check_targets(targets)
-    if profile is not None and profile.operations:
-        _check_job(parse_sheet(args.sheet), profile, args)
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         result = pipeline.fold(
@@ -249,11 +242,27 @@ def _contents(
     return contents, jobs
 
 
-def _check_job(sheet: Sheet, profile: Profile, args: argparse.Namespace) -> None:
-    """Raise what is wrong with the job before any long work."""
-    from foldcut.job import check_job
+def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: Sequence[Path]) -> None:
+    """Raise what is wrong with formats and jobs before any long work."""
+    from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
+    from foldcut.sheet import parse_sheet
 
-    check_job(sheet, profile, material=args.material, tile=args.tile)
+    job_options = args.material or args.treatment or args.two_sided or args.tile
+    if profile is None and (args.set or job_options):
+        raise BadInputError(
+            "--set, --material, --treatment, --two-sided and --tile are for a machine: name it with --profile"
+        )
+    machine = profile if profile is not None and profile.operations else None
+    if machine is None and job_options:
+        raise BadInputError(
+            f"--material, --treatment, --two-sided and --tile are for a machine, and {args.profile} is none; "
+            "see foldcut profiles"
+        )
+    for path in outputs:
+        check_suffix(path.suffix, machine)
+        if machine is not None and path.suffix.lower() in JOB_EXPORTERS:
+            sheet = parse_sheet(args.sheet)
+            check_job_export(path.suffix, machine, sheet, material=args.material, tile=args.tile)
 
 
 def _sides(path: Path, two_sided: bool) -> dict[Side, Path]:

@@ -128,6 +128,12 @@ def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None, ti
     _Lay.on(sheet, None if tile else profile.bed)
 
 
+def steps_of(profile: Profile, material: str | None = None) -> tuple[Step, ...]:
+    """Return the steps of a job with nothing in them, to see whether a format has all that it needs."""
+    _, settings = _material(profile, material, profile.treatment)
+    return tuple(Step(role, operation, settings[role], ()) for role, operation in profile.operations.items())
+
+
 def _job(
     pattern: FoldedPattern,
     profile: Profile,

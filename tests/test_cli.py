@@ -455,3 +455,50 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
     out, error = capsys.readouterr()
     assert out == ""
     assert "layers" in error
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--profile", "grbl-laser", "-o", "x.pdf"], "lacks what PDF needs"),
+        (["--profile", "glowforge", "-o", "x.hpgl"], "lacks what HPGL needs"),
+        (["--profile", "plain", "-o", "x.dxf"], ".dxf files are for a machine"),
+        (["--profile", "plain", "--two-sided"], "plain is none"),
+        (["--two-sided"], "name it with --profile"),
+        (["--profile", "glowforge", "--sheet", "a2"], "does not fit the machine's"),
+        (["--profile", "glowforge", "--material", "felt"], "no material 'felt'"),
+        (["--profile", "glowforge", "--tile"], "only printers take several pages"),
+    ],
+)
+def test_what_is_wrong_with_a_job_is_said_before_the_search(
+    arguments: list[str],
+    message: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("foldcut.pipeline.fold", lambda *args, **kwargs: pytest.fail("it searched"))
+    assert main(["make", "star", *arguments]) == 2
+    assert message in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_job_is_written_in_the_machines_format_and_reported(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["make", "star", "--effort", "fast", "--profile", "laser-dxf", "--two-sided"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["star-laser-dxf-back.dxf", "star-laser-dxf-front.dxf"]
+    said = capsys.readouterr().out
+    assert "Any laser that takes DXF" in said
+    assert "between strokes" in said
+
+
+def test_profiles_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profiles"]) == 0
+    assert "glowforge" in capsys.readouterr().out
+    assert main(["profiles", "show", "glowforge", "--set", "kerf_mm=0.1"]) == 0
+    assert '"kerf_mm": 0.1' in capsys.readouterr().out
+    assert main(["profiles", "validate"]) == 2
+    assert "needs the name" in capsys.readouterr().err
