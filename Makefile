@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact sweep sweep-compact pictures lint tools clean
+.PHONY: demo test bench bench-compact bench-exporters sweep sweep-compact pictures lint tools clean
 
 ## Fold two samples on A4 into out/: a fish, and a star that folds in five lines.
 demo: $(VENV)/installed
@@ -24,6 +24,10 @@ bench: $(VENV)/installed-test
 ## Creases of both methods for every sample, and for every shape in the folder SHAPES and below.
 bench-compact: $(VENV)/installed-test
 	$(BIN)/python tests/bench/compact.py $(SHAPES)
+
+## Seconds that each format takes.
+bench-exporters: $(VENV)/installed-test
+	$(BIN)/python tests/bench/exporters.py
 
 ## Fold 500 random polygons by the compact method; takes about four minutes.
 sweep-compact: $(VENV)/installed-test
