@@ -34,6 +34,7 @@ JOB_EXPORTERS = {
     ".hpgl": "hpgl.export",
     ".gcode": "gcode.export",
     ".pdf": "pdf.export",
+    ".lbrn2": "lbrn2.export",
 }
 
 

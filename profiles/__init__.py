@@ -136,7 +136,7 @@ class Profile(_Table):
 
     title: str
     kind: Literal["laser", "cutter", "plotter", "printer", "software"]
-    format: Literal["svg", "dxf", "hpgl", "gcode", "pdf", "stl"]
+    format: Literal["svg", "dxf", "hpgl", "gcode", "pdf", "stl", "lbrn2"]
     treatment: Treatment
     cut_outline: bool
     kerf_mm: Annotated[float, Field(ge=0, lt=5)] = 0.0

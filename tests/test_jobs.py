@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import io
 import itertools
@@ -12,6 +13,8 @@ import time
 import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import ezdxf
 import numpy as np
@@ -31,7 +34,7 @@ from foldcut.profiles import Dash, load_profile, profile_names
 from foldcut.samples import sample_path
 
 MACHINES = [name for name in profile_names() if load_profile(name).operations]
-NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025, ".pdf": 0.001}
+NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025, ".pdf": 0.001, ".lbrn2": 0.001}
 
 
 @cache
@@ -241,6 +244,51 @@ def test_pages_of_a_large_sheet_show_all_of_it_where_it_is(tmp_path: Path) -> No
         export_jobs(pattern, ".pdf", profile)
     with pytest.raises(JobError, match="only printers take several pages"):
         export_jobs(pattern, ".dxf", load_profile("laser-dxf"), tile=True)
+
+
+class _Node:
+    """What meerk40t's reader builds its trees of; it keeps what is added, with the operations that refer to it."""
+
+    def __init__(self, **values: Any) -> None:
+        self.values, self.children, self.references = values, [], []
+
+    def add(self, **values: Any) -> _Node:
+        self.children.append(_Node(**values))
+        return self.children[-1]
+
+    def add_reference(self, node: _Node) -> None:
+        self.references.append(node)
+
+    def remove_all_children(self) -> None:
+        self.children.clear()
+
+    def focus(self) -> None:
+        """Nothing to show."""
+
+
+@pytest.mark.parametrize("machine", ["lightburn-diode", "lightburn-co2"])
+def test_meerk40t_reads_every_stroke_of_a_lightburn_project(machine: str) -> None:
+    lbrn = pytest.importorskip("meerk40t.extra.lbrn")
+    from meerk40t.core.units import UNITS_PER_MM
+
+    profile = load_profile(machine)
+    job, data = export_jobs(folded("bolt"), ".lbrn2", profile)["both"]
+    operations, elements = _Node(), _Node()
+    lock = contextlib.nullcontext()
+    lbrn.LbrnLoader.parse(
+        "job.lbrn2", io.BytesIO(data), SimpleNamespace(op_branch=operations, elem_branch=elements, node_lock=lock)
+    )
+    seen: Strokes = {}
+    for operation, step in zip(operations.children, job.steps, strict=True):
+        assert step.setting is not None
+        assert operation.values["speed"] == step.setting.speed_mm_s
+        assert operation.values["power"] == pytest.approx(10 * step.setting.power_percent)
+        for node in operation.references:
+            starts, ends = node.values["geometry"].segments[: node.values["geometry"].index, [0, 4]].T
+            points = np.append(starts, ends[-1]) / UNITS_PER_MM
+            seen.setdefault(operation.values["label"], []).append(np.stack([points.real, points.imag], axis=1) - job.at)
+    assert differences(seen, job, ".lbrn2") == []
+    assert differences({name: strokes[1:] for name, strokes in seen.items()}, job, ".lbrn2")
 
 
 def test_dxf_is_clean_and_has_its_unit() -> None:
