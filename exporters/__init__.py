@@ -74,6 +74,7 @@ def export_jobs(
     material: str | None = None,
     treatment: Treatment | None = None,
     two_sided: bool = False,
+    outline: bool = True,
     tile: bool = False,
 ) -> dict[Side, tuple[Job, bytes]]:
     """Return the jobs of ``pattern`` for a machine, with the bytes of their files, by the side of the sheet.
@@ -81,7 +82,9 @@ def export_jobs(
     Raises FileFormatError: no exporter writes such files. Raises JobError: the job does not suit the machine.
     """
     check_suffix(suffix, profile)
-    jobs = make_jobs(pattern, profile, material=material, treatment=treatment, two_sided=two_sided, tile=tile)
+    jobs = make_jobs(
+        pattern, profile, material=material, treatment=treatment, two_sided=two_sided, outline=outline, tile=tile
+    )
     return {job.side: (job, export_job(job, suffix, profile)) for job in jobs}
 
 
