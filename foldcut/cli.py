@@ -234,6 +234,7 @@ def _contents(
             material=args.material,
             treatment=args.treatment,
             two_sided=args.two_sided,
+            outline=not args.no_outline,
             tile=args.tile,
         )
         for side, name in _sides(path, args.two_sided).items():
@@ -247,15 +248,15 @@ def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: S
     from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
     from foldcut.sheet import parse_sheet
 
-    job_options = args.material or args.treatment or args.two_sided or args.tile
+    job_options = args.material or args.treatment or args.two_sided or args.no_outline or args.tile
     if profile is None and (args.set or job_options):
         raise BadInputError(
-            "--set, --material, --treatment, --two-sided and --tile are for a machine: name it with --profile"
+            "--set, --material, --treatment, --two-sided, --no-outline and --tile are for a machine: name it with --profile"
         )
     machine = profile if profile is not None and profile.operations else None
     if machine is None and job_options:
         raise BadInputError(
-            f"--material, --treatment, --two-sided and --tile are for a machine, and {args.profile} is none; "
+            f"--material, --treatment, --two-sided, --no-outline and --tile are for a machine, and {args.profile} is none; "
             "see foldcut profiles"
         )
     for path in outputs:
@@ -534,6 +535,7 @@ def _add_make(commands: Any) -> None:
     machine.add_argument(
         "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
     )
+    machine.add_argument("--no-outline", action="store_true", help="leave out the mark where the cut will be")
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
     )

@@ -346,6 +346,11 @@ def test_no_crease_is_lost_and_none_is_there_twice(machine: str) -> None:
         assert job.steps[-1].role == "cut"
 
 
+def test_the_shapes_outline_can_be_left_out() -> None:
+    (job,) = make_jobs(folded("bolt"), load_profile("laser-dxf"), outline=False)
+    assert [step.role for step in job.steps] == ["mountain", "valley", "cut"]
+
+
 def test_creases_that_go_straight_on_are_one_line() -> None:
     points = np.array([(0, 0), (1, 0), (3, 0), (3, 2), (3, -1), (5, 0)], dtype=float)
     assert straight_lines(points, [(0, 1), (1, 2), (2, 3), (2, 4), (5, 2)]) == [(0, 5), (4, 3)]
