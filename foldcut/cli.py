@@ -249,16 +249,13 @@ def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: S
     from foldcut.sheet import parse_sheet
 
     job_options = args.material or args.treatment or args.two_sided or args.no_outline or args.tile
-    if profile is None and (args.set or job_options):
-        raise BadInputError(
-            "--set, --material, --treatment, --two-sided, --no-outline and --tile are for a machine: name it with --profile"
-        )
     machine = profile if profile is not None and profile.operations else None
-    if machine is None and job_options:
-        raise BadInputError(
-            f"--material, --treatment, --two-sided, --no-outline and --tile are for a machine, and {args.profile} is none; "
-            "see foldcut profiles"
+    if (profile is None and args.set) or (machine is None and job_options):
+        what = "--set" if args.set else "--material, --treatment, --two-sided, --no-outline and --tile"
+        verb = (
+            f"are for a machine, and {args.profile} is none" if profile else "go with a machine: name it with --profile"
         )
+        raise BadInputError(f"{what} {verb}; see foldcut profiles")
     for path in outputs:
         check_suffix(path.suffix, machine)
         if machine is not None and path.suffix.lower() in JOB_EXPORTERS:
