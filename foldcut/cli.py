@@ -251,7 +251,9 @@ def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: S
     job_options = args.material or args.treatment or args.two_sided or args.no_outline or args.tile
     machine = profile if profile is not None and profile.operations else None
     if (profile is None and args.set) or (machine is None and job_options):
-        what = "--set" if args.set else "--material, --treatment, --two-sided, --no-outline and --tile"
+        what = (
+            "--set" if args.set and not job_options else "--material, --treatment, --two-sided, --no-outline and --tile"
+        )
         verb = (
             f"are for a machine, and {args.profile} is none" if profile else "go with a machine: name it with --profile"
         )
