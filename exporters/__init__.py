@@ -12,9 +12,9 @@ from importlib import import_module
 from typing import cast
 
 from foldcut.errors import FileFormatError
-from foldcut.job import Job, Side, check_job, make_jobs, steps_of
+from foldcut.job import Job, check_job, steps_of
 from foldcut.model import FoldedPattern, Sheet
-from foldcut.profiles import Profile, Treatment, load_profile
+from foldcut.profiles import Profile, load_profile
 
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
 JobExporter = Callable[[Job, Profile], bytes]
@@ -66,32 +66,10 @@ def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) 
     return exporter(pattern, profile)
 
 
-def export_jobs(
-    pattern: FoldedPattern,
-    suffix: str,
-    profile: Profile,
-    *,
-    material: str | None = None,
-    treatment: Treatment | None = None,
-    two_sided: bool = False,
-    outline: bool = True,
-    tile: bool = False,
-) -> dict[Side, tuple[Job, bytes]]:
-    """Return the jobs of ``pattern`` for a machine, with the bytes of their files, by the side of the sheet.
-
-    Raises FileFormatError: no exporter writes such files. Raises JobError: the job does not suit the machine.
-    """
-    check_suffix(suffix, profile)
-    jobs = make_jobs(
-        pattern, profile, material=material, treatment=treatment, two_sided=two_sided, outline=outline, tile=tile
-    )
-    return {job.side: (job, export_job(job, suffix, profile)) for job in jobs}
-
-
 def check_job_export(
     suffix: str, profile: Profile, sheet: Sheet, *, material: str | None = None, tile: bool = False
 ) -> None:
-    """Raise what ``export_jobs`` would for any pattern on this sheet, before there is one."""
+    """Raise what ``make_jobs`` and ``export_job`` would for any pattern on this sheet, before there is one."""
     check_job(sheet, profile, material=material, tile=tile)
     size = (sheet.width, sheet.height)
     export_job(Job("", size, (0.0, 0.0), False, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)

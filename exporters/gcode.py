@@ -13,8 +13,7 @@ import numpy as np
 from foldcut.job import Job, JobError, Step
 from foldcut.profiles import Gcode, Profile
 
-DIGITS = 4
-"""Digits after the point, in mm."""
+from .text import number
 
 
 def export(job: Job, profile: Profile) -> bytes:
@@ -25,7 +24,7 @@ def export(job: Job, profile: Profile) -> bytes:
     code = profile.gcode
     if code is None:
         raise JobError(f"the profile {profile.title!r} lacks what G-code needs: --set gcode.tool=laser, z or servo")
-    lines = [f"; foldcut: {''.join(c if c.isascii() and c.isprintable() else '?' for c in job.title)}", "G21", "G90"]
+    lines = [_comment(f"foldcut: {job.title}"), "G21", "G90"]
     lines += _laser(job, profile, code) if code.tool == "laser" else _pen(job, code)
     lines += ["G0 X0 Y0", "M2"]
     return ("\n".join(lines) + "\n").encode("ascii")
@@ -38,11 +37,11 @@ def _laser(job: Job, profile: Profile, code: Gcode) -> Iterator[str]:
         if setting is None:
             raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")
         power = round(setting.power_percent / 100 * code.most_power)
-        yield f"; {step.operation.layer}"
+        yield _comment(step.operation.layer)
         for _ in range(setting.passes):
             for first, rest in _strokes(job, step):
                 yield f"G0 {first}"
-                yield f"G1 {rest[0]} S{power} F{_number(60 * setting.speed_mm_s)}"
+                yield f"G1 {rest[0]} S{power} F{number(60 * setting.speed_mm_s)}"
                 yield from (f"G1 {point}" for point in rest[1:])
     yield "M5"
 
@@ -51,15 +50,15 @@ def _pen(job: Job, code: Gcode) -> Iterator[str]:
     up, down = (
         ([f"M3 S{code.pen_up:g}", "G4 P0.2"], [f"M3 S{code.pen_down:g}", "G4 P0.2"])
         if code.tool == "servo"
-        else ([f"G0 Z{_number(code.pen_up)}"], [f"G1 Z{_number(code.pen_down)} F{_number(60 * code.draw_mm_s)}"])
+        else ([f"G0 Z{number(code.pen_up)}"], [f"G1 Z{number(code.pen_down)} F{number(60 * code.draw_mm_s)}"])
     )
-    feed = _number(60 * code.draw_mm_s)
+    feed = number(60 * code.draw_mm_s)
     yield from up
     pen: int | None = None
     for step in job.steps:
         if step.operation.pen != pen:
             pen = step.operation.pen
-            yield from (f"; pen {pen}: {step.operation.layer}", "M0")
+            yield from (_comment(f"pen {pen}: {step.operation.layer}"), "M0")
         for first, rest in _strokes(job, step):
             yield f"G0 {first}"
             yield from down
@@ -72,10 +71,10 @@ def _pen(job: Job, code: Gcode) -> Iterator[str]:
 def _strokes(job: Job, step: Step) -> Iterator[tuple[str, list[str]]]:
     """Yield where each stroke begins, and its other points."""
     for stroke in step.strokes:
-        first, *rest = (f"X{_number(x)} Y{_number(y)}" for x, y in (stroke + np.array(job.at)).tolist())
+        first, *rest = (f"X{number(x)} Y{number(y)}" for x, y in (stroke + np.array(job.at)).tolist())
         yield first, rest
 
 
-def _number(value: float) -> str:
-    text = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+def _comment(text: str) -> str:
+    """Return a text as a comment may have it: GRBL reads ASCII."""
+    return "; " + "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in text)

@@ -15,7 +15,8 @@ from svgwrite.extensions import Inkscape
 from foldcut.job import Job
 from foldcut.profiles import Profile
 
-from .svg import number, path_data, printable
+from .svg import path_data
+from .text import number, printable
 
 
 def export(job: Job, profile: Profile) -> bytes:

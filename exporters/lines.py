@@ -16,6 +16,8 @@ from collections.abc import Iterator
 from foldcut.model import FoldedPattern
 from foldcut.profiles import Profile
 
+from .text import printable
+
 STROKES = {"B": "#000000", "M": "#ff0000", "V": "#0000ff"}
 TYPES = {"B": 1, "M": 2, "V": 3}
 
@@ -55,7 +57,7 @@ def export_opx(pattern: FoldedPattern, profile: Profile) -> bytes:
     for name, kind, text in (
         ("mainVersion", "int", "1"),
         ("paperSize", "double", repr(max(pattern.sheet.width, pattern.sheet.height))),
-        ("title", "string", "".join(filter(str.isprintable, pattern.title))),
+        ("title", "string", printable(pattern.title)),
     ):
         ET.SubElement(ET.SubElement(data, "void", property=name), kind).text = text
     ET.indent(root, " ")

@@ -20,6 +20,8 @@ from reportlab.pdfgen.canvas import Canvas
 from foldcut.job import Job, JobError
 from foldcut.profiles import Profile
 
+from .text import printable
+
 RULER_MM = 100.0
 CROSS_MM = 4.0
 
@@ -33,7 +35,7 @@ def export(job: Job, profile: Profile) -> bytes:
         raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; use one for a printer")
     raw = io.BytesIO()
     canvas = Canvas(raw, invariant=True, pageCompression=0)
-    canvas.setTitle(job.title or "foldcut")
+    canvas.setTitle(printable(job.title) or "foldcut")
     canvas.setCreator("foldcut")
     look = profile.drawing
     for tile in tiles(job, profile):

@@ -22,8 +22,7 @@ from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern, Sheet
 from foldcut.profiles import Drawing, Profile
 
-DIGITS = 4
-"""Digits after the point, in mm: far below what any machine resolves."""
+from .text import number, printable
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
@@ -129,11 +128,6 @@ def _add_ruler(legend: _Legend, length: float, x: float, y: float, size: float) 
     legend.texts.append((f"{length:g} mm", x + length + 0.5 * size, y))
 
 
-def printable(text: str) -> str:
-    """Return the text without the characters that XML forbids or nobody sees."""
-    return "".join(filter(str.isprintable, text))
-
-
 def _text_width(text: str) -> float:
     """Estimate how wide a text is, in font sizes."""
     return sum(1.0 if unicodedata.east_asian_width(letter) in "WF" else LETTER_WIDTH for letter in text)
@@ -165,9 +159,3 @@ def _closed(loop: Floats) -> str:
 
 def _point(point: Sequence[float]) -> str:
     return f"{number(point[0])} {number(point[1])}"
-
-
-def number(value: float) -> str:
-    """Return a number of mm in the shortest form, without exponent or negative zero."""
-    text = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text

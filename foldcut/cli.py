@@ -13,7 +13,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -219,28 +219,29 @@ def _contents(
     pattern: FoldedPattern, outputs: Sequence[Path], profile: Profile | None, args: argparse.Namespace
 ) -> tuple[dict[Path, bytes], list[Job]]:
     """Return what goes into the files, and the jobs among it."""
-    from foldcut.exporters import JOB_EXPORTERS, export, export_jobs
+    from foldcut.exporters import JOB_EXPORTERS, export, export_job
+    from foldcut.job import make_jobs
 
     contents: dict[Path, bytes] = {}
-    jobs: list[Job] = []
+    jobs: dict[Side, Job] = {}
     for path in outputs:
         if profile is None or not profile.operations or path.suffix.lower() not in JOB_EXPORTERS:
             contents[path] = export(pattern, path.suffix, profile)
             continue
-        made = export_jobs(
-            pattern,
-            path.suffix,
-            profile,
-            material=args.material,
-            treatment=args.treatment,
-            two_sided=args.two_sided,
-            outline=not args.no_outline,
-            tile=args.tile,
-        )
+        if not jobs:
+            made = make_jobs(
+                pattern,
+                profile,
+                material=args.material,
+                treatment=args.treatment,
+                two_sided=args.two_sided,
+                outline=not args.no_outline,
+                tile=args.tile,
+            )
+            jobs = {job.side: job for job in made}
         for side, name in _sides(path, args.two_sided).items():
-            job, contents[name] = made[side]
-            jobs.append(job)
-    return contents, jobs
+            contents[name] = export_job(jobs[side], path.suffix, profile)
+    return contents, list(jobs.values())
 
 
 def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: Sequence[Path]) -> None:
@@ -447,15 +448,32 @@ class _Version(argparse.Action):
         parser.exit()
 
 
-def _add_make(commands: Any) -> None:
-    make = commands.add_parser(
-        "make",
-        help="compute the crease pattern of a drawing and write it",
-        description="Compute how to fold a sheet so that one straight cut gives the drawing.",
-        epilog=MAKE_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+def _command(
+    commands: Any,
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    summary: str,
+    description: str,
+    epilog: str,
+) -> argparse.ArgumentParser:
+    """Add a command that does ``run``."""
+    form = argparse.RawDescriptionHelpFormatter
+    command: argparse.ArgumentParser = commands.add_parser(
+        name, help=summary, description=description, epilog=epilog, formatter_class=form
     )
-    make.set_defaults(run=_make)
+    command.set_defaults(run=run)
+    return command
+
+
+def _add_make(commands: Any) -> None:
+    make = _command(
+        commands,
+        "make",
+        _make,
+        "compute the crease pattern of a drawing and write it",
+        "Compute how to fold a sheet so that one straight cut gives the drawing.",
+        MAKE_EPILOG,
+    )
     make.add_argument("shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample")
     make.add_argument(
         "-o",
@@ -542,29 +560,29 @@ def _add_make(commands: Any) -> None:
 
 
 def _add_check(commands: Any) -> None:
-    check = commands.add_parser(
+    check = _command(
+        commands,
         "check",
-        help="verify that a FOLD file folds flat as it says",
-        description="Verify that a crease pattern folds flat as it says, and with --shape also its cut.",
-        epilog=CHECK_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        _check,
+        "verify that a FOLD file folds flat as it says",
+        "Verify that a crease pattern folds flat as it says, and with --shape also its cut.",
+        CHECK_EPILOG,
     )
-    check.set_defaults(run=_check)
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     _add_common(check)
 
 
 def _add_coupon(commands: Any) -> None:
-    coupon = commands.add_parser(
+    coupon = _command(
+        commands,
         "coupon",
-        help="write a test card of scores and perforations for a machine",
-        description="Write a test card: strips to fold, scored and perforated in many settings. A row's number is told "
+        _coupon,
+        "write a test card of scores and perforations for a machine",
+        "Write a test card: strips to fold, scored and perforated in many settings. A row's number is told "
         "by the ticks beside it.",
-        epilog=COUPON_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        COUPON_EPILOG,
     )
-    coupon.set_defaults(run=_coupon)
     coupon.add_argument("--profile", metavar="NAME", required=True, help="the machine; see foldcut profiles")
     coupon.add_argument("--material", metavar="NAME", help="what the card is made of (default: the profile's first)")
     coupon.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
@@ -573,15 +591,15 @@ def _add_coupon(commands: Any) -> None:
 
 
 def _add_profiles(commands: Any) -> None:
-    profiles = commands.add_parser(
+    profiles = _command(
+        commands,
         "profiles",
-        help="list, show and validate the machines' profiles",
-        description="List, show and validate profiles: what foldcut knows of machines. Your own go into "
+        _profiles,
+        "list, show and validate the machines' profiles",
+        "List, show and validate profiles: what foldcut knows of machines. Your own go into "
         "~/.config/foldcut/profiles, or anywhere: --profile takes a path that ends in .toml.",
-        epilog=PROFILES_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        PROFILES_EPILOG,
     )
-    profiles.set_defaults(run=_profiles)
     profiles.add_argument("action", nargs="?", choices=("list", "show", "validate"), default="list")
     profiles.add_argument("name", nargs="?", metavar="PROFILE", help="a name, or the path of a TOML file")
     profiles.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
@@ -589,14 +607,14 @@ def _add_profiles(commands: Any) -> None:
 
 
 def _add_samples(commands: Any) -> None:
-    samples = commands.add_parser(
+    samples = _command(
+        commands,
         "samples",
-        help="list the drawings that come with foldcut",
-        description="List the drawings that come with foldcut; `foldcut make` takes their names as SHAPE.",
-        epilog=SAMPLES_EPILOG,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
+        _samples,
+        "list the drawings that come with foldcut",
+        "List the drawings that come with foldcut; `foldcut make` takes their names as SHAPE.",
+        SAMPLES_EPILOG,
     )
-    samples.set_defaults(run=_samples)
     samples.add_argument("--json", action="store_true", help="print the list for programs")
 
 

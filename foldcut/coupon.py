@@ -9,10 +9,11 @@ layer, colour and setting.
 from __future__ import annotations
 
 import colorsys
+from dataclasses import replace
 
 import numpy as np
 
-from foldcut.job import Job, Step, check_job, perforation, travel
+from foldcut.job import Job, Lay, Step, check_job, perforation, travel
 from foldcut.model import Floats, Sheet
 from foldcut.profiles import Dash, Operation, Profile, Setting
 
@@ -70,9 +71,10 @@ def make_coupon(profile: Profile, material: str | None = None) -> tuple[Job, lis
     slit = np.array([[WIDTH_MM - EDGE_MM, EDGE_MM], [WIDTH_MM - EDGE_MM, height - EDGE_MM]])
     outline = np.concatenate([sheet.corners, sheet.corners[:1]])
     steps.append(Step("cut", profile.operations["cut"], stuff.cut, (*cuts, slit, outline)))
-    way = travel([step.strokes for step in steps], np.zeros(2))
-    at_height = profile.bed.height_mm - height if profile.bed and profile.bed.origin == "upper-left" else 0.0
-    return Job(f"Test card: {name}", (WIDTH_MM, height), (0.0, at_height), False, "both", tuple(steps), way, way), texts
+    lay = Lay.on(sheet, profile.bed)
+    laid = tuple(replace(step, strokes=tuple(map(lay.place, step.strokes))) for step in steps)
+    way = travel([step.strokes for step in laid], np.zeros(2))
+    return Job(f"Test card: {name}", lay.size, lay.at, lay.turned, "both", laid, way, way), texts
 
 
 def _score(setting: Setting | None, part: float) -> Row:

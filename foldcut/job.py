@@ -97,7 +97,7 @@ def make_jobs(
     treatment = treatment or profile.treatment
     check_job(pattern.sheet, profile, material=material, tile=tile)
     dashes, settings = _material(profile, material, treatment)
-    lay = _Lay.on(pattern.sheet, None if tile else profile.bed)
+    lay = Lay.on(pattern.sheet, None if tile else profile.bed)
     sides: tuple[Side, ...] = ("front", "back") if two_sided else ("both",)
     jobs = []
     for side in sides:
@@ -125,7 +125,7 @@ def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None, ti
     _material(profile, material, "score")
     if tile and profile.page is None:
         raise JobError(f"the profile {profile.title!r} cannot tile: only printers take several pages")
-    _Lay.on(sheet, None if tile else profile.bed)
+    Lay.on(sheet, None if tile else profile.bed)
 
 
 def steps_of(profile: Profile, material: str | None = None) -> tuple[Step, ...]:
@@ -139,7 +139,7 @@ def _job(
     profile: Profile,
     roles: dict[Role, list[list[Floats]]],
     settings: dict[Role, Setting | None],
-    lay: _Lay,
+    lay: Lay,
     side: Side,
 ) -> Job:
     steps = []
@@ -181,8 +181,8 @@ def _material(
 
 
 @dataclass(frozen=True)
-class _Lay:
-    """How the sheet lies on the bed."""
+class Lay:
+    """How a sheet lies on the bed: see ``Job``."""
 
     sheet: Sheet
     size: tuple[float, float]
@@ -190,7 +190,7 @@ class _Lay:
     turned: bool
 
     @classmethod
-    def on(cls, sheet: Sheet, bed: Bed | None) -> _Lay:
+    def on(cls, sheet: Sheet, bed: Bed | None) -> Lay:
         """Lay a sheet in the origin's corner, upright if it fits so, else turned a quarter."""
         width, height = sheet.width, sheet.height
         if bed is None:
@@ -206,7 +206,7 @@ class _Lay:
             f"{bed.height_mm:g} mm; use --sheet {small:g}x{large:g}mm or smaller, or --tile on a printer"
         )
 
-    def place(self, points: Floats, side: Side) -> Floats:
+    def place(self, points: Floats, side: Side = "both") -> Floats:
         """Move points from the pattern's sheet to the sheet as it lies."""
         x, y = points[:, 0], points[:, 1]
         if side == "back":

@@ -40,6 +40,16 @@ def test_strips_are_free_but_for_their_left_ends() -> None:
     assert powers[0] < powers[-1]
 
 
+@pytest.mark.parametrize("origin", ["lower-left", "upper-left"])
+def test_a_card_that_fits_turned_only_lies_on_the_bed(origin: str) -> None:
+    profile = load_profile("laser-dxf", ["bed.height_mm=100", f"bed.origin={origin}"])
+    job, _ = make_coupon(profile)
+    assert job.turned
+    points = np.concatenate([stroke for step in job.steps for stroke in step.strokes]) + job.at
+    assert (points >= 0).all()
+    assert (points <= (600, 100)).all()
+
+
 def test_a_card_that_does_not_fit_is_an_error() -> None:
     with pytest.raises(JobError, match="does not fit"):
         make_coupon(load_profile("laser-dxf", ["bed.width_mm=50"]))

@@ -25,12 +25,12 @@ from numpy.testing import assert_allclose
 from patterns import book_fold
 from programs import require_program, run_program
 
-from foldcut.exporters import export_jobs
+from foldcut.exporters import export_job
 from foldcut.exporters.pdf import tiles
 from foldcut.job import Job, JobError, Side, make_jobs, perforation, straight_lines
 from foldcut.model import Floats, FoldedPattern
 from foldcut.pipeline import fold
-from foldcut.profiles import Dash, load_profile, profile_names
+from foldcut.profiles import Dash, Profile, load_profile, profile_names
 from foldcut.samples import sample_path
 
 MACHINES = [name for name in profile_names() if load_profile(name).operations]
@@ -41,6 +41,11 @@ NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025, ".pdf"
 def folded(name: str, method: str = "compact") -> FoldedPattern:
     sheet = "180x250mm"  # fits every machine
     return fold(sample_path(name), sheet, effort="fast", method=method, min_crease=0).require_verified()
+
+
+def export_jobs(pattern: FoldedPattern, suffix: str, profile: Profile, **options: Any) -> dict[Side, tuple[Job, bytes]]:
+    """Make the jobs, and their files, by the side of the sheet."""
+    return {job.side: (job, export_job(job, suffix, profile)) for job in make_jobs(pattern, profile, **options)}
 
 
 @cache
@@ -303,7 +308,7 @@ def test_dxf_is_clean_and_has_its_unit() -> None:
 
 
 def test_nothing_is_said_on_standard_error() -> None:
-    code = "from patterns import book_fold; from foldcut.exporters import export_jobs as e; "
+    code = "from test_jobs import book_fold, export_jobs as e; "
     code += "from foldcut.profiles import load_profile; e(book_fold(), '.dxf', load_profile('silhouette-cameo'))"
     folder = Path(__file__).parent
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=folder, check=True)
@@ -435,6 +440,12 @@ def test_a_laser_is_off_between_strokes_and_at_the_end() -> None:
         for before, line in itertools.pairwise(text)
         if before.startswith("G0 X") and line.startswith("G1")
     )
+
+
+def test_gcode_is_ascii_whatever_layers_are_called() -> None:
+    profile = load_profile("grbl-laser", ["operations.cut.layer=Außenrand"])
+    ((_, data),) = export_jobs(folded("bolt"), ".gcode", profile).values()
+    assert b"; Au?enrand\n" in data
 
 
 def test_the_way_between_strokes_is_short() -> None:

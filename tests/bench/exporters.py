@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import foldcut
-from foldcut.exporters import PATTERN_EXPORTERS, export, export_jobs
+from foldcut.exporters import PATTERN_EXPORTERS, export, export_job
 from foldcut.job import make_jobs
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
@@ -44,7 +44,7 @@ def main() -> None:
     for name in MACHINES:
         profile = load_profile(name)
         suffix = f".{profile.format}"
-        rows[f"{name} {suffix}"] = seconds(lambda s=suffix, p=profile: export_jobs(pattern, s, p))  # type: ignore[misc]
+        rows[f"{name} {suffix}"] = seconds(lambda s=suffix, p=profile: export_job(make_jobs(pattern, p)[0], s, p))  # type: ignore[misc]
     for suffix in PATTERN_EXPORTERS:
         rows[suffix] = seconds(lambda s=suffix: export(pattern, s))  # type: ignore[misc]
     print(f"{pattern.creases.crease_count} creases, folded in {fold:.2f} s")
