@@ -7,11 +7,12 @@ CODE := foldcut exporters profiles samples tests
 
 .PHONY: demo test bench bench-compact bench-exporters sweep sweep-compact pictures lint tools clean
 
-## Fold two samples on A4 into out/: a fish, and a star that folds in five lines.
+## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
 	@mkdir -p out
 	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold
 	$(BIN)/foldcut make samples/star.svg --sheet a4 -o out/star.svg -o out/star.fold
+	$(BIN)/foldcut make samples/letter-a.svg --sheet a4 -o out/letter-a.svg -o out/letter-a.fold
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
@@ -21,7 +22,7 @@ test: $(VENV)/installed-test tools
 bench: $(VENV)/installed-test
 	$(BIN)/python tests/bench/bench.py
 
-## Creases of both methods for every sample, and for every shape in the folder SHAPES and below.
+## Creases of the default and the paper's method for every sample, and for every shape in the folder SHAPES and below.
 bench-compact: $(VENV)/installed-test
 	$(BIN)/python tests/bench/compact.py $(SHAPES)
 
@@ -48,6 +49,7 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg
 	$(BIN)/foldcut make star -o docs/star.svg
 	$(BIN)/foldcut make marlin -o docs/marlin.svg
+	$(BIN)/foldcut make letter-a -o docs/letter-a.svg
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:

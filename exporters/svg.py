@@ -1,9 +1,9 @@
 """SVG: a drawing of the crease pattern in true size, to print, to look at, or to give to a machine.
 
 Input: a ``FoldedPattern`` and a ``Profile``; output: SVG 1.1. One user unit is 1 mm, y points down, nothing
-is transformed. Inkscape layers in drawing order: Shape, Valley, Mountain, Cut (the sheet's outline),
-Legend. Dashes are short line pieces and not a line style, because most programs that cut or plot drop
-styles.
+is transformed. Inkscape layers in drawing order: First-fold (if there is one: wide and pale, under the creases),
+Shape, Valley, Mountain, Cut (the sheet's outline), Legend. Dashes are short line pieces and not a line style,
+because most programs that cut or plot drop styles.
 """
 
 from __future__ import annotations
@@ -47,13 +47,17 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     mountain_paths = (_segments(mountain_pieces(line, look)) for line in mountains)
     valley_paths = (_segments(valley_pieces(line, look)) for line in valleys)
     outlines = (_closed(_flip(loop, sheet)) for loop in pattern.shape.loops)
+    if pattern.first_folds:
+        wide = WIDE * look.crease_stroke_mm
+        firsts = [_segments(_flip(line, sheet)[None]) for line in pattern.first_folds]
+        layer("First-fold", look.legend_colour, wide, firsts).update({"stroke-opacity": PALE})
     layer("Shape", look.shape_colour, look.shape_stroke_mm, outlines)
     width = look.crease_stroke_mm
     layer("Valley", look.valley_colour, width, valley_paths)
     layer("Mountain", look.mountain_colour, width, mountain_paths)
     layer("Cut", look.border_colour, look.border_stroke_mm, [_closed(_flip(sheet.corners, sheet))])
 
-    legend = _legend(pattern.title, sheet, look)
+    legend = _legend(pattern.title, sheet, look, first_fold=bool(pattern.first_folds))
     group = layer("Legend", look.legend_colour, look.legend_stroke_mm, legend.paths)
     for text, x, y in legend.texts:
         place = (number(x), number(y))
@@ -74,6 +78,9 @@ def _flip(points: Floats, sheet: Sheet) -> Floats:
 LETTER_WIDTH = 0.6
 LINE_HEIGHT = 1.6
 
+WIDE, PALE = 8.0, 0.25
+"""How many times as wide as a crease the line of the first fold is, and its opacity."""
+
 
 @dataclass(frozen=True)
 class _Legend:
@@ -84,7 +91,7 @@ class _Legend:
     font: dict[str, str]
 
 
-def _legend(title: str, sheet: Sheet, look: Drawing) -> _Legend:
+def _legend(title: str, sheet: Sheet, look: Drawing, *, first_fold: bool) -> _Legend:
     """Set the legend in rows along the bottom edge, the ruler lowest, all inside the sheet."""
     small = sheet.width < look.small_sheet_mm
     ruler = look.small_ruler_mm if small else look.ruler_mm
@@ -97,6 +104,11 @@ def _legend(title: str, sheet: Sheet, look: Drawing) -> _Legend:
         (valley_pieces(sample_line, look), "valley: fold toward you"),
         (sample_line[None], "shape: the one straight cut, when folded flat"),
     ]
+    if first_fold:
+        edges = np.array([-0.5, 0.5]) * WIDE * look.crease_stroke_mm
+        samples.append(
+            (sample_line + np.stack([0 * edges, edges], axis=1)[:, None], "first: fold in half, away from you")
+        )
     legend = _Legend([], [], {"font_family": "sans-serif", "font_size": number(size)})
     x, y, right = inset, sheet.height - inset, sheet.width - inset
     if x + ruler + 4 * size <= sheet.width:

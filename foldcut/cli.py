@@ -155,6 +155,7 @@ def _make(args: argparse.Namespace) -> int:
             ribbon=None if args.ribbon is None else parse_length(args.ribbon),
             min_crease=None if args.min_crease is None else parse_length(args.min_crease),
             simplify=parse_length(args.simplify),
+            symmetry=parse_length(args.symmetry),
             effort=args.effort,
             seconds=args.seconds,
             progress=bar,
@@ -485,7 +486,8 @@ def _add_make(commands: Any) -> None:
     make.add_argument(
         "--sheet",
         default="a4",
-        help="a paper size such as a4 or letter, or WIDTHxHEIGHT (default: %(default)s)",
+        help="a paper size such as a4, which lies as the drawing does, or a4-landscape, or WIDTHxHEIGHT "
+        "(default: %(default)s)",
     )
     make.add_argument("--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)")
     make.add_argument(
@@ -509,14 +511,15 @@ def _add_make(commands: Any) -> None:
         "--method",
         choices=METHODS,
         default=DEFAULT_METHOD,
-        help="compact: few creases, to fold by hand; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
+        help="mirror: fold the drawing's mirror axes first, the rest through two or four layers; compact: few creases; "
+        "auto: of these, what is easiest to fold; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
         "thousands of creases (default: %(default)s)",
     )
     make.add_argument(
         "--effort",
         choices=EFFORTS,
         default="normal",
-        help="how long compact searches for fewer and longer creases (default: %(default)s)",
+        help="how long to search for fewer and longer creases (default: %(default)s)",
     )
     make.add_argument(
         "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
@@ -537,6 +540,13 @@ def _add_make(commands: Any) -> None:
         metavar="LENGTH",
         default="0mm",
         help="leave out corners that are no more than this off, on the sheet (default: none)",
+    )
+    make.add_argument(
+        "--symmetry",
+        metavar="LENGTH",
+        default="0mm",
+        help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
+        "make it so (default: only rounding)",
     )
     machine = make.add_argument_group("the machine")
     machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")

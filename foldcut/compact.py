@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.faces import Ring, assemble, creases_of_stack, merge_stacks, outline
+from foldcut.faces import Ring, assemble, creases_of_stack, merge_stacks, outlines
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Numbers, Sheet
 from foldcut.plane import cross
 from foldcut.universal import Border, Molecule, Vertices
@@ -82,11 +82,11 @@ def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, F
     shared = set(range(sides))
     order = merge_stacks(inside.order, [number[facet] for facet in reversed(outside.order)], shared)[::-1]
     clip = _Clip(molecules.vertices, sheet)
-    rings: dict[int, list[Ring]] = {facet: [ring] for facet, ring in enumerate(inside.rings()) if ring}
+    rings: dict[int, list[Ring]] = {facet: clip.clip(ring) for facet, ring in enumerate(inside.rings())}
     for facet, ring in enumerate(outside.rings()):
         rings.setdefault(number[facet], []).extend(clip.clip(ring))
     flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
-    faces = [outline(rings[face]) for face in order if rings.get(face)]
+    faces = [ring for face in order for ring in outlines(rings[face])]
     edges, kinds = creases_of_stack(folded, faces)
     return assemble(flat, folded, faces, edges, kinds, clip.corners())
 

@@ -28,17 +28,21 @@ Ring = list[int]
 Edge = tuple[int, int]
 
 
-def outline(rings: Sequence[Ring]) -> Ring:
-    """Return the outline of counter-clockwise rings joined side to side."""
+def outlines(rings: Sequence[Ring]) -> list[Ring]:
+    """Return the outlines of counter-clockwise rings joined side to side: one for each piece that hangs together."""
     if len(rings) == 1:
-        return rings[0]
+        return [*rings]
     sides = {pair for ring in rings for pair in zip(ring, ring[1:] + ring[:1], strict=True)}
     following = {a: b for a, b in sides if (b, a) not in sides}
-    start = min(following)
-    result = [start]
-    while (vertex := following[result[-1]]) != start:
-        result.append(vertex)
-    return result
+    pieces = []
+    while following:
+        start = vertex = min(following)
+        piece: Ring = []
+        while not piece or vertex != start:
+            piece.append(vertex)
+            vertex = following.pop(vertex)
+        pieces.append(piece)
+    return pieces
 
 
 def merge_stacks(inside: Sequence[int], outside: Sequence[int], shared: set[int]) -> list[int]:

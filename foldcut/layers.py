@@ -18,7 +18,7 @@ from collections import defaultdict
 import numpy as np
 
 from foldcut.assignment import Assignment
-from foldcut.faces import assemble, merge_stacks, outline
+from foldcut.faces import assemble, merge_stacks, outlines
 from foldcut.model import CreasePattern, FoldedState
 from foldcut.molecules import Molecules
 
@@ -35,7 +35,7 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
     joined, face_of = _join_unfolded(molecules, assignment)
     shared = {face for face, parts in joined.items() if len(parts) > 1}
     order = merge_stacks([face_of[f] for f in inside], [face_of[f] for f in outside], shared)[::-1]
-    rings = [outline([molecules.facets[f].tolist() for f in joined[face]]) for face in order]
+    rings = [ring for face in order for ring in outlines([molecules.facets[f].tolist() for f in joined[face]])]
     keep = np.isin(assignment.crease_assignment, ("M", "V", "B"))
     edges = [(a, b) for a, b in molecules.creases[keep].tolist()]
     kinds = assignment.crease_assignment[keep].tolist()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-METHODS = ("compact", "paper")
-DEFAULT_METHOD = "compact"
+METHODS = ("auto", "mirror", "compact", "paper")
+DEFAULT_METHOD = "auto"
+"""Of the others but "paper", the one whose pattern is easiest to fold."""
 
 EFFORTS = ("fast", "normal", "best")
-"""How long the compact method searches."""
+"""How long there is a search for the best pattern."""
 
-MIN_CREASE_MM = {"compact": 0.5, "paper": 0.0}
+MIN_CREASE_MM = {"mirror": 0.5, "compact": 0.5, "paper": 0.0}
 """The shortest crease that a method's patterns may have unless told otherwise; the paper's are tiny by nature."""

@@ -8,7 +8,7 @@ FOLD's field names are used where FOLD has one (FOLD specification 1.2).
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
@@ -108,11 +108,15 @@ class Shape:
 
 @dataclass(frozen=True)
 class Sheet:
-    """A rectangle of paper with its lower left corner at (0, 0); ``width`` and ``height`` in mm."""
+    """A rectangle of paper with its lower left corner at (0, 0); ``width`` and ``height`` in mm.
+
+    ``either_way``: it may be turned a quarter, nobody has said how it lies.
+    """
 
     width: float
     height: float
     name: str = ""
+    either_way: bool = field(default=False, compare=False)
 
     @property
     def corners(self) -> Floats:
@@ -186,7 +190,11 @@ class FoldedState:
 
 @dataclass(frozen=True, eq=False)
 class FoldedPattern:
-    """All that an exporter needs: the creases, how they fold, the sheet, the shape on it, and its name."""
+    """All that an exporter needs: the creases, how they fold, the sheet, the shape on it, and its name.
+
+    ``first_folds``: straight lines across all of the sheet, each ``(2, 2)`` mm, that are folded away from you in turn
+    before all else.
+    """
 
     creases: CreasePattern
     folded: FoldedState
@@ -194,6 +202,7 @@ class FoldedPattern:
     shape: Shape
     placement: Placement
     title: str
+    first_folds: tuple[Floats, ...] = ()
 
 
 @dataclass(frozen=True)

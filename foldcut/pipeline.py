@@ -11,35 +11,38 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from foldcut.assignment import Assignment, assign_creases, require_one_loop
 from foldcut.boundary import boundary_disks, default_ribbon
-from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, VerificationError
+from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
 from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.layers import fold_layers
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
-from foldcut.model import CreasePattern, Finding, FoldedPattern, FoldedState, Shape, Sheet
+from foldcut.mirror import Half, Mirrored, fold_mirrored, halves
+from foldcut.model import CreasePattern, Finding, Floats, FoldedPattern, FoldedState, Placement, Shape, Sheet
 from foldcut.molecules import Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
 from foldcut.readers import Drawing, read_shape
+from foldcut.search import Compact, fold_compact, rank, shortest_crease
 from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
+from foldcut.sheet import as_it_lies, parse_sheet, place
 from foldcut.simplify import simplify as simplify_shape
+from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.tolerance import Tolerance
-from foldcut.verify import verify
-
-if TYPE_CHECKING:
-    from foldcut.search import Compact
+from foldcut.verify import COINCIDENT, verify
 
 __all__ = ["EFFORTS", "METHODS", "PaperStages", "Progress", "Result", "fold"]
 
 Progress = Callable[[str, float], None]
+
+AFTER_MIRROR = 0.4
+"""The part of the effort that the compact method gets when a mirror axis has given a pattern."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,19 +56,34 @@ class PaperStages:
     folded: FoldedState
 
 
+@dataclass(frozen=True)
+class Attempt:
+    """What a method came to: its creases on the sheet, folding actions and shortest crease in mm, or why it failed."""
+
+    method: str
+    creases: int | None
+    actions: int | None
+    shortest_mm: float | None
+    failure: str
+
+
 @dataclass(frozen=True, eq=False)
 class Result:
     """A pattern, how it folds, what the method's stages made, and what verification found.
 
-    ``findings`` is empty exactly when the pattern is verified. ``ribbon`` is the half-width in mm that the pattern has.
+    ``findings`` is empty exactly when the pattern is verified. ``method`` is the one that made it, ``attempts`` has
+    what all that were tried came to. ``actions``: how many straight folds a person makes, through one layer or more.
+    ``ribbon`` is the half-width in mm that the pattern has.
     ``seconds`` holds the time of each stage and the totals "build" and "verify". ``notes`` say what was left out of the
     drawing, and what was simplified.
     """
 
     folded_pattern: FoldedPattern
     findings: tuple[Finding, ...]
-    stages: PaperStages | Compact
+    stages: PaperStages | Compact | Mirrored
     method: str
+    actions: int
+    attempts: tuple[Attempt, ...]
     ribbon: float
     seconds: dict[str, float]
     notes: tuple[str, ...]
@@ -99,6 +117,7 @@ def fold(
     ribbon: float | None = None,
     min_crease: float | None = None,
     simplify: float = 0.0,
+    symmetry: float = 0.0,
     effort: str = "normal",
     seconds: float | None = None,
     title: str = "",
@@ -108,19 +127,21 @@ def fold(
 
     ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in mm,
     ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
-    ``rotation`` in degrees counter-clockwise. ``method`` is "compact" (few creases) or "paper" (Bern, Demaine, Eppstein
-    and Hayes). ``ribbon`` is the half-width in mm of the strip along the shape's boundary that is not folded; None is
-    the method's default, which for "paper" is a small one: without, creases fold onto the cut line.
-    ``min_crease`` is the shortest crease in mm that a pattern may have, None the method's default (0.5, "paper": 0).
-    ``simplify`` leaves out corners that are off by no more than so many mm on the sheet. ``effort`` ("fast", "normal",
-    "best") and ``seconds`` bound the search of "compact". ``progress`` is called with a stage's name and the part of it
-    that is done.
+    ``rotation`` in degrees counter-clockwise. ``method`` is "mirror" (the shape's mirror axes are folded first, the
+    rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), or "auto":
+    of the first two, the one with fewer folding actions. ``ribbon`` is the half-width in mm of the strip along the
+    shape's boundary that is not folded; None is the method's default, which for "paper" is a small one: without,
+    creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may have, None the
+    method's default (0.5, "paper": 0). ``simplify`` leaves out corners that are off by no more than so many mm on the
+    sheet; ``symmetry`` takes a drawing as symmetric whose corners are off by so much, and makes it so. ``effort``
+    ("fast", "normal", "best") and ``seconds`` bound the search. ``progress`` is called with a stage's name and the part
+    of it that is done.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
     that fails verification is returned with its findings; ``Result.require_verified`` refuses it.
     """
-    _check_options(method, ribbon, min_crease, effort, seconds)
+    _check_options(method, ribbon, min_crease, symmetry, effort, seconds)
     stages = _Stages(progress)
     with stages("reading"):
         drawing = read_shape(Path(shape)) if isinstance(shape, str | PathLike) else shape
@@ -132,38 +153,186 @@ def fold(
             scale = scale if isinstance(scale, str) else scale * (drawing.unit_mm or 1.0)
             drawing = drawing.loops
         outline = drawing if isinstance(drawing, Shape) else make_shape(drawing)
-        sheet = parse_sheet(sheet) if isinstance(sheet, str) else sheet
-        require_one_loop(outline)
-        placed, placement = place(outline, sheet, margin=margin, scale=scale, offset=offset, rotation=rotation)
-        if y_down:
-            placement = placement.from_y_down()
-        if simplify:
-            simplified = simplify_shape(placed, simplify)
-            placed = simplified.shape
-            notes.append(str(simplified))
-    made: PaperStages | Compact
-    if method == "compact":
-        ribbon = ribbon or 0.0
-        with stages("searching"):
-            from foldcut.search import fold_compact
+        paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
 
-            made = fold_compact(
-                placed.loops[0], sheet, ribbon=ribbon, effort=effort, seconds=seconds, progress=stages.tell
-            )
-    else:
-        ribbon = default_ribbon(placed, sheet) if ribbon is None else ribbon
-        made = _fold_by_the_paper(placed, sheet, ribbon, stages)
+        def lay(turn: float) -> _Laid:
+            """Lay the shape on the sheet, turned by so many degrees more."""
+            angle = rotation + turn
+            on = as_it_lies(paper, outline, angle)
+            placed, placement = place(outline, on, margin=margin, scale=scale, offset=offset, rotation=angle)
+            notes = [f"turned by {turn:.4g} degrees, so that a mirror axis lies along the sheet"] if turn else []
+            if simplify:
+                simplified = simplify_shape(placed, simplify)
+                placed = simplified.shape
+                notes.append(str(simplified))
+            return _Laid(on, placed, placement.from_y_down() if y_down else placement, notes)
+
+        laid = lay(0.0)
+    trials = _Trials(stages, ribbon, effort, seconds, symmetry, may_turn=not rotation and offset is None)
+    made = trials.run(method, laid, lay)
     stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
-        findings = verify(made.creases, made.folded.layers, placed)
+        findings = verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
     if not findings:
-        _require_length(made.creases, sheet, MIN_CREASE_MM[method] if min_crease is None else min_crease)
-    pattern = FoldedPattern(made.creases, made.folded, sheet, placed, placement, title)
-    return Result(pattern, tuple(findings), made, method, ribbon, stages.seconds, tuple(notes))
+        least = MIN_CREASE_MM[made.method] if min_crease is None else min_crease
+        _require_length(made.stages.creases, made.laid.sheet, least)
+    on = made.laid
+    pattern = FoldedPattern(
+        made.stages.creases, made.stages.folded, on.sheet, on.shape, on.placement, title, made.first_folds
+    )
+    return Result(
+        pattern,
+        tuple(findings),
+        made.stages,
+        made.method,
+        made.actions,
+        tuple(trials.attempts),
+        made.ribbon,
+        stages.seconds,
+        (*notes, *on.notes),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Laid:
+    """A shape on its sheet, and what was done to it on the way."""
+
+    sheet: Sheet
+    shape: Shape
+    placement: Placement
+    notes: list[str]
+
+
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """What a method made of a shape on its sheet."""
+
+    method: str
+    stages: PaperStages | Compact | Mirrored
+    laid: _Laid
+    ribbon: float
+    actions: int
+    first_folds: tuple[Floats, ...] = ()
+    interrupted: bool = False
+
+
+class _Trials:
+    """Runs methods and keeps what came of each."""
+
+    def __init__(
+        self,
+        stages: _Stages,
+        ribbon: float | None,
+        effort: str,
+        seconds: float | None,
+        symmetry: float,
+        *,
+        may_turn: bool,
+    ) -> None:
+        self.stages, self.ribbon, self.symmetry, self.may_turn = stages, ribbon, symmetry, may_turn
+        self.free = ribbon or 0.0  # the ribbon of methods that need none
+        self.fold_compact = partial(
+            fold_compact, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
+        )
+        self.fold_mirrored = partial(
+            fold_mirrored, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
+        )
+        self.attempts: list[Attempt] = []
+
+    def run(self, method: str, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
+        """Return what a method makes, or the best of what several do."""
+        if method == "paper":
+            return self._kept(self._paper(laid))
+        made: list[_Made] = []
+        reasons: list[str] = []
+        interrupted = False
+        if method in ("auto", "mirror"):
+            try:
+                mirrored = self._mirror(laid, lay)
+                interrupted = mirrored.interrupted
+                made.append(self._kept(mirrored))
+            except UnfoldableError as error:
+                if method == "mirror":
+                    raise
+                reasons.append(self._failed("mirror", error))
+        if method in ("auto", "compact") and not interrupted:
+            try:
+                made.append(self._kept(self._compact(laid, AFTER_MIRROR if made else 1.0)))
+            except UnfoldableError as error:
+                if method == "compact":
+                    raise
+                reasons.append(self._failed("compact", error))
+            except KeyboardInterrupt:
+                if not made:
+                    raise
+        if not made:
+            raise UnfoldableError("; ".join(reasons))
+        return min(made, key=lambda one: rank(one.actions, shortest_crease(one.stages.creases)))
+
+    def _kept(self, made: _Made) -> _Made:
+        creases = made.stages.creases
+        self.attempts.append(Attempt(made.method, creases.crease_count, made.actions, shortest_crease(creases), ""))
+        return made
+
+    def _failed(self, method: str, error: UnfoldableError) -> str:
+        self.attempts.append(Attempt(method, None, None, None, str(error)))
+        return f"{method}: {error}"
+
+    def _compact(self, laid: _Laid, share: float) -> _Made:
+        require_one_loop(laid.shape)
+        with self.stages("searching"):
+            found = self.fold_compact(laid.shape.loops[0], laid.sheet, share=share)
+        return _Made("compact", found, laid, self.free, crease_numbers(found.creases).lines)
+
+    def _mirror(self, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
+        with self.stages("mirror axes"):
+            candidates = list(self._halves(laid, lay))
+        with self.stages("searching half"):
+            made = self.fold_mirrored([half for half, _ in candidates])
+        half, laid = next(one for one in candidates if one[0] is made.half)
+        actions = len(half.axes) + crease_numbers(made.found.part).lines
+        return _Made("mirror", made, laid, self.free, actions, half.first_folds, made.found.interrupted)
+
+    def _halves(self, laid: _Laid, lay: Callable[[float], _Laid]) -> Iterator[tuple[Half, _Laid]]:
+        """Yield the halves of the sheet by which a shape can be folded, and how it lies for each."""
+        refused = f"the drawing is not mirror-symmetric{f' within {self.symmetry:g} mm' if self.symmetry else ''}"
+        found = False
+        if not self.may_turn and mirror_axes(laid.shape, self.symmetry):
+            refused = "no mirror axis of the drawing lies along the sheet; leave out --offset and --rotate"
+        for turn, axes in sheet_axes(laid.shape, self.symmetry, may_turn=self.may_turn):
+            on = lay(turn) if turn else laid
+            middle = np.array([on.sheet.width, on.sheet.height]) / 2
+            shape, moved = symmetric(on.shape, middle, axes)
+            if moved > max(self.symmetry, ROUNDING * on.sheet.diagonal):
+                refused = "the drawing's mirror axis is not in the middle of the sheet; leave out --offset and --rotate"
+                continue
+            notes = list(on.notes)
+            if moved > COINCIDENT[0] * on.sheet.diagonal:
+                notes.append(f"made symmetric: corners moved by at most {moved:.2g} mm")
+            on = _Laid(on.sheet, shape, on.placement, notes)
+            try:
+                for half in halves(shape, on.sheet, axes):
+                    found = True
+                    yield half, on
+            except UnfoldableError as error:
+                refused = str(error)
+        if not found:
+            raise UnfoldableError(refused)
+
+    def _paper(self, laid: _Laid) -> _Made:
+        require_one_loop(laid.shape)
+        ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon
+        made = _fold_by_the_paper(laid.shape, laid.sheet, ribbon, self.stages)
+        return _Made("paper", made, laid, ribbon, crease_numbers(made.creases).lines)
 
 
 def _check_options(
-    method: str, ribbon: float | None, min_crease: float | None, effort: str, seconds: float | None
+    method: str,
+    ribbon: float | None,
+    min_crease: float | None,
+    symmetry: float,
+    effort: str,
+    seconds: float | None,
 ) -> None:
     """Refuse options that mean nothing."""
     if method not in METHODS:
@@ -174,6 +343,8 @@ def _check_options(
         raise RibbonError(f"the ribbon's half-width is {ribbon} mm; give 0 or a positive number")
     if min_crease is not None and not 0 <= min_crease < float("inf"):
         raise BadInputError(f"the shortest crease allowed is {min_crease} mm; give 0 or a positive number")
+    if not 0 <= symmetry < float("inf"):
+        raise BadInputError(f"the deviation from symmetry allowed is {symmetry} mm; give 0 or a positive number")
     if seconds is not None and not 0 < seconds < float("inf"):
         raise BadInputError(f"the time to search is {seconds} s; give a positive number")
 

@@ -39,6 +39,9 @@ def make_report(
         "corners": pattern.shape.corner_count,
         "method": result.method,
         **_method_numbers(result),
+        "attempts": list(map(asdict, result.attempts)),
+        "actions": result.actions,
+        "first_folds": [line.tolist() for line in pattern.first_folds],
         "ribbon_mm": result.ribbon,
         **asdict(result.foldability),
         "faces": len(pattern.creases.faces_vertices),
@@ -61,6 +64,7 @@ def make_lines(report: Report) -> list[str]:
         ("sheet", f"{sheet}; 1 unit of the drawing is {report['scale_mm_per_unit']:.4g} mm"),
         ("", f"{report['sheet_used']:.0%} of it is the shape"),
         *_method_rows(report),
+        *_fold_rows(report),
         *_pattern_rows(report),
         (
             "layers",
@@ -113,20 +117,44 @@ def _job_rows(report: Report) -> list[tuple[str, str]]:
 def _method_numbers(result: Result) -> Report:
     """Return what only the method of a pattern has."""
     stages: Any = result.stages
-    if result.method == "compact":
-        return {"tried": stages.tried, "interrupted": stages.interrupted}
+    if result.method in ("compact", "mirror"):
+        found = stages if result.method == "compact" else stages.found
+        return {"tried": found.tried, "interrupted": found.interrupted}
     return {"disks": len(stages.packing.radii), "molecules": len(stages.molecules.corners)}
 
 
 def _method_rows(report: Report) -> list[tuple[str, str]]:
     """Return the lines on how the pattern was made."""
     width = f"ribbon {report['ribbon_mm']:.3g} mm"
-    if report["method"] == "compact":
-        best = f"best of {report['tried']} tried"
-        rows = [("search", f"interrupted: {best}" if report["interrupted"] else best)]
-        return [*rows, ("", width)] if report["ribbon_mm"] else rows
-    ribbon = f"{width} (the paper's method needs one)" if report["ribbon_mm"] else "no ribbon"
-    return [("packing", f"{report['disks']} disks, {report['molecules']} molecules"), ("", ribbon)]
+    if report["method"] == "paper":
+        ribbon = f"{width} (the paper's method needs one)" if report["ribbon_mm"] else "no ribbon"
+        return [("packing", f"{report['disks']} disks, {report['molecules']} molecules"), ("", ribbon)]
+    best = f"{report['method']}, best of {report['tried']} tried"
+    rows = [("method", f"interrupted: {best}" if report["interrupted"] else best)]
+    others = (attempt for attempt in report["attempts"] if attempt["method"] != report["method"])
+    rows += [("", f"{attempt['method']}: {_attempt_text(attempt)}") for attempt in others]
+    return [*rows, ("", width)] if report["ribbon_mm"] else rows
+
+
+def _attempt_text(attempt: Report) -> str:
+    """Return what came of a method that was not taken."""
+    if attempt["failure"]:
+        return str(attempt["failure"])
+    return (
+        f"{attempt['creases']} creases, {attempt['actions']} folds, the shortest {attempt['shortest_mm']:.3g} mm long"
+    )
+
+
+def _fold_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines on what is folded first, and how many folds there are."""
+    rows: list[tuple[str, str]] = []
+    for (x, y), (to_x, _) in report["first_folds"]:
+        line = f"upright line at x = {x:.4g} mm" if x == to_x else f"level line at y = {y:.4g} mm"
+        name = "then" if rows else "first"
+        rows.append((name, f"fold the sheet in half along the {line}, away from you"))
+    layers = 2 ** len(rows)
+    through = f", all others through {layers} layers" if rows else ""
+    return [*rows, ("folds", f"{report['actions']}{through}")]
 
 
 def check_report(creases: CreasePattern, findings: Sequence[Finding], with_shape: bool, notes: Sequence[str]) -> Report:

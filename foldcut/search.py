@@ -48,13 +48,37 @@ TOO_SHORT, STILL_SHORTER = 1.65, 0.35  # what creases count when the shortest is
 PATIENCE = 2  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 
+Rank = tuple[bool, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """The whole that a sheet is part of: here it is all of it.
+
+    ``shape`` is what is cut out.
+    """
+
+    shape: Shape
+
+    def unfold(self, creases: CreasePattern, folded: FoldedState) -> tuple[CreasePattern, FoldedState]:
+        """Return the pattern of the whole, from that of the part."""
+        return creases, folded
+
+    def creased(self, creases: CreasePattern) -> Bools:
+        """Which edges of the part's pattern are creases of the whole, ``(e,)``."""
+        return np.asarray(creases.edges_assignment != "B")
+
 
 @dataclass(frozen=True, eq=False)
 class Compact:
-    """What the search found: the pattern, its walk and molecules, and how many trials it took."""
+    """What the search found: the pattern, its walk and molecules, and how many trials it took.
+
+    ``part``: the creases before they were unfolded, see ``fold_compact``.
+    """
 
     creases: CreasePattern
     folded: FoldedState
+    part: CreasePattern
     walk: Walk
     molecules: Molecules
     tried: int
@@ -63,11 +87,12 @@ class Compact:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    key: tuple[bool, float, float]
+    key: Rank
     solution: Solution
     plan: _Plan
     creases: CreasePattern
     folded: FoldedState
+    part: CreasePattern
     walk: Walk
     molecules: Molecules
 
@@ -80,15 +105,20 @@ def fold_compact(
     effort: str = "normal",
     seconds: float | None = None,
     progress: Callable[[str, float], None] | None = None,
+    share: float = 1.0,
+    whole: Whole | None = None,
 ) -> Compact:
     """Return the verified pattern with the fewest creases that the search finds.
 
     ``loop`` ``(n, 2)`` is the shape's boundary on the sheet in mm, counter-clockwise; ``ribbon`` a half-width in mm
     that has to stay free of all but straight creases; ``effort`` one of ``EFFORTS``; ``seconds`` a time limit instead.
     ``progress`` is called with a text and the part done. Ctrl-C ends the search with the best pattern so far.
+    ``share``: the part of the effort, or of the seconds, that may be spent. ``whole``: what ``sheet`` is part of, which
+    is what is verified.
     Raises ``UnfoldableError`` when no pattern is found.
     """
-    search = _Search(loop, sheet, ribbon, _Budget(EFFORTS[effort], seconds), progress)
+    budget = _Budget(share * EFFORTS[effort], None if seconds is None else share * seconds)
+    search = _Search(loop, sheet, ribbon, budget, progress, whole or Whole(Shape((loop,), (-1,))))
     interrupted = False
     try:
         for stage in (search.run, search.crowd, search.finish):
@@ -105,7 +135,7 @@ def fold_compact(
             f"no compact pattern was found in {search.tried} trials for the shape around ({x:.1f}, {y:.1f}) mm; "
             "try a higher effort, --simplify, or the paper's method"
         )
-    return Compact(best.creases, best.folded, best.walk, best.molecules, search.tried, interrupted)
+    return Compact(best.creases, best.folded, best.part, best.walk, best.molecules, search.tried, interrupted)
 
 
 class _Spent(Exception):  # noqa: N818  # not an error
@@ -166,9 +196,10 @@ class _Search:
         ribbon: float,
         budget: _Budget,
         progress: Callable[[str, float], None] | None,
+        whole: Whole,
     ) -> None:
         self.outline = Outline(loop)
-        self.shape = Shape((loop,), (-1,))
+        self.whole = whole
         self.sheet, self.ribbon, self.budget, self.progress = sheet, ribbon, budget, progress
         self.rng = np.random.default_rng(len(loop))
         self.best: _Found | None = None
@@ -434,7 +465,7 @@ class _Search:
             self._lengthen(mover, plan)
 
     def _mover(self, solution: Solution, plan: _Plan) -> Mover:
-        return Mover(self.outline, solution, lambda s: self._creases(s, plan), careful=plan.careful)
+        return Mover(self.outline, solution, lambda s: self._creases(s, plan), self.whole.creased, careful=plan.careful)
 
     def _lengthen(self, mover: Mover, plan: _Plan) -> None:
         """Make the shortest creases longer, and where they do not get longer, let them go through zero."""
@@ -505,14 +536,15 @@ class _Search:
         made = self._build(solution, plan)
         if made is None:
             return np.inf
-        walk, molecules, creases, folded = made
-        key = _rank(creases)
+        walk, molecules, part, folded = made
+        creases, folded = self.whole.unfold(part, folded)
+        key = rank(part.crease_count, shortest_crease(creases))
         better = self.best is None or key < self.best.key
         # with pockets turned about half do not fold: none of these may be searched around
-        if (better or plan.turned) and verify(creases, folded.layers, self.shape):
+        if (better or plan.turned) and verify(creases, folded.layers, self.whole.shape):
             return np.inf
         if better:
-            self.best = _Found(key, solution, plan, creases, folded, walk, molecules)
+            self.best = _Found(key, solution, plan, creases, folded, part, walk, molecules)
         return key[1] + 1e4 * key[0]
 
 
@@ -541,11 +573,17 @@ def _with_more_turns(outline: Outline, turns: Turns, solution: Solution) -> tupl
     return turns, along
 
 
-def _rank(creases: CreasePattern) -> tuple[bool, float, float]:
-    """Patterns in order: those with all creases long enough to fold at all, then fewer creases, then longer ones."""
+def shortest_crease(creases: CreasePattern) -> float:
+    """Return the length of the shortest crease in mm."""
     ends = creases.vertices_coords[creases.edges_vertices[creases.edges_assignment != "B"]]
-    shortest = float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
-    count: float = creases.crease_count
+    return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
+
+
+def rank(count: float, shortest: float) -> Rank:
+    """Patterns in order: those with all creases long enough to fold at all, then fewer creases, then longer ones.
+
+    ``count`` of creases, ``shortest`` in mm.
+    """
     if shortest < FOLDABLE_MM:
         count *= TOO_SHORT + STILL_SHORTER * (1 - shortest / FOLDABLE_MM)
     return shortest < SHORTEST_MM, count, -shortest

@@ -63,9 +63,9 @@ def parse_length(text: str) -> float:
 def parse_sheet(text: str) -> Sheet:
     """Return the sheet that ``text`` names.
 
-    A name from ``NAMED_SHEETS`` in either case, portrait unless "-landscape" follows; or width x height such
-    as 200x300, 20cmx30cm, 8.5x11in (a unit given once is that of both) or "200 mm x 300 mm". Raises
-    ``SheetError``.
+    A name from ``NAMED_SHEETS`` in either case, portrait or landscape if that follows after "-", else lying as the
+    shape does (``as_it_lies``); or width x height such as 200x300, 20cmx30cm, 8.5x11in (a unit given once is that of
+    both) or "200 mm x 300 mm". Raises ``SheetError``.
     """
     name, _, orientation = text.strip().lower().partition("-")
     if name in NAMED_SHEETS and orientation in ("", "portrait", "landscape"):
@@ -73,7 +73,7 @@ def parse_sheet(text: str) -> Sheet:
         title = name.upper() if name[0] == "a" else name
         if orientation == "landscape":
             return Sheet(height, width, f"{title} landscape")
-        return Sheet(width, height, title)
+        return Sheet(width, height, title, either_way=not orientation)
     match = re.fullmatch(rf"{_LENGTH}\s*[x×]\s*{_LENGTH}", text.strip().lower())
     if not match:
         raise SheetError(
@@ -88,6 +88,19 @@ def parse_sheet(text: str) -> Sheet:
     if not (low <= width <= high and low <= height <= high):
         raise SheetError(f"the sheet {text!r} is {width:g} x {height:g} mm; give sides between {low:g} and {high:g} mm")
     return Sheet(width, height)
+
+
+def as_it_lies(sheet: Sheet, shape: Shape, rotation: float = 0.0) -> Sheet:
+    """Return ``sheet``, or if it may lie either way, the one that leaves ``shape`` more room: wide ones, landscape.
+
+    ``rotation`` as for ``place``.
+    """
+    if not sheet.either_way:
+        return sheet
+    width, height = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    if width <= (1 + FIT_TOLERANCE) * height:
+        return Sheet(sheet.width, sheet.height, sheet.name)
+    return Sheet(sheet.height, sheet.width, f"{sheet.name} landscape")
 
 
 def place(

@@ -21,7 +21,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from foldcut.compact import Molecules
-from foldcut.model import CreasePattern, Floats, Numbers
+from foldcut.model import Bools, CreasePattern, Floats, Numbers
 from foldcut.slopes import vertex_slopes
 from foldcut.zigzag import Outline, Program, Solution, Solver
 
@@ -45,8 +45,8 @@ class _Lengths:
     length: Floats
 
     @classmethod
-    def of(cls, creases: CreasePattern) -> _Lengths:
-        edges = creases.edges_vertices[creases.edges_assignment != "B"]
+    def of(cls, creases: CreasePattern, some: Bools) -> _Lengths:
+        edges = creases.edges_vertices[some]
         ends = creases.vertices_coords[edges]
         return cls(edges, np.hypot(*(ends[:, 1] - ends[:, 0]).T))
 
@@ -54,8 +54,8 @@ class _Lengths:
 class Mover:
     """Moves the turns of a solution so that its creases get longer, or so that short ones vanish.
 
-    ``fold`` returns the molecules and the creases of a solution, or None; ``careful`` as for ``Program``; ``solution``:
-    where it is now.
+    ``fold`` returns the molecules and the creases of a solution, or None; ``creased`` which edges count as creases;
+    ``careful`` as for ``Program``; ``solution``: where it is now.
     """
 
     def __init__(
@@ -63,10 +63,11 @@ class Mover:
         outline: Outline,
         solution: Solution,
         fold: Callable[[Solution], tuple[Molecules, CreasePattern] | None],
+        creased: Callable[[CreasePattern], Bools],
         *,
         careful: bool,
     ) -> None:
-        self.solution, self._fold = solution, fold
+        self.solution, self._fold, self._creased = solution, fold, creased
         self._program = Program(outline, solution.turns, careful=careful)
         count = len(solution.turns)
         rows = [self._program.ends[:, :count], np.eye(1, count), _levels(outline, solution)]
@@ -79,7 +80,7 @@ class Mover:
         """Make the shortest crease as long as possible, or ``target`` mm; return whether anything has moved."""
         if self._folded is None or not self._basis.shape[1]:
             return False
-        now = _Lengths.of(self._folded[1])
+        now = self._now(self._folded[1])
         slopes = self._slopes(now, np.arange(len(now.length)))
         while self._trust > 1e-4 * self._program.outline.size:
             found = self._longest(now, slopes, target)
@@ -90,7 +91,10 @@ class Mover:
 
     def lengths(self) -> Floats:
         """The lengths of the creases in mm, shortest first."""
-        return np.zeros(0) if self._folded is None else np.sort(_Lengths.of(self._folded[1]).length)
+        return np.zeros(0) if self._folded is None else np.sort(self._now(self._folded[1]).length)
+
+    def _now(self, creases: CreasePattern) -> _Lengths:
+        return _Lengths.of(creases, self._creased(creases))
 
     def without(self, number: int, limit: float) -> Mover | None:
         """Return a mover for which the crease that is so manyth in length has vanished, or None.
@@ -112,7 +116,7 @@ class Mover:
         """Take a step for which creases shorter than ``limit`` vanish, and one more; return whether it was taken."""
         if self._folded is None or not self._basis.shape[1]:
             return False
-        now = _Lengths.of(self._folded[1])
+        now = self._now(self._folded[1])
         order = np.argsort(now.length, kind="stable")
         gone = order[now.length[order] < limit]
         if number is not None:
@@ -146,9 +150,10 @@ class Mover:
         along = self._program.walked[:, :count] @ self._basis
         direction = self._program.outline.direction[self.solution.turns.side]
         slopes = vertex_slopes(molecules, direction[:, :, None] * along[:, None], self._basis)
+        slopes = np.concatenate([slopes, np.zeros_like(slopes[:1])])  # the last is for the sheet's corners
         number = {place: vertex for vertex, place in enumerate(molecules.vertices.flat)}
         place = creases.vertices_coords
-        vertex = np.array([number.get((x, y), -1) for x, y in place.tolist()])  # the sheet's corners have none
+        vertex = np.array([number.get((x, y), -1) for x, y in place.tolist()])
         start, end = now.edges[some].T
         unit = (place[end] - place[start]) / now.length[some, None]
         changes: Floats = np.einsum("ij,ijm->im", unit, slopes[vertex[end]] - slopes[vertex[start]])
@@ -161,7 +166,7 @@ class Mover:
         """
         if self._folded is None or not self._basis.shape[1]:
             return
-        now = _Lengths.of(self._folded[1])
+        now = self._now(self._folded[1])
         slopes = self._slopes(now, np.arange(len(now.length)))
         mover = copy(self)
         mover._trust = TRUST * self._program.outline.size

@@ -309,7 +309,7 @@ def fake_search(monkeypatch: pytest.MonkeyPatch, *, interrupted: bool = False) -
             tried = 2
         return SimpleNamespace(creases=pattern.creases, folded=pattern.folded, tried=tried, interrupted=interrupted)
 
-    monkeypatch.setitem(sys.modules, "foldcut.search", SimpleNamespace(fold_compact=fold_compact))
+    monkeypatch.setattr(pipeline, "fold_compact", fold_compact)
     return seen
 
 
@@ -337,7 +337,7 @@ def test_an_interrupted_search_goes_on_to_verify_and_write(
     fake_search(monkeypatch, interrupted=True)
     assert main(["make", drawing, *COMPACT]) == 0
     out = capsys.readouterr().out
-    assert "interrupted: best of 2 tried" in out
+    assert "interrupted: compact, best of 2 tried" in out
     assert "  verified  " in out
     assert names(folder) == {drawing, "box.fold"}
 

@@ -35,6 +35,8 @@ PATTERNS = {
     "triangle sample": lambda: folded_sample("triangle"),
     "letter T sample": lambda: folded_sample("letter-t"),
     "bolt sample": lambda: folded_sample("bolt"),
+    "letter A with its hole": lambda: folded_sample("letter-a"),
+    "square ring": lambda: folded_sample("ring"),
 }
 
 
@@ -91,7 +93,8 @@ ONE_LOOP = sorted(set(sample_names()) - {"letter-a", "ring", "two-triangles"})
 
 @pytest.mark.parametrize(
     ("name", "method"),
-    [(name, method) for name in ONE_LOOP for method in ("paper", "compact")],
+    [(name, method) for name in ONE_LOOP for method in ("paper", "compact")]
+    + [(name, "mirror") for name in ("letter-a", "ring", "two-triangles", "tree", "plus", "heart")],
 )
 def test_rabbit_ear_and_the_fold_package_accept_every_sample(name: str, method: str, tmp_path: Path) -> None:
     result = fold(sample_path(name), method=method, effort="fast", min_crease=0)
@@ -161,6 +164,7 @@ def test_inkscape_agrees_on_layers_and_sizes(pattern: FoldedPattern, tmp_path: P
     drawn = {"M": "mountain", "V": "valley"}
     filled = {drawn[letter] for letter in pattern.creases.edges_assignment if letter in drawn}
     assert {"shape", "cut", "legend"} | filled <= boxes.keys()
+    assert ("first-fold" in boxes) == bool(pattern.first_folds)
     # Inkscape answers in px, 96 to the inch, and counts the stroke in; 0.35 mm wide around the sheet.
     px = 96 / 25.4
     stroke = 0.35
@@ -177,11 +181,13 @@ def test_svgelements_reads_sizes_in_mm(pattern: FoldedPattern, tmp_path: Path) -
     drawing = svgelements.SVG.parse(write(tmp_path, pattern, ".svg"), ppi=25.4)
     groups = [element for element in drawing if isinstance(element, svgelements.Group)]
     labels = [group.values["{http://www.inkscape.org/namespaces/inkscape}label"] for group in groups]
-    assert labels == ["Shape", "Valley", "Mountain", "Cut", "Legend"]
-    outline = groups[3].bbox()
+    first = ["First-fold"] if pattern.first_folds else []
+    assert labels == [*first, "Shape", "Valley", "Mountain", "Cut", "Legend"]
+    by_label = dict(zip(labels, groups, strict=True))
+    outline = by_label["Cut"].bbox()
     assert_allclose(outline, [0, 0, pattern.sheet.width, pattern.sheet.height], rtol=1e-6)  # its mm has seven digits
     loop = pattern.shape.loops[0]
-    x0, y0, x1, y1 = groups[0].bbox()
+    x0, y0, x1, y1 = by_label["Shape"].bbox()
     assert_allclose(
         [x0, pattern.sheet.height - y1, x1, pattern.sheet.height - y0],
         [*loop.min(axis=0), *loop.max(axis=0)],

@@ -33,7 +33,7 @@ SYMMETRIC = {
 }
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", ["compact", "paper"])
 @pytest.mark.parametrize("name", sorted(set(sample_names()) - SEVERAL_LOOPS))
 def test_every_sample_with_one_loop_is_verified(name: str, method: str) -> None:
     result = foldcut.fold(sample_path(name), "a4", method=method, effort="fast", min_crease=0)
@@ -41,10 +41,11 @@ def test_every_sample_with_one_loop_is_verified(name: str, method: str) -> None:
     assert result.folded_pattern.creases.crease_count > 0
 
 
+@pytest.mark.parametrize("method", ["compact", "paper"])
 @pytest.mark.parametrize("name", sorted(SEVERAL_LOOPS))
-def test_samples_with_several_loops_are_refused_by_name(name: str) -> None:
+def test_methods_for_one_loop_refuse_several_by_name(name: str, method: str) -> None:
     with pytest.raises(foldcut.UnfoldableError, match="loop 1 .*loop 2 "):
-        foldcut.fold(sample_path(name))
+        foldcut.fold(sample_path(name), method=method)
 
 
 @pytest.mark.parametrize("name", ["star", "triangle", "swan"])
@@ -93,7 +94,7 @@ def test_a_crease_that_is_too_short_is_refused_with_place_and_remedies() -> None
         foldcut.fold([rectangle(3, 1)], method="paper", min_crease=wanted)
     assert no.value.length == shortest.shortest_crease_mm
     assert no.value.place == shortest.shortest_crease_at
-    assert "about 525 x 743 mm" in str(no.value)
+    assert "about 743 x 525 mm" in str(no.value)
     allowance = float(str(no.value).split("--min-crease ")[1].removesuffix("mm"))
     assert foldcut.fold([rectangle(3, 1)], method="paper", min_crease=allowance).verified
 
@@ -194,7 +195,7 @@ def test_the_placement_takes_the_drawing_to_the_sheet(fish: foldcut.Result) -> N
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"method": "magic"}, "unknown method 'magic'; known: compact, paper"),
+        ({"method": "magic"}, "unknown method 'magic'; known: auto, mirror, compact, paper"),
         ({"effort": "none"}, "unknown effort 'none'; known: fast, normal, best"),
         ({"seconds": 0.0}, "time to search is 0.0 s"),
         ({"min_crease": -1.0}, "shortest crease allowed is -1.0 mm"),

@@ -1,9 +1,9 @@
-"""Creases of the compact method against those of the paper's, and of another program's where these are known.
+"""Creases and folds of the default method against the paper's, and another program's where these are known.
 
-Run it with ``make bench-compact`` or ``python tests/bench/compact.py [--effort E] [--out OUT.json] [FOLDER ...]``:
-samples first, then every JSON shape with one loop below the folders. A file ``peer.tsv`` in a folder has, in each line,
-a class, a shape's name, and the creases of another program, or ``fails``. Times are wall-clock, one shape at a time:
-compare them within one run.
+Run it with ``make bench-compact`` or ``python tests/bench/compact.py [--method M] [--effort E] [--out OUT.json]
+[FOLDER ...]``: samples first, then every JSON shape below the folders. A file ``peer.tsv`` in a folder has, in each
+line, a class, a shape's name, and the creases of another program, or ``fails``. Times are wall-clock, one shape at a
+time: compare them within one run.
 """
 
 from __future__ import annotations
@@ -28,21 +28,28 @@ def peers(folders: list[Path]) -> dict[str, str]:
     return {row[1]: row[2].strip() for row in rows if len(row) == 3}
 
 
-def measure(path: Path, effort: str) -> dict[str, Any]:
-    """Fold one shape on A4 by both methods."""
+def measure(path: Path, method: str, effort: str) -> dict[str, Any]:
+    """Fold one shape on A4 by a method, and if it has one loop, by the paper's."""
+    loops = make_shape(read_shape(path).loops).loops
     start = time.perf_counter()
-    compact = foldcut.fold(path, effort=effort, min_crease=0)
+    try:
+        result = foldcut.fold(path, method=method, effort=effort, min_crease=0)
+    except foldcut.UnfoldableError as error:
+        return {"loops": len(loops), "refused": str(error)}
     seconds = time.perf_counter() - start
-    paper = foldcut.fold(path, method="paper")
-    numbers = compact.foldability
+    paper = foldcut.fold(path, method="paper") if len(loops) == 1 else None
+    numbers = result.foldability
     return {
-        "corners": compact.folded_pattern.shape.corner_count,
+        "loops": len(loops),
+        "method": result.method,
+        "folds": result.actions,
+        "corners": result.folded_pattern.shape.corner_count,
         "creases": numbers.creases,
         "lines": numbers.lines,
         "shortest_mm": numbers.shortest_crease_mm,
         "layers_at_cut": numbers.layers_at_cut,
-        "paper_creases": paper.folded_pattern.creases.crease_count,
-        "verified": compact.verified and paper.verified,
+        "paper_creases": paper.folded_pattern.creases.crease_count if paper else None,
+        "verified": result.verified and (paper is None or paper.verified),
         "seconds": seconds,
     }
 
@@ -56,37 +63,46 @@ def main() -> None:
     """Print a row for each shape, and the means."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folders", nargs="*", type=Path)
+    parser.add_argument("--method", default="auto")
     parser.add_argument("--effort", default="normal")
     parser.add_argument("--out", type=Path)
     args = parser.parse_args()
     known = peers(args.folders)
     paths = [sample_path(name) for name in sample_names()]
     paths += [path for folder in args.folders for path in sorted(folder.rglob("*.json"))]
-    rows = []
+    rows: list[dict[str, Any]] = []
     for path in paths:
-        if len(make_shape(read_shape(path).loops).loops) > 1:
-            continue
-        row = {"shape": path.stem, **measure(path, args.effort)}
+        row = {"shape": path.stem, **measure(path, args.method, args.effort)}
         rows.append(row)
         peer = known.get(path.stem, "")
         if peer.isdigit():
             row["peer_creases"] = int(peer)
-        print(
-            f"{row['shape']:30s} {row['corners']:3d} corners {row['creases']:5d} creases {row['lines']:5d} lines "
-            f"shortest {row['shortest_mm']:8.4f} mm  {row['layers_at_cut']:3d} layers  paper {row['paper_creases']:6d} "
-            f"ratio {row['creases'] / row['paper_creases']:.3f}  {row['seconds']:5.1f} s  "
-            f"{'verified' if row['verified'] else 'NOT VERIFIED'}  peer {peer}",
-            flush=True,
-        )
-    small = [row for row in rows if row["corners"] <= 15]
+        print(f"{row['shape']:30s} {line_of(row)}  peer {peer}", flush=True)
+    folded = [row for row in rows if "refused" not in row]
+    one = [row for row in folded if row["loops"] == 1]
+    small = [row for row in one if row["corners"] <= 15]
     long = sum(row["shortest_mm"] >= 3 for row in small)
-    print(f"compact / paper, geometric mean of {len(rows)}: {mean_ratio(rows, 'paper_creases'):.3f}")
-    print(f"up to 15 corners: shortest crease at least 3 mm in {long} of {len(small)}")
-    against = [row for row in rows if "peer_creases" in row]
+    print(f"creases / the paper's method's, geometric mean of {len(one)}: {mean_ratio(one, 'paper_creases'):.3f}")
+    print(f"one loop, up to 15 corners: shortest crease at least 3 mm in {long} of {len(small)}")
+    print(f"shortest crease at least 0.5 mm in {sum(row['shortest_mm'] >= 0.5 for row in folded)} of {len(folded)}")
+    print(f"several loops: {len(folded) - len(one)} of {len([row for row in rows if row['loops'] > 1])} verified")
+    against = [row for row in one if "peer_creases" in row]
     if against:
-        print(f"compact / peer, geometric mean of {len(against)}: {mean_ratio(against, 'peer_creases'):.3f}")
+        print(f"creases / the other program's, mean of {len(against)}: {mean_ratio(against, 'peer_creases'):.3f}")
     if args.out:
         args.out.write_text(json.dumps(rows, indent=1))
+
+
+def line_of(row: dict[str, Any]) -> str:
+    """Return what was measured of a shape, in a line."""
+    if "refused" in row:
+        return f"{row['loops']} loops, refused: {row['refused'].split(':')[1].strip()}"
+    ratio = f"paper {row['paper_creases']:6d}" if row["paper_creases"] else f"{row['loops']} loops     "
+    return (
+        f"{row['corners']:3d} corners {row['method']:7s} {row['creases']:5d} creases {row['folds']:5d} folds "
+        f"shortest {row['shortest_mm']:8.4f} mm  {row['layers_at_cut']:3d} layers  {ratio}  {row['seconds']:5.1f} s  "
+        f"{'verified' if row['verified'] else 'NOT VERIFIED'}"
+    )
 
 
 if __name__ == "__main__":
