@@ -25,8 +25,12 @@ PATTERN_EXPORTERS = {
     ".svg": "svg.export",
     ".cp": "lines.export_cp",
     ".opx": "lines.export_opx",
+    ".png": "png.export",
     ".stl": "stl.export",
+    ".3mf": "threemf.export",
+    ".step": "step.export",
 }
+SOLIDS = (".stl", ".3mf", ".step")
 SOFTWARE_SVG = "lines.export_svg"
 JOB_EXPORTERS = {
     ".svg": "layered_svg.export",
@@ -38,13 +42,20 @@ JOB_EXPORTERS = {
 }
 
 
-def check_suffix(suffix: str, profile: Profile | None = None) -> None:
-    """Raise FileFormatError unless there is an exporter for a file name's ending, such as ``".svg"``.
+def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile | None = None) -> None:
+    """Raise FileFormatError unless a file with this ending, such as ``".svg"``, can be written.
 
-    Without a profile there are files of the pattern only.
+    Without a ``machine`` there are files of the pattern only; ``profile``: what these are made by, "plain" unless
+    given. Raises JobError: the profile makes no solid.
     """
-    known = {**PATTERN_EXPORTERS, **(JOB_EXPORTERS if profile else {})}
+    known = {**PATTERN_EXPORTERS, **(JOB_EXPORTERS if machine else {})}
     if suffix.lower() in known:
+        if suffix.lower() in SOLIDS:
+            from .solid import check_solid, needs
+
+            check_solid(profile or load_profile())
+            if suffix.lower() == ".step":
+                needs("build123d")
         return
     if suffix.lower() in JOB_EXPORTERS:
         raise FileFormatError(f"{suffix} files are for a machine: name it with --profile; see foldcut profiles")
@@ -59,8 +70,8 @@ def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) 
 
     Raises FileFormatError: no exporter writes such files of a pattern.
     """
-    check_suffix(suffix)
     profile = profile or load_profile()
+    check_suffix(suffix, profile=profile)
     bare = suffix.lower() == ".svg" and profile.kind == "software"
     exporter = cast(PatternExporter, _imported(SOFTWARE_SVG if bare else PATTERN_EXPORTERS[suffix.lower()]))
     return exporter(pattern, profile)

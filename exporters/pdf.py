@@ -1,8 +1,9 @@
 """PDF: a job to print in true size, on one page or on as many as the sheet takes, with a layer for each operation.
 
 Input: a ``Job`` and a ``Profile`` with the paper (``bed``) and the printer's ``page``; output: PDF. A sheet larger than
-the paper is cut into tiles that overlap; crosses mark the same places on neighbouring pages. Every page has a ruler.
-Layers are optional content (ISO 32000-1, 8.11); viewers are asked not to scale (12.2, PrintScaling).
+the paper is cut into tiles that overlap; crosses mark the same places on neighbouring pages. Every page has a ruler
+and, in a layer of its own, a legend. Layers are optional content (ISO 32000-1, 8.11); viewers are asked not to scale
+(12.2, PrintScaling).
 """
 
 from __future__ import annotations
@@ -12,16 +13,24 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
 import pikepdf
 from pikepdf import Array, Dictionary, Name, String
 from reportlab.lib.units import mm
 from reportlab.pdfgen.canvas import Canvas
 
-from foldcut.job import Job, JobError
-from foldcut.profiles import Profile
+from foldcut.job import Job, JobError, mountain_pieces, valley_pieces
+from foldcut.profiles import Profile, Role
 
 from .text import printable
 
+MEANING: dict[Role, str] = {
+    "mark": "the shape, and other marks",
+    "mountain": "mountain: fold away from you",
+    "valley": "valley: fold toward you",
+    "cut": "the sheet's edge",
+}
+LEGEND = "Legend"
 RULER_MM = 100.0
 CROSS_MM = 4.0
 
@@ -58,10 +67,13 @@ def export(job: Job, profile: Profile) -> bytes:
                 canvas.drawPath(path)
             canvas._code.append("EMC")
         canvas.restoreState()
-        _furniture(canvas, tile, job, profile)
+        _furniture(canvas, tile, profile)
+        canvas._code.append(f"/OC /L{len(job.steps)} BDC")
+        _legend(canvas, job, profile)
+        canvas._code.append("EMC")
         canvas.showPage()
     canvas.save()
-    return _with_layers(raw.getvalue(), [step.operation.layer for step in job.steps])
+    return _with_layers(raw.getvalue(), [*(step.operation.layer for step in job.steps), LEGEND])
 
 
 @dataclass(frozen=True)
@@ -124,7 +136,27 @@ def tiles(job: Job, profile: Profile) -> Iterator[Tile]:
             yield Tile(w, h, x - inset, y - inset, inset, row, column, rows * columns)
 
 
-def _furniture(canvas: Canvas, tile: Tile, job: Job, profile: Profile) -> None:
+def _legend(canvas: Canvas, job: Job, profile: Profile) -> None:
+    """Draw the title and a line for each operation, in its dashes and colour, above the ruler."""
+    look, page = profile.drawing, profile.page
+    assert page is not None
+    sample = np.array([[0.0, 0.0], [look.sample_mm, 0.0]])
+    pieces = {"mountain": mountain_pieces(sample, look), "valley": valley_pieces(sample, look)}
+    x, y = page.margin_mm + 2, page.margin_mm + 2 + 3 * look.text_mm
+    canvas.setFont("Helvetica", look.text_mm * mm)
+    canvas.setFillColor(look.legend_colour)
+    for step in reversed(job.steps):
+        canvas.setStrokeColor(step.operation.colour)
+        canvas.setLineWidth(look.crease_stroke_mm * mm)
+        for start, end in pieces.get(step.role, sample[None]).tolist():
+            height = y + 0.35 * look.text_mm
+            canvas.line((x + start[0]) * mm, height * mm, (x + end[0]) * mm, height * mm)
+        canvas.drawString((x + look.sample_mm + 2) * mm, y * mm, MEANING[step.role])
+        y += 1.6 * look.text_mm
+    canvas.drawString(x * mm, y * mm, printable(job.title))
+
+
+def _furniture(canvas: Canvas, tile: Tile, profile: Profile) -> None:
     """Draw the ruler, the page's name, and crosses where pages overlap."""
     look, page = profile.drawing, profile.page
     assert page is not None

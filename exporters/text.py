@@ -6,9 +6,9 @@ DIGITS = 4
 """Digits after the point, in mm: far below what any machine resolves."""
 
 
-def number(value: float) -> str:
+def number(value: float, digits: int = DIGITS) -> str:
     """Return a number of mm in the shortest form, without exponent or negative zero."""
-    text = f"{value:.{DIGITS}f}".rstrip("0").rstrip(".")
+    text = f"{value:.{digits}f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 

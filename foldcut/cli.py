@@ -53,6 +53,8 @@ examples:
   foldcut make fish --method paper --ribbon 0.5mm
   foldcut make fish --profile laser-dxf --material card-160g --treatment perforate
   foldcut make swan --sheet a2 --profile printer-a4 --tile
+  foldcut make fish --profile laser-dxf --two-sided --registration pins -o fish.zip
+  foldcut make fish --profile axidraw-a4 --marks outline,numbers,title
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
 
 Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder, or with --profile
@@ -138,10 +140,9 @@ def _make(args: argparse.Namespace) -> int:
     outputs = [Path(out) for out in args.output or _default_outputs(source, args.profile, profile)]
     _check_machine(args, profile, outputs)
     for path in outputs:
-        if path.exists() and path.samefile(source):
+        if path.is_file() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
-    targets = [target for path in outputs for target in _sides(path, args.two_sided).values()]
-    check_targets(targets)
+    check_targets(target for path in outputs for target in _targets(path, source.stem, profile, args))
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         result = pipeline.fold(
@@ -163,7 +164,7 @@ def _make(args: argparse.Namespace) -> int:
     files: list[dict[str, Any]] = []
     jobs: list[Job] = []
     if result.verified:
-        contents, jobs = _contents(result.folded_pattern, outputs, profile, args)
+        contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
         write_files(contents)
     made = report.make_report(result, files, jobs, profile)
@@ -217,18 +218,19 @@ def _shape_path(name: str) -> Path:
 
 
 def _contents(
-    pattern: FoldedPattern, outputs: Sequence[Path], profile: Profile | None, args: argparse.Namespace
+    pattern: FoldedPattern, outputs: Sequence[Path], stem: str, profile: Profile | None, args: argparse.Namespace
 ) -> tuple[dict[Path, bytes], list[Job]]:
-    """Return what goes into the files, and the jobs among it."""
+    """Return what goes into the files, and the jobs among it; ``stem``: what files in a folder are called."""
     from foldcut.exporters import JOB_EXPORTERS, export, export_job
+    from foldcut.exporters.bundle import README, readme, zipped
     from foldcut.job import make_jobs
 
-    contents: dict[Path, bytes] = {}
+    machine = profile is not None and bool(profile.operations)
     jobs: dict[Side, Job] = {}
-    for path in outputs:
-        if profile is None or not profile.operations or path.suffix.lower() not in JOB_EXPORTERS:
-            contents[path] = export(pattern, path.suffix, profile)
-            continue
+
+    def written(path: Path) -> dict[Path, bytes]:
+        if profile is None or not machine or path.suffix.lower() not in JOB_EXPORTERS:
+            return {path: export(pattern, path.suffix, profile)}
         if not jobs:
             made = make_jobs(
                 pattern,
@@ -236,13 +238,64 @@ def _contents(
                 material=args.material,
                 treatment=args.treatment,
                 two_sided=args.two_sided,
-                outline=not args.no_outline,
+                registration=args.registration or "corners",
+                marks=_marks(args.marks),
                 tile=args.tile,
             )
-            jobs = {job.side: job for job in made}
-        for side, name in _sides(path, args.two_sided).items():
-            contents[name] = export_job(jobs[side], path.suffix, profile)
+            jobs.update({job.side: job for job in made})
+        return {name: export_job(jobs[side], path.suffix, profile) for side, name in _sides(path, args).items()}
+
+    contents: dict[Path, bytes] = {}
+    for path in outputs:
+        if not _is_bundle(path):
+            contents |= written(path)
+            continue
+        members: dict[Path, bytes] = {}
+        for name in _members(path, stem, profile):
+            members |= written(Path(name))
+        text = readme(pattern, list(map(str, members)), list(jobs.values()), profile)
+        every = {README: text} | {str(name): data for name, data in members.items()}
+        contents |= {path / name: data for name, data in every.items()} if path.is_dir() else {path: zipped(every)}
     return contents, list(jobs.values())
+
+
+def _is_bundle(path: Path) -> bool:
+    """Whether several files go into this: a folder that is there, or a zip archive."""
+    return path.is_dir() or path.suffix.lower() == ".zip"
+
+
+def _members(path: Path, stem: str, profile: Profile | None) -> list[str]:
+    """Return the names of what goes into a folder or an archive, but for sides and the README."""
+    stem = stem if path.is_dir() else path.stem
+    endings = ["svg", "fold", "png"] if profile is None else [profile.format]
+    return [f"{stem}.{ending}" for ending in endings]
+
+
+def _targets(path: Path, stem: str, profile: Profile | None, args: argparse.Namespace) -> list[Path]:
+    """Return the files that an output is written to."""
+    if not path.is_dir():
+        return [path] if _is_bundle(path) else list(_sides(path, args).values())
+    from foldcut.exporters.bundle import OURS, README
+
+    about = path / README
+    if about.is_file() and not about.read_bytes().startswith(OURS.encode()):
+        raise BadInputError(f"{about} is there and not foldcut's; choose an empty folder, or a .zip")
+    members = (Path(name) for name in _members(path, stem, profile))
+    return [about, *(path / name for member in members for name in _sides(member, args).values())]
+
+
+def _marks(text: str | None) -> tuple[str, ...]:
+    """Return the names of marks; raises JobError for one that is not known."""
+    from foldcut.job import JobError
+    from foldcut.marks import DEFAULT_MARKS, MARKS
+
+    if text is None:
+        return DEFAULT_MARKS
+    names = () if text == "none" else tuple(name.strip() for name in text.split(","))
+    for name in names:
+        if name not in MARKS:
+            raise JobError(f"there is no mark {name!r}; choose of {', '.join(MARKS)}, or none")
+    return names
 
 
 def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: Sequence[Path]) -> None:
@@ -250,26 +303,34 @@ def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: S
     from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
     from foldcut.sheet import parse_sheet
 
-    job_options = args.material or args.treatment or args.two_sided or args.no_outline or args.tile
+    job_options = args.material or args.treatment or args.two_sided or args.registration or args.marks or args.tile
     machine = profile if profile is not None and profile.operations else None
     if (profile is None and args.set) or (machine is None and job_options):
         what = (
-            "--set" if args.set and not job_options else "--material, --treatment, --two-sided, --no-outline and --tile"
+            "--set"
+            if args.set and not job_options
+            else "--material, --treatment, --two-sided, --registration, --marks and --tile"
         )
         verb = (
             f"are for a machine, and {args.profile} is none" if profile else "go with a machine: name it with --profile"
         )
         raise BadInputError(f"{what} {verb}; see foldcut profiles")
-    for path in outputs:
-        check_suffix(path.suffix, machine)
+    if args.registration and not args.two_sided:
+        raise BadInputError("--registration lines the back up with the front: it goes with --two-sided")
+    _marks(args.marks)
+    names = [Path(name) for path in outputs if _is_bundle(path) for name in _members(path, "drawing", profile)]
+    for path in [*names, *(path for path in outputs if not _is_bundle(path))]:
+        check_suffix(path.suffix, machine, profile)
         if machine is not None and path.suffix.lower() in JOB_EXPORTERS:
             sheet = parse_sheet(args.sheet)
             check_job_export(path.suffix, machine, sheet, material=args.material, tile=args.tile)
 
 
-def _sides(path: Path, two_sided: bool) -> dict[Side, Path]:
+def _sides(path: Path, args: argparse.Namespace) -> dict[Side, Path]:
     """Return the files of a job: one, or one for the front and one for the back."""
-    if not two_sided or path.suffix.lower() in (".fold", ".cp", ".opx", ".stl"):
+    from foldcut.exporters import JOB_EXPORTERS
+
+    if not args.two_sided or path.suffix.lower() not in JOB_EXPORTERS:
         return {"both": path}
     return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
 
@@ -481,7 +542,8 @@ def _add_make(commands: Any) -> None:
         "--output",
         metavar="OUT",
         action="append",
-        help="a file to write; its ending is the format; repeatable",
+        help="a file to write; its ending is the format; or a folder or a .zip for all files of a job and a "
+        "README.txt; repeatable",
     )
     make.add_argument(
         "--sheet",
@@ -562,7 +624,19 @@ def _add_make(commands: Any) -> None:
     machine.add_argument(
         "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
     )
-    machine.add_argument("--no-outline", action="store_true", help="leave out the mark where the cut will be")
+    machine.add_argument(
+        "--registration",
+        choices=("corners", "holes", "pins"),
+        help="what lines the back up with the front: corner marks, 3 mm holes for pegs, or 1 mm holes for needles "
+        "(default: corners)",
+    )
+    machine.add_argument(
+        "--marks",
+        metavar="NAME,...",
+        help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what is seen of the "
+        "outline when folded), numbers (the order to press creases), title, ruler; or none "
+        "(default: outline,first-folds)",
+    )
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
     )

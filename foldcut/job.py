@@ -11,7 +11,6 @@ mountains, valleys, the sheet's outline last; each operation's strokes are in th
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,20 +20,18 @@ import numpy as np
 import shapely
 
 from foldcut.errors import BadInputError
+from foldcut.lines import straight_lines
+from foldcut.marks import DEFAULT_MARKS, HOLES_MM, MARKS, corner_marks, crosses, holes
 from foldcut.model import Floats, FoldedPattern, Sheet
-from foldcut.plane import cross
 from foldcut.profiles import Bed, Dash, Drawing, Operation, Profile, Role, Setting, Treatment
 
 Side = Literal["both", "front", "back"]
 
-STRAIGHT = 1e-9
-"""Creases that turn less than this, in radians, go straight on."""
-
 PASSES, MOST_LINES = 20, 4000
 """How often the whole way is gone through to make it shorter, and for how many lines at most."""
 
-CORNER_MARK_MM = 5.0
-"""The length of the corner marks that line the back up with the front."""
+Registration = Literal["corners", "holes", "pins"]
+"""What lines the back up with the front: marks to look at, holes for pegs, or needles' holes."""
 
 
 class JobError(BadInputError):
@@ -82,15 +79,17 @@ def make_jobs(
     material: str | None = None,
     treatment: Treatment | None = None,
     two_sided: bool = False,
-    outline: bool = True,
+    registration: Registration = "corners",
+    marks: Sequence[str] = DEFAULT_MARKS,
     tile: bool = False,
 ) -> tuple[Job, ...]:
     """Return the job for a pattern on a machine, or with ``two_sided`` those for its front and its back.
 
     ``material`` is one of the profile's, its first unless given; ``treatment`` of the creases: "score", "perforate" or
     "draw", the profile's unless given. ``two_sided``: mountains from the front, valleys from the back, which is turned
-    over like a page, left to right; corner marks on both sides show how it lies. ``outline``: mark where the cut will
-    be. ``tile``: a printer may take several pages for the sheet.
+    over like a page, left to right; ``registration`` lines it up: corner marks on both sides, or "holes" or "pins"
+    that are cut from the front, with crosses there on the back. ``marks``: names from ``MARKS``. ``tile``: a printer
+    may take several pages for the sheet.
 
     Raises JobError: the sheet does not fit the bed, or the profile has no such material.
     """
@@ -102,17 +101,27 @@ def make_jobs(
     jobs = []
     for side in sides:
         roles: dict[Role, list[list[Floats]]] = {"mark": [], "mountain": [], "valley": [], "cut": []}
-        if outline and side != "back":
-            roles["mark"] += [[_closed(loop)] for loop in pattern.shape.loops]
+        if side != "back":
+            roles["mark"] += [[line] for name in marks for line in MARKS[name](pattern)]
         if two_sided:
-            roles["mark"] += [[corner] for corner in _corner_marks(pattern.sheet)]
+            role, lines = _registration(pattern.sheet, registration, side)
+            roles[role] += [[line] for line in lines]
         for role, letter, absent in (("mountain", "M", "back"), ("valley", "V", "front")):
             if side != absent:
-                roles[role] += list(_creases(pattern, letter, treatment, dashes, profile.drawing))  # type: ignore[index]
+                roles[role] += list(_creases(pattern, letter, treatment, dashes, profile.drawing))
         if profile.cut_outline and side != "front":
-            roles["cut"].append([_closed(_outset(pattern.sheet.corners, profile.kerf_mm / 2))])
+            corners = _outset(pattern.sheet.corners, profile.kerf_mm / 2)
+            roles["cut"].append([np.concatenate([corners, corners[:1]])])
         jobs.append(_job(pattern, profile, roles, settings, lay, side))
     return tuple(jobs)
+
+
+def _registration(sheet: Sheet, kind: Registration, side: Side) -> tuple[Role, list[Floats]]:
+    """Return what lines one side up with the other, and the operation that it belongs to."""
+    if kind == "corners":
+        return "mark", corner_marks(sheet)
+    diameter = HOLES_MM[kind]
+    return ("cut", holes(sheet, diameter)) if side == "front" else ("mark", crosses(sheet, diameter))
 
 
 def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None, tile: bool = False) -> None:
@@ -237,42 +246,6 @@ def _creases(
             yield list(mountain_pieces(line, drawing))
 
 
-def straight_lines(points: Floats, edges: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
-    """Join edges that go straight on through a vertex; returns the ends of each line, in the order of the edges."""
-    at: dict[int, list[int]] = defaultdict(list)
-    for number, edge in enumerate(edges):
-        for vertex in edge:
-            at[vertex].append(number)
-
-    def other(number: int, vertex: int) -> int:
-        a, b = edges[number]
-        return b if vertex == a else a
-
-    onward: dict[tuple[int, int], int] = {}
-    for vertex, mine in at.items():
-        for n, one in enumerate(mine):
-            for two in mine[n + 1 :]:
-                u, v = (points[other(number, vertex)] - points[vertex] for number in (one, two))
-                if u @ v < 0 and abs(float(cross(u, v))) < STRAIGHT * math.hypot(*u) * math.hypot(*v):
-                    onward[one, vertex], onward[two, vertex] = two, one
-    lines = []
-    done: set[int] = set()
-    for first, (a, b) in enumerate(edges):
-        if first in done:
-            continue
-        ends = []
-        for vertex in (a, b):
-            number = first
-            done.add(number)
-            while (number, vertex) in onward:
-                number = onward[number, vertex]
-                vertex = other(number, vertex)
-                done.add(number)
-            ends.append(vertex)
-        lines.append((ends[0], ends[1]))
-    return lines
-
-
 def perforation(line: Floats, dash: Dash) -> list[Floats]:
     """Return the cuts along a crease, ``(2, 2)`` each: stretched a little to fit, with paper at both ends.
 
@@ -313,26 +286,12 @@ def _divided(line: Floats, lengths: Sequence[float]) -> Floats:
     return points.reshape(-1, 2, 2)
 
 
-def _closed(loop: Floats) -> Floats:
-    return np.concatenate([loop, loop[:1]])
-
-
 def _outset(corners: Floats, by: float) -> Floats:
     """Return the outline moved outwards by half the kerf, so that what is cut has its true size."""
     if not by:
         return corners
     ring = shapely.Polygon(corners).buffer(by, join_style="mitre").exterior
     return np.asarray(ring.coords)[:-1]
-
-
-def _corner_marks(sheet: Sheet) -> list[Floats]:
-    """An L in each corner of the sheet but the upper right, which shows how the sheet lies."""
-    inset, size = CORNER_MARK_MM / 2, CORNER_MARK_MM
-    marks = []
-    for x, y, right, up in ((0.0, 0.0, 1, 1), (sheet.width, 0.0, -1, 1), (0.0, sheet.height, 1, -1)):
-        x, y = x + right * inset, y + up * inset
-        marks.append(np.array([(x + right * size, y), (x, y), (x, y + up * size)]))
-    return marks
 
 
 def travel(lines: Sequence[Sequence[Floats]], start: Floats) -> float:

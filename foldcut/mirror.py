@@ -29,8 +29,8 @@ from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Shee
 from foldcut.plane import signed_area
 from foldcut.search import EFFORTS, Compact, Rank, Whole, fold_compact, rank, shortest_crease
 
-FAR = 1.0
-"""How far beyond the border chains may be joined, as part of the half sheet's diagonal."""
+FAR = (1.0, 0.35)
+"""How far beyond the border chains may be joined, as parts of the half sheet's diagonal."""
 
 NEAR = (0.55, 1.2, 0.25)
 """The same as parts of how far the ends are from each other."""
@@ -38,7 +38,7 @@ NEAR = (0.55, 1.2, 0.25)
 MOST_CHAINS = 12
 MOST_MATCHINGS = 4
 
-SCAN, MOST_SCAN, FINAL, FINALISTS = 0.4, 0.08, 0.4, 2
+SCAN, MOST_SCAN, FINAL, FINALISTS = 0.4, 0.08, 0.3, 2
 """Parts of the effort: for a first look at loops, for each of them at most, and for so many of the best."""
 
 LOOK_S, FEWEST_LOOKS, MOST_LOOKS = 0.25, 3, 16
@@ -206,9 +206,10 @@ def halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
     order = np.argsort(ends.ravel(), kind="stable")
     matchings = list(islice((arcs for arcs in _matchings(order.tolist()) if _is_one_loop(arcs)), MOST_MATCHINGS))
     # the arms of several chains are best cut off soon
-    for margin in (None, *NEAR) if len(chains) == 1 else (*NEAR, None):
+    far, near = [(0.0, part * half.diagonal) for part in FAR], [(part, 0.0) for part in NEAR]
+    for margins in far + near if len(chains) == 1 else near + far:
         for arcs in matchings:
-            loop = _joined(chains, arcs, axes, margin, FAR * half.diagonal)
+            loop = _joined(chains, arcs, axes, *margins)
             if loop is not None:
                 yield Half(shape, points_array(loop), half, axes)
 
@@ -289,11 +290,11 @@ def _is_one_loop(arcs: Sequence[Arc]) -> bool:
 
 
 def _joined(
-    chains: Sequence[Floats], arcs: Sequence[Arc], axes: Sequence[int], near: float | None, far: float
+    chains: Sequence[Floats], arcs: Sequence[Arc], axes: Sequence[int], near: float, far: float
 ) -> Floats | None:
     """Join chains to one loop beyond the border, or return None if there is no room so far out.
 
-    ``near`` as a part of the distance of ends, or ``far`` mm away.
+    ``near`` times the distance of ends and ``far`` mm away.
     """
     place = {}
     for number, chain in enumerate(chains):
@@ -303,7 +304,7 @@ def _joined(
     for arc in sorted(arcs, key=lambda arc: spans[arc][1] - spans[arc][0]):
         low, high = spans[arc]
         within = [reach[other] for other in reach if low < spans[other][0] and spans[other][1] < high]
-        reach[arc] = max([far if near is None else near * (high - low), *(1.5 * inner for inner in within)])
+        reach[arc] = max([far + near * (high - low), *(1.5 * inner for inner in within)])
     joins: dict[int, tuple[int, list[Floats]]] = {}
     for arc in arcs:
         end, start = arc if arc[0] % 2 else (arc[1], arc[0])

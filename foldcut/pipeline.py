@@ -41,7 +41,7 @@ __all__ = ["EFFORTS", "METHODS", "PaperStages", "Progress", "Result", "fold"]
 
 Progress = Callable[[str, float], None]
 
-AFTER_MIRROR = 0.4
+AFTER_MIRROR = 0.3
 """The part of the effort that the compact method gets when a mirror axis has given a pattern."""
 
 

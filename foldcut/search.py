@@ -44,7 +44,7 @@ IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewher
 CROSSINGS = 2  # orders of events that are tried before the shortest crease is left as it is
 VARIATIONS = 4
 OVERTIME = 0.3
-TOO_SHORT, STILL_SHORTER = 1.65, 0.35  # what creases count when the shortest is nearly foldable, and what more at 0 mm
+TOO_SHORT, STILL_SHORTER = 1.65, 0.6  # what creases count when the shortest is nearly foldable, and what more at 0 mm
 PATIENCE = 2  # how many times what an effort allows may be spent as long as there is no pattern
 MOST_TURNS = 400
 

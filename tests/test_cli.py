@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -180,8 +181,31 @@ def test_errors_are_reported_to_programs_too(capsys: pytest.CaptureFixture[str])
 
 def test_bad_paths_of_the_outputs_are_found_before_the_long_work(drawing: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pipeline, "fold", lambda *_, **__: pytest.fail("folded first"))
-    for output in ("a.xyz", "missing/a.svg", "."):
+    Path("mine").mkdir()
+    Path("mine/README.txt").write_text("not foldcut's")
+    for output in ("a.xyz", "missing/a.svg", "mine", "missing/a.zip"):
         assert main(["make", drawing, *SMALL, "-o", output]) == 2
+    for options in (["--marks", "stars"], ["--registration", "pins"], ["--two-sided", "--registration", "pins"]):
+        assert main(["make", drawing, *SMALL, *options]) == 2
+
+
+def test_a_folder_and_an_archive_hold_all_files_and_say_what_they_are(
+    folder: Path, drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("out").mkdir()
+    job = ["--profile", "laser-dxf", "--two-sided", "--registration", "holes", "--marks", "outline,title"]
+    assert main(["make", drawing, *SMALL, *job, "-o", "out", "-o", "both.zip"]) == 0
+    stem = Path(drawing).stem
+    assert {path.name for path in Path("out").iterdir()} == {f"{stem}-front.dxf", f"{stem}-back.dxf", "README.txt"}
+    with zipfile.ZipFile("both.zip") as archive:
+        assert set(archive.namelist()) == {"both-front.dxf", "both-back.dxf", "README.txt"}
+        assert archive.read("both-front.dxf") == Path(f"out/{stem}-front.dxf").read_bytes()
+        text = archive.read("README.txt").decode()
+    for words in ("1. both-front.dxf: front", "2. both-back.dxf: back", "Do the front first", "Import the DXF"):
+        assert words in text
+    capsys.readouterr()
+    assert main(["make", drawing, *SMALL, "-o", "out"]) == 0, "its own README.txt may be replaced"
+    assert {f"{stem}.svg", f"{stem}.fold", f"{stem}.png"} <= {path.name for path in Path("out").iterdir()}
 
 
 def break_verification(monkeypatch: pytest.MonkeyPatch) -> None:

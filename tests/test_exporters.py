@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import io
 import itertools
 import json
 import re
@@ -15,7 +16,8 @@ import numpy as np
 import pytest
 import shapely
 from numpy.testing import assert_allclose
-from patterns import book_fold, build_pattern, letter_fold, notched_sheet
+from patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
+from PIL import Image
 
 from foldcut.errors import FileFormatError
 from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
@@ -24,7 +26,8 @@ from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern
 from foldcut.profiles import load_profile
 
-GOLDEN_KINDS = sorted(PATTERN_EXPORTERS.keys() - {".stl"})  # triangles are up to manifold3d
+# triangles are up to manifold3d, pixels to the fonts that are there
+GOLDEN_KINDS = sorted(PATTERN_EXPORTERS.keys() - {".stl", ".3mf", ".step", ".png"})
 GOLDEN = Path(__file__).parent / "golden"
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -57,8 +60,21 @@ def test_the_same_pattern_gives_the_same_bytes(suffix: str) -> None:
     assert export(letter_fold(), suffix) == export(letter_fold(), suffix)
 
 
+def test_a_picture_has_the_drawings_size_and_says_its_resolution() -> None:
+    pattern = square_out_of_square()
+    picture = Image.open(io.BytesIO(export(pattern, ".png")))
+    assert picture.info["dpi"] == pytest.approx((200, 200), abs=0.1)
+    expected = np.array([pattern.sheet.width, pattern.sheet.height]) / 25.4 * 200
+    assert np.abs(np.array(picture.size) - expected).max() <= 1
+    pixels = np.asarray(picture.convert("RGB")).reshape(-1, 3).astype(int)
+    assert (pixels == 255).all(axis=1).any(), "the background is white"
+    for red, blue in ((1, 0), (0, 1)):
+        coloured = (pixels[:, 0] > 150) == red, (pixels[:, 2] > 150) == blue, pixels[:, 1] < 100
+        assert np.logical_and.reduce(coloured).any(), "mountains are red, valleys blue"
+
+
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
-    with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg, \.cp, \.opx, \.stl"):
+    with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg, \.cp, \.opx, \.png, \.stl"):
         check_suffix(".xyz")
     with pytest.raises(FileFormatError, match="needs an ending"):
         check_suffix("")

@@ -1,9 +1,11 @@
-"""The scored sheet as a solid, read back by admesh."""
+"""The scored sheet as a solid, read back by admesh, lib3mf and FreeCAD."""
 
 from __future__ import annotations
 
+import json
 import re
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +14,8 @@ from patterns import book_fold
 from programs import require_program, run_program
 
 from foldcut.errors import FileFormatError
-from foldcut.exporters import export
-from foldcut.exporters.stl import sheet_solid
+from foldcut.exporters import check_suffix, export, step
+from foldcut.exporters.solid import sheet_solid
 from foldcut.job import JobError
 from foldcut.model import FoldedPattern
 from foldcut.pipeline import fold
@@ -23,23 +25,98 @@ from foldcut.samples import sample_path
 SHEET = load_profile("scored-sheet")
 
 
+@cache
 def folded(name: str) -> FoldedPattern:
     return fold(sample_path(name), effort="fast", min_crease=0).require_verified()
 
 
-@pytest.mark.parametrize("name", ["star", "bolt", "plus"])
-def test_admesh_finds_one_closed_solid_of_the_right_size(name: str, tmp_path: Path) -> None:
-    pattern = folded(name)
-    path = tmp_path / "sheet.stl"
-    path.write_bytes(export(pattern, ".stl", SHEET))
+def admesh_faults(data: bytes, pattern: FoldedPattern, path: Path) -> list[str]:
+    """List what admesh finds otherwise than in the sheet: size, parts, open edges, volume."""
+    path.write_bytes(data)
     said = run_program(require_program("admesh"), "--no-check", path)
     seen = run_program(require_program("admesh"), path)
     size = [float(value) for value in re.findall(r"Max [XYZ] *= *([-\d.]+)", said)]
-    assert size == pytest.approx([pattern.sheet.width, pattern.sheet.height, 0.4], abs=1e-4)
-    assert re.search(r"Number of parts *: +1\b", seen)
-    assert re.search(r"Facets with 1 disconnected edge *: +0 +0", seen)
     volume = float(re.findall(r"Volume *: *([-\d.]+)", seen)[0])
+    right = {
+        "size": size == pytest.approx([pattern.sheet.width, pattern.sheet.height, 0.4], abs=1e-4),
+        "parts": re.search(r"Number of parts *: +1\b", seen),
+        "edges": re.search(r"Facets with 1 disconnected edge *: +0 +0", seen),
+        "volume": volume == pytest.approx(sheet_solid(pattern, SHEET).volume(), rel=1e-3),
+    }
+    return [name for name, good in right.items() if not good]
+
+
+@pytest.mark.parametrize("name", ["star", "bolt", "plus", "letter-a"])
+def test_admesh_finds_one_closed_solid_of_the_right_size(name: str, tmp_path: Path) -> None:
+    pattern = folded(name)
+    assert admesh_faults(export(pattern, ".stl", SHEET), pattern, tmp_path / "sheet.stl") == []
+
+
+def test_the_comparison_sees_a_lost_facet_and_another_thickness(tmp_path: Path) -> None:
+    pattern = folded("star")
+    data = export(pattern, ".stl", SHEET)
+    count = int.from_bytes(data[80:84], "little")
+    lost = data[:80] + (count - 1).to_bytes(4, "little") + data[84:-50]
+    assert "edges" in admesh_faults(lost, pattern, tmp_path / "lost.stl")
+    thick = export(pattern, ".stl", load_profile("scored-sheet", ["solid.thickness_mm=0.5"]))
+    assert {"size", "volume"} <= set(admesh_faults(thick, pattern, tmp_path / "thick.stl"))
+
+
+def test_lib3mf_reads_the_same_closed_mesh(tmp_path: Path) -> None:
+    lib3mf = pytest.importorskip("lib3mf")
+    pattern = folded("bolt")
+    path = tmp_path / "sheet.3mf"
+    path.write_bytes(export(pattern, ".3mf", SHEET))
+    model = lib3mf.get_wrapper().CreateModel()
+    reader = model.QueryReader("3mf")
+    reader.ReadFromFile(str(path))
+    assert reader.GetWarningCount() == 0
+    assert model.GetUnit() == lib3mf.ModelUnit.MilliMeter
+    meshes = model.GetMeshObjects()
+    assert meshes.MoveNext()
+    mesh = meshes.GetCurrentMeshObject()
+    assert mesh.IsManifoldAndOriented()
+    ours = sheet_solid(pattern, SHEET).to_mesh64()
+    assert (mesh.GetVertexCount(), mesh.GetTriangleCount()) == (len(ours.vert_properties), len(ours.tri_verts))
+    seen = np.array([list(place.Coordinates) for place in mesh.GetVertices()])
+    assert np.abs(seen - np.asarray(ours.vert_properties)[:, :3]).max() < 1e-4  # it reads single precision
+    assert not meshes.MoveNext()
+
+
+@pytest.mark.parametrize("name", ["star", "letter-a"])
+def test_freecad_reads_one_valid_solid_of_the_meshs_volume(name: str, tmp_path: Path) -> None:
+    pytest.importorskip("build123d")
+    freecad = require_program("freecadcmd")
+    pattern = folded(name)
+    path, script = tmp_path / "sheet.step", tmp_path / "read.py"
+    path.write_bytes(export(pattern, ".step", SHEET))
+    script.write_text(
+        "import json, Part\n"
+        f"shape = Part.read({str(path)!r})\n"
+        "box = shape.BoundBox\n"
+        "seen = [shape.isValid(), len(shape.Solids), shape.Volume, box.XLength, box.YLength, box.ZLength]\n"
+        "print('SEEN', json.dumps(seen))\n"
+    )
+    (said,) = re.findall(r"SEEN (.*)", run_program(freecad, script))
+    valid, count, volume, *size = json.loads(said)
+    assert (valid, count) == (True, 1)
     assert volume == pytest.approx(sheet_solid(pattern, SHEET).volume(), rel=1e-3)
+    assert size == pytest.approx([pattern.sheet.width, pattern.sheet.height, 0.4], abs=1e-6)
+
+
+def test_faces_of_step_are_plane_and_share_their_sides() -> None:
+    pattern = folded("bolt")
+    mesh = sheet_solid(pattern, SHEET).simplify(step.FLAT_MM).to_mesh64()
+    points = np.asarray(mesh.vert_properties)[:, :3]
+    triangles = np.asarray(mesh.tri_verts).astype(np.int64)
+    faces = step.plane_faces(triangles, np.asarray(mesh.face_id))
+    assert len(faces) < len(triangles) / 2
+    sides = [side for loops in faces for loop in loops for side in zip(loop, loop[1:] + loop[:1], strict=True)]
+    assert len(set(sides)) == len(sides)
+    assert {(b, a) for a, b in sides} == set(sides)
+    for loops in faces:
+        corners = points[[corner for loop in loops for corner in loop]]
+        assert np.linalg.svd(corners - corners.mean(axis=0))[1][-1] < 1e-4
 
 
 @pytest.mark.parametrize("letter", ["M", "V"])
@@ -62,13 +139,20 @@ def test_grooves_that_leave_no_web_are_an_error() -> None:
         export(book_fold(), ".stl", load_profile("glowforge"))
 
 
-def test_a_missing_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "manifold3d", None)
-    with pytest.raises(FileFormatError, match=r"foldcut\[solids\]"):
-        export(book_fold(), ".stl", SHEET)
+@pytest.mark.parametrize(
+    ("package", "suffix"), [("manifold3d", ".stl"), ("manifold3d", ".3mf"), ("build123d", ".step")]
+)
+def test_a_missing_extra_is_named_before_there_is_a_pattern(
+    package: str, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(FileFormatError, match=rf"{package}: pip install 'foldcut\[solids\]'"):
+        check_suffix(suffix)
+    with pytest.raises(FileFormatError, match=package):
+        export(book_fold(), suffix, SHEET)
 
 
-def test_the_same_sheet_has_the_same_bytes() -> None:
+@pytest.mark.parametrize("suffix", [".stl", ".3mf", ".step"])
+def test_the_same_sheet_has_the_same_bytes(suffix: str) -> None:
     pattern = folded("star")
-    one, other = (np.frombuffer(export(pattern, ".stl", SHEET)[84:], dtype=np.uint8) for _ in range(2))
-    assert (one == other).all()
+    assert export(pattern, suffix, SHEET) == export(pattern, suffix, SHEET)

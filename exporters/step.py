@@ -1,0 +1,152 @@
+"""STEP: the scored sheet as one solid with plane faces, for CAD.
+
+Input: a ``FoldedPattern`` and a ``Profile`` with ``solid``; output: STEP AP214, mm. The mesh of ``solid`` has the
+geometry already, exact to rounding; its triangles in one plane become one face, and faces share edges and corners, so
+that nothing has to be cut or sewn. Needs the extra ``solids``.
+"""
+
+from __future__ import annotations
+
+import io
+from collections import defaultdict
+from typing import Any
+
+import numpy as np
+
+from foldcut.errors import FileFormatError
+from foldcut.model import Floats, FoldedPattern, Numbers
+from foldcut.profiles import Profile
+
+from .solid import corners_and_triangles, needs, sheet_solid
+
+FLAT_MM = 1e-6
+"""Triangles are in one plane when their corners are this near to it."""
+
+Half = tuple[int, int]
+
+
+def export(pattern: FoldedPattern, profile: Profile) -> bytes:
+    """Return the scored sheet as a STEP file; errors as for ``sheet_solid``."""
+    needs("build123d")
+    from build123d import export_step
+
+    solid = step_solid(pattern, profile)
+    out = io.BytesIO()
+    export_step(solid, out, timestamp="2000-01-01T00:00:00")
+    return out.getvalue()
+
+
+def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
+    """Return the scored sheet as a ``build123d.Solid``; errors as for ``sheet_solid``."""
+    from build123d import Solid
+
+    mesh = sheet_solid(pattern, profile).simplify(FLAT_MM).to_mesh64()
+    points, triangles = corners_and_triangles(mesh)
+    solid = Solid(_Builder(points).solid(plane_faces(triangles, np.asarray(mesh.face_id))))
+    if not solid.is_valid:
+        raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
+    return solid
+
+
+def plane_faces(triangles: Numbers, plane: Numbers) -> list[list[list[int]]]:
+    """Return the outlines of triangles, ``(t, 3)``, in common planes, ``(t,)``: for each face its loops of corners."""
+    triangle: dict[Half, int] = {}
+    opposite: dict[Half, int] = {}
+    for at, (a, b, c) in enumerate(triangles.tolist()):
+        for one, other, third in ((a, b, c), (b, c, a), (c, a, b)):
+            triangle[one, other], opposite[one, other] = at, third
+    planes = plane.tolist()
+
+    def within(half: Half) -> int:
+        return int(planes[triangle[half]])
+
+    borders: dict[int, dict[Half, None]] = defaultdict(dict)
+    for a, b in triangle:
+        if within((b, a)) != within((a, b)):
+            borders[within((a, b))][a, b] = None
+    faces = []
+    for number, left in borders.items():
+        loops = []
+        while left:
+            half, loop = next(iter(left)), []
+            while half in left:
+                del left[half]
+                loop.append(half[0])
+                # around the end, through the face's triangles, to its next side
+                end, third = half[1], opposite[half]
+                while within((third, end)) == number:
+                    third = opposite[third, end]
+                half = end, third
+            loops.append(loop)
+        faces.append(loops)
+    return faces
+
+
+class _Builder:
+    """Makes plane faces that share edges and corners into a solid, by Open CASCADE itself: build123d would sew."""
+
+    def __init__(self, points: Floats) -> None:
+        self.points = points
+        self.corners: dict[int, Any] = {}
+        self.edges: dict[Half, Any] = {}
+
+    def solid(self, faces: list[list[list[int]]]) -> Any:
+        """Return the solid that faces enclose."""
+        from OCP.BRep import BRep_Builder
+        from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
+
+        builder = BRep_Builder()
+        shell, solid = TopoDS_Shell(), TopoDS_Solid()
+        builder.MakeShell(shell)
+        for loops in faces:
+            builder.Add(shell, self._face(loops))
+        shell.Closed(True)
+        builder.MakeSolid(solid)
+        builder.Add(solid, shell)
+        return solid
+
+    def _face(self, loops: list[list[int]]) -> Any:
+        from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+        from OCP.gp import gp_Dir, gp_Pln, gp_Pnt
+
+        normals = [_normal(self.points[loop]) for loop in loops]
+        outer = int(np.argmax([np.linalg.norm(normal) for normal in normals]))
+        plane = gp_Pln(gp_Pnt(*self.points[loops[outer]].mean(axis=0).tolist()), gp_Dir(*normals[outer].tolist()))
+        face = BRepBuilderAPI_MakeFace(plane, self._wire(loops[outer]))
+        for number, loop in enumerate(loops):
+            if number != outer:
+                face.Add(self._wire(loop))
+        return face.Face()
+
+    def _wire(self, loop: list[int]) -> Any:
+        from OCP.BRep import BRep_Builder
+        from OCP.TopoDS import TopoDS_Wire
+
+        builder, wire = BRep_Builder(), TopoDS_Wire()
+        builder.MakeWire(wire)
+        for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
+            builder.Add(wire, self._edge(a, b))
+        wire.Closed(True)
+        return wire
+
+    def _edge(self, a: int, b: int) -> Any:
+        from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+
+        key = min(a, b), max(a, b)
+        if key not in self.edges:
+            self.edges[key] = BRepBuilderAPI_MakeEdge(self._corner(key[0]), self._corner(key[1])).Edge()
+        return self.edges[key] if a < b else self.edges[key].Reversed()
+
+    def _corner(self, number: int) -> Any:
+        from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
+        from OCP.gp import gp_Pnt
+
+        if number not in self.corners:
+            self.corners[number] = BRepBuilderAPI_MakeVertex(gp_Pnt(*self.points[number].tolist())).Vertex()
+        return self.corners[number]
+
+
+def _normal(loop: Floats) -> Floats:
+    """The normal of a loop, ``(3,)``, as long as twice its area."""
+    spokes = loop[1:] - loop[0]
+    return np.asarray(np.cross(spokes[:-1], spokes[1:]).sum(axis=0))
