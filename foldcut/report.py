@@ -51,9 +51,17 @@ def make_report(
         "notes": list(result.notes),
         "jobs": [_job_report(job) for job in jobs],
         "machine": profile.title if profile else None,
-        "next": list(profile.instructions) if profile else [],
+        "next": _next(files, profile),
         "files": list(files),
     }
+
+
+def _next(files: Sequence[Report], profile: Profile | None) -> list[str]:
+    """Return what to do in the machine's software, where a file is in the format that this is for."""
+    if profile is None:
+        return []
+    endings = {str(file["path"]).rpartition(".")[2].lower() for file in files}
+    return list(profile.instructions) if endings & {profile.format, "zip"} else []
 
 
 def make_lines(report: Report) -> list[str]:
