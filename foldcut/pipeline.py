@@ -41,6 +41,9 @@ __all__ = ["EFFORTS", "METHODS", "PaperStages", "Progress", "Result", "fold"]
 
 Progress = Callable[[str, float], None]
 
+NEARLY = 0.01
+"""Corners that are off by less than this, relative to the shape's size, are worth a hint."""
+
 AFTER_MIRROR = 0.3
 """The part of the effort that the compact method gets when a mirror axis has given a pattern."""
 
@@ -295,7 +298,7 @@ class _Trials:
 
     def _halves(self, laid: _Laid, lay: Callable[[float], _Laid]) -> Iterator[tuple[Half, _Laid]]:
         """Yield the halves of the sheet by which a shape can be folded, and how it lies for each."""
-        refused = f"the drawing is not mirror-symmetric{f' within {self.symmetry:g} mm' if self.symmetry else ''}"
+        refused = _asymmetry(laid.shape, self.symmetry)
         found = False
         if not self.may_turn and mirror_axes(laid.shape, self.symmetry):
             refused = "no mirror axis of the drawing lies along the sheet; leave out --offset and --rotate"
@@ -324,6 +327,18 @@ class _Trials:
         ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon
         made = _fold_by_the_paper(laid.shape, laid.sheet, ribbon, self.stages)
         return _Made("paper", made, laid, ribbon, crease_numbers(made.creases).lines)
+
+
+def _asymmetry(shape: Shape, allowed: float) -> str:
+    """Say that a shape has no mirror axis, or how near it comes to having one, in mm."""
+    near = mirror_axes(shape, NEARLY * float(np.ptp(np.concatenate(shape.loops), axis=0).max()))
+    off = min((axis.deviation for axis in near), default=math.inf)
+    if allowed < off < math.inf:
+        remedy = f"--symmetry {math.ceil(off * 100) / 100:g}mm"
+        return (
+            f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; make it so with {remedy}"
+        )
+    return f"the drawing is not mirror-symmetric{f' within {allowed:g} mm' if allowed else ''}"
 
 
 def _check_options(

@@ -147,7 +147,7 @@ def _method_rows(report: Report) -> list[tuple[str, str]]:
 def _attempt_text(attempt: Report) -> str:
     """Return what came of a method that was not taken."""
     if attempt["failure"]:
-        return str(attempt["failure"])
+        return str(attempt["failure"]).partition(": loop")[0]
     return (
         f"{attempt['creases']} creases, {attempt['actions']} folds, the shortest {attempt['shortest_mm']:.3g} mm long"
     )

@@ -31,7 +31,7 @@ from foldcut.ties import Mover
 from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns
 
-EFFORTS = {"fast": 0.8, "normal": 6.0, "best": 60.0}
+EFFORTS = {"fast": 0.5, "normal": 5.6, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_Budget``."""
 
 CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)

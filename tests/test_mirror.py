@@ -23,7 +23,7 @@ HOLE_D: Points = [(1.5, 1.5), (3.5, 1.5), (4.5, 2.5), (4.5, 4.5), (3.5, 5.5), (1
 
 SHAPES: dict[str, tuple[list[Points], int]] = {
     # loops, and the most creases that are allowed with fast effort
-    "square ring": ([rectangle(10, 10), rectangle(5, 5)], 50),
+    "square ring": ([rectangle(10, 10), rectangle(5, 5)], 80),
     "letter O": ([regular(8), [(0.5 * x, 0.5 * y) for x, y in regular(8)]], 120),
     "letter D": ([LETTER_D, HOLE_D], 350),
     "figure 8": ([rectangle(6, 10), *([(x, y + d) for x, y in rectangle(3, 3)] for d in (-2.25, 2.25))], 550),
@@ -153,8 +153,8 @@ def test_without_an_axis_several_loops_are_refused_by_name() -> None:
 def test_near_symmetry_is_made_exact_on_request() -> None:
     loop = np.array(cross())
     loop[0] += 0.002  # about 0.1 mm on A4
-    with pytest.raises(foldcut.UnfoldableError, match="not mirror-symmetric"):
-        foldcut.fold([loop[np.arange(12) != 5]], method="mirror")
+    with pytest.raises(foldcut.UnfoldableError, match=r"but nearly: corners are 0\.\d+ mm off; .*--symmetry 0\.\d+mm"):
+        foldcut.fold([loop], method="mirror")
     result = foldcut.fold([loop], method="mirror", effort="fast", symmetry=0.5)
     assert result.findings == ()
     assert any(note.startswith("made symmetric: corners moved by at most 0.") for note in result.notes)
