@@ -19,8 +19,8 @@ from foldcut.profiles import Profile
 
 from .solid import corners_and_triangles, needs, sheet_solid
 
-FLAT_MM = 1e-6
-"""Triangles are in one plane when their corners are this near to it."""
+FLAT_MM = (1e-6, 1e-8)
+"""Triangles are in one plane when their corners are this near to it; the finer is tried if the coarser will not do."""
 
 Half = tuple[int, int]
 
@@ -38,14 +38,30 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
 
 def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
     """Return the scored sheet as a ``build123d.Solid``; errors as for ``sheet_solid``."""
-    from build123d import Solid
+    scored = sheet_solid(pattern, profile)
+    meshes = [scored.simplify(flat).to_mesh64() for flat in FLAT_MM]
+    planes = [np.asarray(mesh.face_id) for mesh in meshes]
+    # triangles are plane in any case
+    meshes.append(meshes[0])
+    planes.append(np.arange(len(meshes[0].tri_verts)))
+    for mesh, plane in zip(meshes, planes, strict=True):
+        solid = _valid_solid(*corners_and_triangles(mesh), plane)
+        if solid is not None:
+            return solid
+    raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
 
-    mesh = sheet_solid(pattern, profile).simplify(FLAT_MM).to_mesh64()
-    points, triangles = corners_and_triangles(mesh)
-    solid = Solid(_Builder(points).solid(plane_faces(triangles, np.asarray(mesh.face_id))))
-    if not solid.is_valid:
-        raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
-    return solid
+
+def _valid_solid(points: Floats, triangles: Numbers, plane: Numbers) -> Any:
+    """Return the solid of faces in planes, or None: a face has no area, or Open CASCADE finds something wrong."""
+    from build123d import Solid
+    from OCP.Standard import Standard_ConstructionError
+    from OCP.StdFail import StdFail_NotDone
+
+    try:
+        solid = Solid(_Builder(points).solid(plane_faces(triangles, plane)))
+    except (Standard_ConstructionError, StdFail_NotDone):
+        return None
+    return solid if solid.is_valid else None
 
 
 def plane_faces(triangles: Numbers, plane: Numbers) -> list[list[list[int]]]:
