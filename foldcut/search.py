@@ -31,7 +31,7 @@ from foldcut.ties import Mover
 from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns
 
-EFFORTS = {"fast": 0.5, "normal": 5.6, "best": 60.0}
+EFFORTS = {"fast": 0.42, "normal": 5.2, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_Budget``."""
 
 CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
@@ -46,6 +46,9 @@ VARIATIONS = 4
 OVERTIME = 0.3
 TOO_SHORT, STILL_SHORTER = 1.65, 0.6  # what creases count when the shortest is nearly foldable, and what more at 0 mm
 PATIENCE = 2  # how many times what an effort allows may be spent as long as there is no pattern
+SLOW_S = 5.0
+"""Before this many seconds no search is cut short for being slow: what is found must not depend on the machine."""
+
 MOST_TURNS = 400
 
 Rank = tuple[bool, float, float]
@@ -156,8 +159,8 @@ class _Budget:
         elapsed = time.monotonic() - self.started
         if self.seconds is not None:
             return elapsed / self.seconds
-        # a slow machine must not keep anybody waiting
-        return max(self.spent / self.allowed, elapsed / (8 * self.allowed))
+        # a slow machine must not keep anybody waiting; a short look may still take its time
+        return max(self.spent / self.allowed, elapsed / max(8 * self.allowed, SLOW_S))
 
     def more(self, part: float) -> None:
         """Allow more, as a part of what was allowed."""
