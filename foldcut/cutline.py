@@ -21,7 +21,7 @@ from foldcut.flatfold import FaceMaps, folded_edges
 from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
 from foldcut.stacking import collinear_overlap
 
-__all__ = ["check_cut"]
+__all__ = ["check_cut", "fold_boundary"]
 
 Indices = NDArray[np.intp]
 
@@ -45,15 +45,13 @@ def check_cut(
     """
     if not shape.loops:
         return [Finding("cut", "the shape has no loops; give at least one")]
-    starts = np.concatenate(shape.loops)
-    sides = np.stack([starts, np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])], axis=1)
+    sides = _sides(shape)
     findings = _check_on_sheet(pattern, faces_of_edges, sides, tolerance)
     if findings:
         return findings
     findings = _check_creases(pattern, sides, tolerance)
-    pieces = _divide(pattern, sides, tolerance)
-    faces = _faces_at(pattern, pieces.mean(axis=1))
-    folded = np.concatenate([maps.apply(faces, pieces[:, end]) for end in (0, 1)])
+    pieces, _, landed = fold_boundary(pattern, maps, shape, tolerance)
+    folded = np.concatenate([landed[:, 0], landed[:, 1]])
     along, level = _line_through(folded)
     heights = _heights(folded, along, level)
     off = np.abs(heights).reshape(2, -1).max(axis=0)
@@ -61,6 +59,24 @@ def check_cut(
         message = f"the shape's boundary folds {off[at]:.3g} mm away from the cut line"
         findings.append(_finding(message, pieces[at].mean(axis=0), off[at]))
     return findings or _check_heights(pattern, maps, shape, along, level, 2 * tolerance)
+
+
+def fold_boundary(
+    pattern: CreasePattern, maps: FaceMaps, shape: Shape, tolerance: float
+) -> tuple[Floats, Indices, Floats]:
+    """Return the shape's boundary in pieces within one face each: their ends, faces, and where the ends land.
+
+    ``(n, 2, 2)`` mm on the sheet, ``(n,)``, and ``(n, 2, 2)`` in the frame of ``maps``; ``tolerance`` in mm.
+    """
+    pieces = _divide(pattern, _sides(shape), tolerance)
+    faces = _faces_at(pattern, pieces.mean(axis=1))
+    return pieces, faces, np.stack([maps.apply(faces, pieces[:, end]) for end in (0, 1)], axis=1)
+
+
+def _sides(shape: Shape) -> Floats:
+    """Return the sides of all loops, ``(n, 2, 2)``."""
+    starts = np.concatenate(shape.loops)
+    return np.stack([starts, np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])], axis=1)
 
 
 def _check_on_sheet(pattern: CreasePattern, faces_of_edges: Ints, sides: Floats, tolerance: float) -> list[Finding]:

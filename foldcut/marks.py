@@ -8,14 +8,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
+from functools import cache
+from itertools import pairwise
+from typing import Any
 
 import numpy as np
-import shapely
 
-from foldcut.flatfold import folded_edges
+from foldcut.cutline import fold_boundary
+from foldcut.flatfold import fold_faces, folded_edges
 from foldcut.lines import straight_lines
 from foldcut.model import Floats, FoldedPattern, Sheet
+from foldcut.planar import edge_faces
 from foldcut.plane import left_normal
+
+TOUCHING = 1e-9
+"""Places this near, relative to the sheet's diagonal, are one."""
 
 TEXT_MM, NUMBER_MM = 4.0, 2.5
 """How high titles and numbers are."""
@@ -56,18 +63,27 @@ def first_folds(pattern: FoldedPattern) -> list[Floats]:
 
 def cut_line(pattern: FoldedPattern) -> list[Floats]:
     """The parts of the outline that are seen on the folded sheet, from the front or the back: where to cut there."""
-    pieces = _outline_pieces(pattern)
+    creases = pattern.creases
+    tolerance = TOUCHING * pattern.sheet.diagonal
+    maps = fold_faces(creases, edge_faces(creases))
+    pieces, faces, landed = fold_boundary(creases, maps, pattern.shape, tolerance)
+    longest = int(np.hypot(*(landed[:, 1] - landed[:, 0]).T).argmax())
+    line = landed[longest, 1] - landed[longest, 0]
+    x = (landed - landed[longest, 0]) @ line / math.hypot(*line)  # all of them land on one line
+    places = np.unique(np.round(x / tolerance)) * tolerance
+    low, high = (np.searchsorted(places, ends - tolerance / 2) for ends in (x.min(axis=1), x.max(axis=1)))
+    rank = np.argsort(pattern.folded.layers)[faces]
     seen: list[Floats] = []
-    for back in (False, True):
-        covered = shapely.MultiLineString()
-        for rank, piece, folded in sorted(pieces, key=lambda item: item[0], reverse=not back):
-            del rank
-            span = shapely.LineString(folded)
-            for part in _lines(span.difference(covered.buffer(1e-6))):
-                ends = (np.asarray(part.coords)[[0, -1]] - folded[0]) @ (folded[1] - folded[0])
-                share = ends / float(((folded[1] - folded[0]) ** 2).sum())
-                seen.append(piece[0] + share[:, None] * (piece[1] - piece[0]))
-            covered = covered.union(span)
+    for order in (np.argsort(rank), np.argsort(-rank)):
+        shown = np.full(len(places) - 1, -1)  # between places, the piece that covers all before it
+        for piece in order.tolist():
+            shown[low[piece] : high[piece]] = piece
+        edges = np.flatnonzero(np.diff(shown, prepend=-2, append=-2))
+        for first, last in pairwise(edges.tolist()):
+            piece = int(shown[first])
+            if piece >= 0:
+                share = (places[[first, last]] - x[piece, 0]) / (x[piece, 1] - x[piece, 0])
+                seen.append(pieces[piece, 0] + share[:, None] * (pieces[piece, 1] - pieces[piece, 0]))
     return seen
 
 
@@ -158,12 +174,18 @@ def crosses(sheet: Sheet, size: float) -> list[Floats]:
 
 def text(words: str, height: float, at: tuple[float, float] = (0.0, 0.0)) -> list[Floats]:
     """Text as polylines, ``height`` mm high, from a place on to the right; what has no strokes is left out."""
+    return [np.array(stroke, dtype=np.float64) + np.array(at) for stroke in _font(height).strokes_for_text(words)]
+
+
+@cache
+def _font(height: float) -> Any:
+    """Return Hershey's plain font in a size; reading it takes longer than most texts."""
     from HersheyFonts import HersheyFonts
 
     font = HersheyFonts()
     font.load_default_font("futural")
     font.normalize_rendering(height)
-    return [np.array(stroke, dtype=np.float64) + np.array(at) for stroke in font.strokes_for_text(words)]
+    return font
 
 
 def _turned(stroke: Floats, along: Floats) -> Floats:
@@ -180,34 +202,3 @@ def _in_front(line: Floats, first: Floats) -> bool:
     """Whether a line is, at least partly, to the right of or above a line that is folded first."""
     across = 0 if first[0, 0] == first[1, 0] else 1
     return bool(line[:, across].max() > first[0, across] + 1e-6)
-
-
-def _lines(geometry: shapely.Geometry) -> list[shapely.LineString]:
-    return [part for part in shapely.get_parts(geometry) if isinstance(part, shapely.LineString) and part.length > 1e-3]
-
-
-def _outline_pieces(pattern: FoldedPattern) -> list[tuple[int, Floats, Floats]]:
-    """The outline cut up by faces: for each piece the face's layer, and the ends on the sheet and folded."""
-    creases, folded = pattern.creases, pattern.folded
-    rank = np.empty(len(folded.layers), dtype=np.int64)
-    rank[folded.layers] = np.arange(len(folded.layers))
-    faces = creases.faces_vertices.to_lists()
-    polygons = [shapely.Polygon(creases.vertices_coords[face]) for face in faces]
-    tree = shapely.STRtree(polygons)
-    pieces = []
-    for loop in pattern.shape.loops:
-        for side in zip(loop, np.roll(loop, -1, axis=0), strict=True):
-            line = shapely.LineString(side)
-            for number in tree.query(line, predicate="intersects").tolist():
-                for part in _lines(line.intersection(polygons[number])):
-                    ends = np.asarray(part.coords)[[0, -1]]
-                    pieces.append((int(rank[number]), ends, _landing(ends, faces[number], pattern)))
-    return pieces
-
-
-def _landing(points: Floats, face: list[int], pattern: FoldedPattern) -> Floats:
-    """Where points of a face land."""
-    flat, folded = pattern.creases.vertices_coords[face], pattern.folded.vertices_coords[face]
-    system = np.column_stack([flat, np.ones(len(face))])
-    landing: Floats = np.column_stack([points, np.ones(len(points))]) @ np.linalg.lstsq(system, folded, rcond=None)[0]
-    return landing

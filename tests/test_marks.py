@@ -10,10 +10,13 @@ import shapely
 from patterns import book_fold
 
 from foldcut import marks
+from foldcut.cutline import fold_boundary
+from foldcut.flatfold import fold_faces
 from foldcut.job import make_jobs
 from foldcut.marks import MARKS
 from foldcut.model import Floats, FoldedPattern
 from foldcut.pipeline import fold
+from foldcut.planar import edge_faces
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
 
@@ -27,6 +30,15 @@ def folded(name: str) -> FoldedPattern:
 
 def length(lines: list[Floats]) -> float:
     return float(sum(np.hypot(*np.diff(line, axis=0).T).sum() for line in lines))
+
+
+def outline_pieces(pattern: FoldedPattern) -> list[tuple[int, Floats, Floats]]:
+    """The outline cut up by faces: for each piece the face's layer, and the ends on the sheet and folded."""
+    creases = pattern.creases
+    maps = fold_faces(creases, edge_faces(creases))
+    pieces, faces, landed = fold_boundary(creases, maps, pattern.shape, 1e-8 * pattern.sheet.diagonal)
+    rank = {int(face): place for place, face in enumerate(pattern.folded.layers.tolist())}
+    return [(rank[int(face)], piece, place) for face, piece, place in zip(faces, pieces, landed, strict=True)]
 
 
 @pytest.mark.parametrize("name", ["bolt", "letter-a", "ring"])
@@ -45,17 +57,20 @@ def test_the_cut_line_is_a_part_of_the_outline_as_long_as_the_folded_cut_on_both
     outline = shapely.union_all([shapely.LinearRing(loop) for loop in pattern.shape.loops])
     seen = marks.cut_line(pattern)
     assert all(shapely.LineString(line).within(outline.buffer(1e-6)) for line in seen)
-    pieces = marks._outline_pieces(pattern)
-    heights = np.array([folded[:, 1] for _, _, folded in pieces])
+    landed = [place for _, _, place in outline_pieces(pattern)]
+    along = max((place[1] - place[0] for place in landed), key=lambda line: float(np.hypot(*line)))
+    along /= np.hypot(*along)
+    heights = (np.array(landed) - landed[0][0]) @ np.array([-along[1], along[0]])
     assert np.abs(heights).max() < 1e-6, "the outline folds onto the cut line"
-    cut = shapely.union_all([shapely.LineString(np.round(folded, 6)) for *_, folded in pieces]).length
+    spans = [np.column_stack([(place - landed[0][0]) @ along, [0.0, 0.0]]) for place in landed]
+    cut = shapely.union_all([shapely.LineString(np.round(span, 6)) for span in spans]).length
     assert length(seen) == pytest.approx(2 * cut, rel=1e-4)
     assert length(seen) < 0.7 * outline.length
 
 
 def test_a_layer_that_is_covered_is_not_seen() -> None:
     pattern = folded("star")
-    pieces = marks._outline_pieces(pattern)
+    pieces = outline_pieces(pattern)
     top = max(rank for rank, *_ in pieces)
     (best,) = [piece for rank, piece, _ in pieces if rank == top][:1]
     line = shapely.LineString(best)

@@ -16,6 +16,7 @@ from pathlib import Path
 import foldcut
 from foldcut.exporters import PATTERN_EXPORTERS, export, export_job
 from foldcut.job import make_jobs
+from foldcut.marks import MARKS
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
 
@@ -45,6 +46,8 @@ def main() -> None:
         profile = load_profile(name)
         suffix = f".{profile.format}"
         rows[f"{name} {suffix}"] = seconds(lambda s=suffix, p=profile: export_job(make_jobs(pattern, p)[0], s, p))  # type: ignore[misc]
+    laser = load_profile("laser-dxf")
+    rows["job with all marks"] = seconds(lambda: make_jobs(pattern, laser, marks=tuple(MARKS)))
     for suffix in PATTERN_EXPORTERS:
         rows[suffix] = seconds(lambda s=suffix: export(pattern, s))  # type: ignore[misc]
     print(f"{pattern.creases.crease_count} creases, folded in {fold:.2f} s")
