@@ -1,18 +1,22 @@
 """PNG: the drawing of the crease pattern as a picture, for screens.
 
 Input: a ``FoldedPattern`` and a ``Profile``; output: PNG, as the ``svg`` exporter draws it on white, at ``DPI`` pixels
-an inch, which the file says (PNG specification, 11.3.5.3).
+an inch, which the file says (PNG specification, 11.3.5.3). Words are in reportlab's own font, so that they are there on
+every machine; letters that it does not have are the system's.
 """
 
 from __future__ import annotations
 
 import io
+from pathlib import Path
 
+import reportlab
 import resvg_py
 from PIL import Image
 
 from foldcut.model import FoldedPattern
 from foldcut.profiles import Profile
+from foldcut.units import MM_PER_INCH
 
 from . import svg
 
@@ -20,7 +24,7 @@ DPI = 200
 MOST_PIXELS = 10_000
 """The longest side of a picture; larger sheets get fewer pixels an inch."""
 
-MM_PER_INCH = 25.4
+FONT, FONT_NAME = Path(reportlab.__file__).parent / "fonts" / "Vera.ttf", "Bitstream Vera Sans"
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
@@ -28,7 +32,9 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     longest = max(pattern.sheet.width, pattern.sheet.height) / MM_PER_INCH
     dpi = min(DPI, MOST_PIXELS / longest)
     drawing = svg.export(pattern, profile).decode()
-    data = bytes(resvg_py.svg_to_bytes(svg_string=drawing, dpi=dpi, background="#ffffff"))
+    pixels = resvg_py.svg_to_bytes(
+        svg_string=drawing, dpi=dpi, background="#ffffff", font_files=[str(FONT)], sans_serif_family=FONT_NAME
+    )
     out = io.BytesIO()
-    Image.open(io.BytesIO(data)).convert("RGB").save(out, "PNG", dpi=(dpi, dpi))
+    Image.open(io.BytesIO(bytes(pixels))).convert("RGB").save(out, "PNG", dpi=(dpi, dpi))
     return out.getvalue()

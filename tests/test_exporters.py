@@ -73,6 +73,15 @@ def test_a_picture_has_the_drawings_size_and_says_its_resolution() -> None:
         assert np.logical_and.reduce(coloured).any(), "mountains are red, valleys blue"
 
 
+def test_a_picture_has_the_words_of_the_legend() -> None:
+    def ink(title: str) -> int:
+        pattern = dataclasses.replace(square_out_of_square(), title=title)
+        pixels = np.asarray(Image.open(io.BytesIO(export(pattern, ".png"))).convert("L"))
+        return int((pixels < 200).sum())
+
+    assert ink("WWWWWWWW") > ink("W") > ink("")
+
+
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
     with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg, \.cp, \.opx, \.png, \.stl"):
         check_suffix(".xyz")
