@@ -102,7 +102,9 @@ def make_jobs(
     for side in sides:
         roles: dict[Role, list[list[Floats]]] = {"mark": [], "mountain": [], "valley": [], "cut": []}
         if side != "back":
-            roles["mark"] += [[line] for name in marks for line in MARKS[name](pattern)]
+            # the cut line is a part of the outline, and no line is there twice
+            names = [name for name in marks if name != "cut-line" or "outline" not in marks]
+            roles["mark"] += [[line] for name in names for line in MARKS[name](pattern)]
         if two_sided:
             role, lines = _registration(pattern.sheet, registration, side)
             roles[role] += [[line] for line in lines]

@@ -145,3 +145,5 @@ def test_only_the_marks_that_are_asked_for_are_there() -> None:
     assert count("outline") == 2
     assert count("outline", "first-folds") == 4
     assert count("title", "ruler") > 10
+    assert count("outline", "cut-line") == count("outline"), "nothing is drawn twice"
+    assert count("cut-line") > 0
