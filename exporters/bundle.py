@@ -1,13 +1,13 @@
 """Several files as one: a job's files and a README.txt that says what to load first, for a folder or a zip archive.
 
-Input: names and contents of files, the ``Job`` list, the ``Profile``; output: bytes.
+Input: names and contents of files, the ``Job`` of each, the ``Profile``; output: bytes.
 """
 
 from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from foldcut.job import Job
 from foldcut.model import FoldedPattern
@@ -20,24 +20,24 @@ OURS = "foldcut"
 """What our README begins with."""
 
 
-def readme(pattern: FoldedPattern, names: Sequence[str], jobs: Sequence[Job], profile: Profile | None) -> bytes:
-    """Return the text that says what each file is, in the order to load them, and how to go on."""
+def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None) -> bytes:
+    """Return the text that says what each file is, in the order to load them, and how to go on.
+
+    ``files``: the job in each file by the file's name, None where it is the pattern's.
+    """
     sheet = pattern.sheet
+    jobs = [job for job in files.values() if job is not None]
     lines = [
         f"{OURS}: {printable(pattern.title) or 'crease pattern'}",
         "",
         f"Sheet: {number(sheet.width)} x {number(sheet.height)} mm",
         "",
+        "Files, in the order to use them:",
     ]
-    lines.append("Files, in the order to use them:")
-    sides = {job.side: job for job in jobs}
-    for place, name in enumerate(names, start=1):
-        what = ""
-        for side, job in sides.items():
-            if (side == "both" and len(names) == 1) or f"-{side}." in name:
-                what = f": {side} of the sheet" if side != "both" else ""
-                what += ", which lies a quarter turn to the left" if job.turned else ""
-        lines.append(f"  {place}. {name}{what}")
+    for place, (name, job) in enumerate(files.items(), start=1):
+        what = f": {job.side} of the sheet" if job and job.side != "both" else ""
+        turned = ", which lies a quarter turn to the left" if job and job.turned else ""
+        lines.append(f"  {place}. {name}{what}{turned}")
     for job in jobs:
         lines += ["", f"Operations{'' if job.side == 'both' else f' on the {job.side}'}, in this order:"]
         for step in job.steps:
@@ -46,7 +46,7 @@ def readme(pattern: FoldedPattern, names: Sequence[str], jobs: Sequence[Job], pr
                 numbers = {key: value for key, value in step.setting.model_dump().items() if value is not None}
                 setting = f" ({', '.join(f'{key} {value:g}' for key, value in numbers.items())}: a starting point)"
             lines.append(f"  - {step.operation.layer}: {len(step.strokes)} strokes, {step.length:.0f} mm{setting}")
-    if {"front", "back"} <= sides.keys():
+    if len(jobs) > 1:
         lines += [
             "",
             "Do the front first. Turn the sheet over like a page, left to right, line it up, and do the back.",

@@ -167,7 +167,7 @@ def _make(args: argparse.Namespace) -> int:
         contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
         write_files(contents)
-    made = report.make_report(result, files, jobs, profile)
+    made = report.make_report(result, files, jobs, profile, args.material)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
 
@@ -250,11 +250,12 @@ def _contents(
         if not _is_bundle(path):
             contents |= written(path)
             continue
-        members: dict[Path, bytes] = {}
-        for name in _members(path, stem, profile):
-            members |= written(Path(name))
-        text = readme(pattern, list(map(str, members)), list(jobs.values()), profile)
-        every = {README: text} | {str(name): data for name, data in members.items()}
+        members: dict[str, bytes] = {}
+        sides: dict[str, Job | None] = {}
+        for member in map(Path, _members(path, stem, profile)):
+            members |= {str(name): data for name, data in written(member).items()}
+            sides |= {str(name): jobs.get(side) for side, name in _sides(member, args).items()}
+        every = {README: readme(pattern, sides, profile)} | members
         contents |= {path / name: data for name, data in every.items()} if path.is_dir() else {path: zipped(every)}
     return contents, list(jobs.values())
 

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from foldcut.foldability import crease_numbers
+from foldcut.foldability import PAPER_MM, crease_numbers, foldability
 from foldcut.model import CreasePattern, Finding, Sheet
 from foldcut.verify import CHECKS
 
@@ -26,11 +26,19 @@ MOST_FINDINGS = 10
 
 
 def make_report(
-    result: Result, files: Sequence[Report], jobs: Sequence[Job] = (), profile: Profile | None = None
+    result: Result,
+    files: Sequence[Report],
+    jobs: Sequence[Job] = (),
+    profile: Profile | None = None,
+    material: str | None = None,
 ) -> Report:
-    """Return the report of ``foldcut make``; ``files`` are the written ones: path, bytes, replaced."""
+    """Return the report of ``foldcut make``; ``files`` are the written ones: path, bytes, replaced.
+
+    Thicknesses are those of the profile's ``material``, its first unless given; without one, of office paper.
+    """
     pattern = result.folded_pattern
     sheet = pattern.sheet
+    paper, paper_mm = _paper(profile, material)
     return {
         "ok": result.verified,
         "title": pattern.title,
@@ -43,7 +51,8 @@ def make_report(
         "actions": result.actions,
         "first_folds": [line.tolist() for line in pattern.first_folds],
         "ribbon_mm": result.ribbon,
-        **asdict(result.foldability),
+        "paper": paper,
+        **asdict(foldability(pattern, paper_mm)),
         "faces": len(pattern.creases.faces_vertices),
         "seconds": dict(result.seconds),
         "verified": list(CHECKS) if result.verified else [],
@@ -54,6 +63,14 @@ def make_report(
         "next": _next(files, profile),
         "files": list(files),
     }
+
+
+def _paper(profile: Profile | None, material: str | None) -> tuple[str, float]:
+    """Return what the sheet is made of, and its thickness in mm."""
+    if profile is None or not profile.materials:
+        return "office paper", PAPER_MM
+    name = material or next(iter(profile.materials))
+    return name, profile.materials[name].thickness_mm
 
 
 def _next(files: Sequence[Report], profile: Profile | None) -> list[str]:
@@ -76,7 +93,7 @@ def make_lines(report: Report) -> list[str]:
         *_pattern_rows(report),
         (
             "layers",
-            f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of office paper; "
+            f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of {report['paper']}; "
             f"{report['layers_at_cut']} to cut through",
         ),
         ("time", f"{seconds.get('build', 0):.2f} s to build, {seconds.get('verify', 0):.2f} s to verify"),

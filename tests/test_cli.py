@@ -519,6 +519,17 @@ def test_a_job_is_written_in_the_machines_format_and_reported(
     assert "between strokes" in said
 
 
+def test_thickness_is_that_of_the_material(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
+    card = ["--profile", "laser-dxf", "--material", "card-300g", "-o", "box.dxf"]
+    _, office = run_json(capsys, "make", drawing, *SMALL, "-o", "box.fold")
+    _, thick = run_json(capsys, "make", drawing, *SMALL, *card)
+    assert (office["paper"], thick["paper"]) == ("office paper", "card-300g")
+    assert thick["layers"] == office["layers"]
+    assert thick["thickness_mm"] == pytest.approx(4 * office["thickness_mm"])
+    assert main(["make", drawing, *SMALL, *card]) == 0
+    assert "mm of card-300g; " in capsys.readouterr().out
+
+
 def test_profiles_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["profiles"]) == 0
     assert "glowforge" in capsys.readouterr().out
