@@ -39,16 +39,16 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
 def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
     """Return the scored sheet as a ``build123d.Solid``; errors as for ``sheet_solid``."""
     scored = sheet_solid(pattern, profile)
-    meshes = [scored.simplify(flat).to_mesh64() for flat in FLAT_MM]
-    planes = [np.asarray(mesh.face_id) for mesh in meshes]
-    # triangles are plane in any case
-    meshes.append(meshes[0])
-    planes.append(np.arange(len(meshes[0].tri_verts)))
-    for mesh, plane in zip(meshes, planes, strict=True):
-        solid = _valid_solid(*corners_and_triangles(mesh), plane)
+    for flat in FLAT_MM:
+        mesh = scored.simplify(flat).to_mesh64()
+        solid = _valid_solid(*corners_and_triangles(mesh), np.asarray(mesh.face_id))
         if solid is not None:
             return solid
-    raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
+    points, triangles = corners_and_triangles(mesh)
+    solid = _valid_solid(points, triangles, np.arange(len(triangles)))  # these are plane in any case
+    if solid is None:
+        raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
+    return solid
 
 
 def _valid_solid(points: Floats, triangles: Numbers, plane: Numbers) -> Any:

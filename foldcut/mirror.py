@@ -26,7 +26,7 @@ import shapely
 from foldcut.errors import UnfoldableError
 from foldcut.faces import Ring, assemble, creases_of_stack
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet, points_array
-from foldcut.plane import signed_area
+from foldcut.plane import cross, signed_area
 from foldcut.search import EFFORTS, Compact, Rank, Whole, fold_compact, rank, shortest_crease
 
 FAR = (1.0, 0.35)
@@ -345,11 +345,10 @@ def _beyond(before: Floats, end: Floats, axes: Sequence[int], away: float) -> Fl
 def _meeting(a: Floats, a_far: Floats, b: Floats, b_far: Floats) -> Floats | None:
     """Where the lines from a to a_far and from b to b_far meet on the way, or None."""
     one, other, between = a_far - a, b_far - b, b - a
-    slope = one[0] * other[1] - one[1] * other[0]
+    slope = float(cross(one, other))
     if abs(slope) < 1e-9 * np.hypot(*one) * np.hypot(*other):
         return None
-    s = (between[0] * other[1] - between[1] * other[0]) / slope
-    t = (between[0] * one[1] - between[1] * one[0]) / slope
+    s, t = float(cross(between, other)) / slope, float(cross(between, one)) / slope
     place: Floats = a + one * s
     return place if 0 < s < 1 and 0 < t < 1 else None
 
@@ -357,8 +356,7 @@ def _meeting(a: Floats, a_far: Floats, b: Floats, b_far: Floats) -> Floats | Non
 def _without_straight(loop: Floats) -> Floats:
     """Leave out points where the loop goes straight on."""
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
-    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    bent: Floats = loop[np.abs(turn) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)]
+    bent: Floats = loop[np.abs(cross(before, after)) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)]
     return bent
 
 

@@ -298,10 +298,8 @@ class _Trials:
 
     def _halves(self, laid: _Laid, lay: Callable[[float], _Laid]) -> Iterator[tuple[Half, _Laid]]:
         """Yield the halves of the sheet by which a shape can be folded, and how it lies for each."""
-        refused = _asymmetry(laid.shape, self.symmetry)
+        refused = ""
         found = False
-        if not self.may_turn and mirror_axes(laid.shape, self.symmetry):
-            refused = "no mirror axis of the drawing lies along the sheet; leave out --offset and --rotate"
         for turn, axes in sheet_axes(laid.shape, self.symmetry, may_turn=self.may_turn):
             on = lay(turn) if turn else laid
             middle = np.array([on.sheet.width, on.sheet.height]) / 2
@@ -320,25 +318,26 @@ class _Trials:
             except UnfoldableError as error:
                 refused = str(error)
         if not found:
-            raise UnfoldableError(refused)
+            raise UnfoldableError(refused or self._no_axis(laid.shape))
+
+    def _no_axis(self, shape: Shape) -> str:
+        """Say why a shape on the sheet has no axis to fold along, or how near it comes to having one, in mm."""
+        if mirror_axes(shape, self.symmetry):
+            return "no mirror axis of the drawing lies along the sheet; leave out --offset and --rotate"
+        near = mirror_axes(shape, NEARLY * float(np.ptp(np.concatenate(shape.loops), axis=0).max()))
+        if not near:
+            return f"the drawing is not mirror-symmetric{f' within {self.symmetry:g} mm' if self.symmetry else ''}"
+        off = min(axis.deviation for axis in near)
+        return (
+            f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; "
+            f"make it so with --symmetry {math.ceil(off * 100) / 100:g}mm"
+        )
 
     def _paper(self, laid: _Laid) -> _Made:
         require_one_loop(laid.shape)
         ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon
         made = _fold_by_the_paper(laid.shape, laid.sheet, ribbon, self.stages)
         return _Made("paper", made, laid, ribbon, crease_numbers(made.creases).lines)
-
-
-def _asymmetry(shape: Shape, allowed: float) -> str:
-    """Say that a shape has no mirror axis, or how near it comes to having one, in mm."""
-    near = mirror_axes(shape, NEARLY * float(np.ptp(np.concatenate(shape.loops), axis=0).max()))
-    off = min((axis.deviation for axis in near), default=math.inf)
-    if allowed < off < math.inf:
-        remedy = f"--symmetry {math.ceil(off * 100) / 100:g}mm"
-        return (
-            f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; make it so with {remedy}"
-        )
-    return f"the drawing is not mirror-symmetric{f' within {allowed:g} mm' if allowed else ''}"
 
 
 def _check_options(

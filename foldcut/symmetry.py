@@ -38,13 +38,14 @@ class Axis:
 
 
 def mirror_axes(shape: Shape, allowed: float = 0.0) -> list[Axis]:
-    """Return the axes about which ``shape`` is symmetric, those first that fit best.
+    """Return the axes about which ``shape`` is symmetric, those first that are exact but for rounding.
 
     ``allowed``: by how much a corner may be off, in the shape's unit; what rounding does always may.
     """
     points = np.concatenate(shape.loops)
     centred = points - points.mean(axis=0)
-    allowed = max(allowed, ROUNDING * float(np.ptp(points, axis=0).max()))
+    rounding = ROUNDING * float(np.ptp(points, axis=0).max())
+    allowed = max(allowed, rounding)
     far = np.hypot(*centred.T)
     first = int(far.argmax())
     angles = np.arctan2(centred[:, 1], centred[:, 0])
@@ -58,7 +59,7 @@ def mirror_axes(shape: Shape, allowed: float = 0.0) -> list[Axis]:
         partner, deviation = _partners(shape, _reflected(centred, angle), centred)
         if partner is not None:
             found.append(Axis(0.0 if math.pi - angle < ALIGNED else angle, deviation))
-    return sorted(found, key=lambda axis: (axis.deviation > ROUNDING, axis.angle))
+    return sorted(found, key=lambda axis: (axis.deviation > rounding, axis.angle))
 
 
 def sheet_axes(shape: Shape, allowed: float, *, may_turn: bool) -> Iterator[tuple[float, tuple[int, ...]]]:
