@@ -30,7 +30,7 @@ bench-compact: $(VENV)/installed-test
 bench-exporters: $(VENV)/installed-test
 	$(BIN)/python tests/bench/exporters.py
 
-## Fold 500 random polygons by the compact method; takes about four minutes.
+## Fold 500 random polygons by the compact method; takes about three minutes.
 sweep-compact: $(VENV)/installed-test
 	FOLDCUT_RANDOM_COMPACT=500 $(BIN)/python -m pytest -n 2 -k random_polygons_are_folded tests/test_search.py
 
