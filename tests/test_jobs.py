@@ -35,6 +35,9 @@ from foldcut.profiles import Dash, Profile, load_profile, profile_names
 from foldcut.samples import sample_names, sample_path
 
 MACHINES = [name for name in profile_names() if load_profile(name).operations]
+MACHINES_OF = {
+    kind: [name for name in MACHINES if load_profile(name).format == kind] for kind in ("dxf", "gcode", "hpgl", "pdf")
+}
 NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025, ".pdf": 0.001, ".lbrn2": 0.001}
 
 
@@ -122,7 +125,10 @@ def named(job: Job, suffix: str) -> Strokes:
 
 
 def differences(seen: Strokes, job: Job, suffix: str, near: float | None = None) -> list[str]:
-    """List what a reader sees otherwise than the job has it; ``near`` in mm is what the reader itself rounds."""
+    """List what a reader sees otherwise than the job has it; ``near`` in mm is what the reader itself rounds.
+
+    Every point where it belongs: the length of each operation and the bounding box are right, too.
+    """
     faults = []
     for name, strokes in named(job, suffix).items():
         there = seen.get(name, [])
@@ -167,6 +173,15 @@ def read_pdf(data: bytes, folder: Path) -> list[Strokes]:
 READERS = {".dxf": read_dxf, ".svg": read_svg, ".gcode": read_gcode}
 
 
+def read_with_node(script: str, kind: str, sample: str, folder: Path) -> list[tuple[str, Any]]:
+    """Read a sample's files for all machines of a format with one start of node: machine and what the script says."""
+    paths = [folder / f"{machine}.{kind}" for machine in MACHINES_OF[kind]]
+    for path in paths:
+        ((_, data),) = made(path.stem, sample).values()
+        path.write_bytes(data)
+    return list(zip(MACHINES_OF[kind], run_node(script, *paths), strict=True))
+
+
 @pytest.mark.parametrize("sample", sample_names())
 def test_every_stroke_is_read_back_on_every_machine(sample: str) -> None:
     for machine in MACHINES:
@@ -176,17 +191,15 @@ def test_every_stroke_is_read_back_on_every_machine(sample: str) -> None:
             assert differences(READERS[suffix](data, job), job, suffix) == [], machine
 
 
-@pytest.mark.parametrize("machine", [m for m in MACHINES if load_profile(m).format == "dxf"])
-def test_dxf_parser_reads_every_stroke_in_mm(machine: str, tmp_path: Path) -> None:
-    ((job, data),) = made(machine).values()
-    path = tmp_path / "job.dxf"
-    path.write_bytes(data)
-    seen = run_node("dxf_parser.cjs", path)
-    # INSUNITS 4 is mm; R12 has no such header
-    assert seen["unit"] == (None if load_profile(machine).dxf_version == "R12" else 4)
-    layers = {name: [np.array(stroke) for stroke in strokes] for name, strokes in seen["layers"].items()}
-    assert differences(layers, job, ".dxf") == []
-    assert differences({name: strokes[1:] for name, strokes in layers.items()}, job, ".dxf")
+@pytest.mark.parametrize("sample", sample_names())
+def test_dxf_parser_reads_every_stroke_in_mm(sample: str, tmp_path: Path) -> None:
+    for machine, seen in read_with_node("dxf_parser.cjs", "dxf", sample, tmp_path):
+        ((job, _),) = made(machine, sample).values()
+        # INSUNITS 4 is mm; R12 has no such header
+        assert seen["unit"] == (None if load_profile(machine).dxf_version == "R12" else 4)
+        layers = {name: [np.array(stroke) for stroke in strokes] for name, strokes in seen["layers"].items()}
+        assert differences(layers, job, ".dxf") == []
+        assert differences({name: strokes[1:] for name, strokes in layers.items()}, job, ".dxf")
 
 
 def test_inkscapes_importer_reads_dxf_at_true_size(tmp_path: Path) -> None:
@@ -232,18 +245,16 @@ def test_librecad_prints_dxf_at_true_size(tmp_path: Path) -> None:
     assert_allclose(np.sort(np.array(seen).reshape(-1, 4), axis=0), np.sort(ours.reshape(-1, 4), axis=0), atol=0.1)
 
 
-@pytest.mark.parametrize("machine", [m for m in MACHINES if load_profile(m).format == "gcode"])
-def test_gcode_toolpath_reads_every_stroke(machine: str, tmp_path: Path) -> None:
-    ((job, data),) = made(machine).values()
-    path = tmp_path / "job.gcode"
-    path.write_bytes(data)
-    moves = run_node("gcode_toolpath.cjs", path)["moves"]
-    drawn = np.array([[x, y, u, v] for rapid, x, y, _, u, v, _ in moves if not rapid and (x, y) != (u, v)])
-    ours = np.concatenate([np.hstack([s[:-1], s[1:]]) for step in job.steps for s in step.strokes])
-    assert len(drawn) == len(ours)
-    assert_allclose(drawn, ours + np.tile(job.at, 2), atol=NEAR_MM[".gcode"])
-    with pytest.raises(AssertionError):
-        assert_allclose(drawn + 0.01, ours + np.tile(job.at, 2), atol=NEAR_MM[".gcode"])
+@pytest.mark.parametrize("sample", sample_names())
+def test_gcode_toolpath_reads_every_stroke(sample: str, tmp_path: Path) -> None:
+    for machine, moves in read_with_node("gcode_toolpath.cjs", "gcode", sample, tmp_path):
+        ((job, _),) = made(machine, sample).values()
+        drawn = np.array([[x, y, u, v] for rapid, x, y, _, u, v, _ in moves if not rapid and (x, y) != (u, v)])
+        ours = np.concatenate([np.hstack([s[:-1], s[1:]]) for step in job.steps for s in step.strokes])
+        assert len(drawn) == len(ours)
+        assert_allclose(drawn, ours + np.tile(job.at, 2), atol=NEAR_MM[".gcode"], rtol=0)
+        with pytest.raises(AssertionError):
+            assert_allclose(drawn + 0.01, ours + np.tile(job.at, 2), atol=NEAR_MM[".gcode"], rtol=0)
 
 
 @pytest.mark.parametrize("machine", ["laser-dxf", "glowforge", "grbl-laser"])
@@ -259,56 +270,69 @@ def test_the_comparison_sees_what_is_lost_moved_or_in_the_wrong_layer(machine: s
     assert all(differences(wrong, job, suffix) for wrong in (lost, moved, swapped, extra))
 
 
-def read_hpgl(data: bytes, tmp_path: Path) -> Floats:
-    """Read HPGL with hp2xx: the ends of lines in its own units of 0.025 mm."""
+def read_hpgl(data: bytes, tmp_path: Path) -> dict[int, Floats]:
+    """Read HPGL with hp2xx: by pen the ends of lines, ``(n, 2, 2)`` in mm of 40 units each."""
     hp2xx = require_program("hp2xx")
     plot, drawing = tmp_path / "job.hpgl", tmp_path / "job.dxf"
     plot.write_bytes(data)
-    run_program(hp2xx, "-q", "-t", "-m", "dxf", "-f", drawing, plot)
-    ends = []
+    run_program(hp2xx, "-q", "-t", "-S", 1, "-m", "dxf", "-f", drawing, plot)  # -S 1: the pen's number is the colour
+    ends: dict[int, list[list[list[float]]]] = {}
     lines = drawing.read_text().split()
     for n, word in enumerate(lines):
         if word == "LINE":
             codes = dict(zip(lines[n + 1 : n + 17 : 2], lines[n + 2 : n + 18 : 2], strict=True))
-            ends.append([[float(codes["10"]), float(codes["20"])], [float(codes["11"]), float(codes["21"])]])
-    return np.array(ends)
+            end = [[float(codes["10"]), float(codes["20"])], [float(codes["11"]), float(codes["21"])]]
+            ends.setdefault(int(codes["62"]), []).append(end)
+    return {pen: np.array(some) for pen, some in ends.items()}
 
 
-def plot_differs(seen: Floats, job: Job, unit_mm: float) -> bool:
-    """Whether hp2xx sees other lines than the job has."""
-    ours = np.concatenate([np.stack([s[:-1], s[1:]], axis=1) for step in job.steps for s in step.strokes])
-    # hp2xx takes 0.025 mm for every plotter's unit, and moves the plot to its own corner
-    ours = np.rint((ours + job.at) / unit_mm) * 0.025
-    ours = ours[np.abs(ours[:, 0] - ours[:, 1]).max(axis=1) > 0]
-    if len(seen) != len(ours):
+def plot_differs(seen: dict[int, Floats], job: Job, unit_mm: float) -> bool:
+    """Whether hp2xx sees other lines than the job has, or with another pen."""
+    drawn: dict[int, list[Floats]] = {}
+    for step in job.steps:
+        assert step.operation.pen is not None
+        some = [np.stack([s[:-1], s[1:]], axis=1) for s in step.strokes]
+        drawn.setdefault(step.operation.pen, []).extend(some)
+    corner = np.min([some.min(axis=(0, 1)) for strokes in drawn.values() for some in strokes], axis=0)
+    if drawn.keys() != seen.keys():
         return True
-    scale = np.ptp(ours.reshape(-1, 2), axis=0) / np.ptp(seen.reshape(-1, 2), axis=0)
-    away = (seen - seen.min(axis=(0, 1))) * scale[0] - (ours - ours.min(axis=(0, 1)))
-    return abs(scale[0] / scale[1] - 1) > 1e-3 or float(np.abs(away).max()) > 0.05
+    for pen, strokes in drawn.items():
+        ours = np.concatenate(strokes)
+        units = np.rint((ours + job.at) / unit_mm)
+        ours = ours[(units[:, 0] != units[:, 1]).any(axis=1)]  # hp2xx leaves points out
+        # hp2xx moves the plot to its own corner, and takes 0.025 mm for every plotter's unit
+        theirs = seen[pen] * unit_mm / 0.025 + corner
+        # both the corner and the end are rounded
+        if theirs.shape != ours.shape or float(np.abs(theirs - ours).max()) > NEAR_MM[".hpgl"]:
+            return True
+    return False
 
 
-@pytest.mark.parametrize("machine", [m for m in MACHINES if load_profile(m).format == "hpgl"])
-def test_hp2xx_reads_every_stroke_of_a_plot(machine: str, tmp_path: Path) -> None:
-    ((job, data),) = made(machine).values()
-    profile = load_profile(machine)
-    assert profile.hpgl is not None
-    seen = read_hpgl(data, tmp_path)
-    assert not plot_differs(seen, job, profile.hpgl.unit_mm)
-    lost, moved = seen[1:], seen.copy()
-    moved[0] += 0.2
-    assert plot_differs(lost, job, profile.hpgl.unit_mm)
-    assert plot_differs(moved, job, profile.hpgl.unit_mm)
+@pytest.mark.parametrize("sample", sample_names())
+def test_hp2xx_reads_every_stroke_of_a_plot(sample: str, tmp_path: Path) -> None:
+    for machine in MACHINES_OF["hpgl"]:
+        ((job, data),) = made(machine, sample).values()
+        profile = load_profile(machine)
+        assert profile.hpgl is not None
+        seen = read_hpgl(data, tmp_path)
+        assert not plot_differs(seen, job, profile.hpgl.unit_mm), machine
+        one, other, *_ = seen
+        lost = {**seen, one: seen[one][1:]}
+        moved = {**seen, one: seen[one] + 0.06}
+        swapped = {**seen, one: seen[other], other: seen[one]}
+        assert all(plot_differs(wrong, job, profile.hpgl.unit_mm) for wrong in (lost, moved, swapped))
 
 
-@pytest.mark.parametrize("machine", ["printer-a4", "printer-letter", "print-shop-a3"])
-def test_mutool_reads_every_stroke_of_a_page(machine: str, tmp_path: Path) -> None:
-    ((job, data),) = made(machine, "plus").values()
-    (page,) = read_pdf(data, tmp_path)
-    bed = load_profile(machine).bed
-    assert bed is not None
-    corner = (np.array([bed.width_mm, bed.height_mm]) - job.size) / 2
-    assert differences({name: [s - corner for s in strokes] for name, strokes in page.items()}, job, ".pdf") == []
-    assert differences({name: [s * 1.001 for s in strokes] for name, strokes in page.items()}, job, ".pdf")
+@pytest.mark.parametrize("sample", sample_names())
+def test_mutool_reads_every_stroke_of_a_page(sample: str, tmp_path: Path) -> None:
+    for machine in MACHINES_OF["pdf"]:
+        ((job, data),) = made(machine, sample).values()
+        (page,) = read_pdf(data, tmp_path)
+        bed = load_profile(machine).bed
+        assert bed is not None
+        corner = (np.array([bed.width_mm, bed.height_mm]) - job.size) / 2
+        assert differences({name: [s - corner for s in strokes] for name, strokes in page.items()}, job, ".pdf") == []
+        assert differences({name: [s * 1.001 for s in strokes] for name, strokes in page.items()}, job, ".pdf")
 
 
 def test_pages_of_a_large_sheet_show_all_of_it_where_it_is(tmp_path: Path) -> None:
@@ -358,13 +382,14 @@ class _Node:
         """Nothing to show."""
 
 
+@pytest.mark.parametrize("sample", sample_names())
 @pytest.mark.parametrize("machine", ["lightburn-diode", "lightburn-co2"])
-def test_meerk40t_reads_every_stroke_of_a_lightburn_project(machine: str) -> None:
+def test_meerk40t_reads_every_stroke_of_a_lightburn_project(machine: str, sample: str) -> None:
     lbrn = pytest.importorskip("meerk40t.extra.lbrn")
     from meerk40t.core.units import UNITS_PER_MM
 
     profile = load_profile(machine)
-    job, data = export_jobs(folded("bolt"), ".lbrn2", profile)["both"]
+    job, data = export_jobs(folded(sample), ".lbrn2", profile)["both"]
     operations, elements = _Node(), _Node()
     lock = contextlib.nullcontext()
     lbrn.LbrnLoader.parse(
