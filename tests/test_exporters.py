@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+import svgelements
 from numpy.testing import assert_allclose
 from patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 from PIL import Image
@@ -24,7 +25,9 @@ from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
 from foldcut.exporters.fold import face_orders, overlapping_faces
 from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern
+from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
+from foldcut.samples import sample_names, sample_path
 
 # triangles are up to manifold3d, pixels to the fonts that are there
 GOLDEN_KINDS = sorted(PATTERN_EXPORTERS.keys() - {".stl", ".3mf", ".step", ".png"})
@@ -360,3 +363,32 @@ def test_bare_lines_are_all_edges_with_y_down(kind: str) -> None:
     ]
     assert lines_of(data, kind) == want
     assert lines_of(data, kind)[1:] != want
+
+
+def read_by_others(data: bytes, kind: str, folder: Path) -> list[tuple[str, list[float]]]:
+    """Read bare lines with svgelements or the creasepattern package: letter and x1, y1, x2, y2, y down."""
+    path = folder / f"pattern{kind}"
+    path.write_bytes(data)
+    if kind == ".svg":
+        svg = svgelements.SVG.parse(path, ppi=25.4)
+        colours = {"#000000": "B", "#ff0000": "M", "#0000ff": "V"}
+        lines = svg.elements(lambda element: isinstance(element, svgelements.SimpleLine))
+        return [(colours[line.stroke.hex], [line.x1, line.y1, line.x2, line.y2]) for line in lines]
+    readers = pytest.importorskip("creasepattern")
+    letters = {"EDGE": "B", "MOUNTAIN": "M", "VALLEY": "V"}
+    read = readers.from_cp if kind == ".cp" else readers.from_opx
+    return [(letters[line.type.name], [line.x1, line.y1, line.x2, line.y2]) for line in read(path).lines]
+
+
+@pytest.mark.parametrize("sample", sample_names())
+def test_others_read_every_edge_of_bare_lines_where_it_is(sample: str, tmp_path: Path) -> None:
+    pattern = fold(sample_path(sample), effort="fast", min_crease=0).require_verified()
+    creases = pattern.creases
+    points = creases.vertices_coords * (1, -1) + (0, pattern.sheet.height)
+    for kind in (".svg", ".cp", ".opx"):
+        seen = read_by_others(export(pattern, kind, load_profile("origami-software")), kind, tmp_path)
+        letters, ends = zip(*seen, strict=True)
+        assert list(letters) == creases.edges_assignment.tolist(), kind
+        assert_allclose(ends, points[creases.edges_vertices].reshape(-1, 4), rtol=0, atol=1e-3, err_msg=kind)
+        with pytest.raises(AssertionError):
+            assert_allclose(ends, points[creases.edges_vertices[::-1]].reshape(-1, 4), rtol=0, atol=1e-3)
