@@ -24,6 +24,7 @@ import svgelements
 from numpy.testing import assert_allclose
 from patterns import book_fold
 from programs import missing, require_program, run_node, run_program
+from scipy.optimize import linear_sum_assignment
 
 from foldcut.exporters import export_job
 from foldcut.exporters.pdf import tiles
@@ -569,6 +570,37 @@ def test_the_way_between_strokes_is_short() -> None:
     assert job.travel * 5 < job.travel_before
     assert seconds < 30  # a bound for what hangs, no measurement
     assert dataclasses.replace(job).steps
+
+
+def shortest_travel(job: Job) -> float:
+    """Bound from below the way between strokes that any order needs.
+
+    An operation is one walk along strokes and ways between them, so all ends where an odd number of strokes meet,
+    but the walk's own two, are joined in pairs by ways. Half of the cheapest assignment of these ends to one another
+    is less than any such pairing; two ends more that are near to all stand for the walk's own.
+    """
+    least = 0.0
+    for step in job.steps:
+        ends, counts = np.unique(
+            np.round([stroke[end] for stroke in step.strokes for end in (0, -1)], 4), axis=0, return_counts=True
+        )
+        odd = ends[counts % 2 == 1]
+        away = np.zeros((len(odd) + 2, len(odd) + 2))
+        away[:-2, :-2] = np.hypot(*(odd[:, None] - odd[None]).transpose(2, 0, 1))
+        np.fill_diagonal(away, 1e6)
+        least += away[linear_sum_assignment(away)].sum() / 2
+    return float(least)
+
+
+@pytest.mark.parametrize("sample", ["fish", "marlin", "boat"])
+def test_the_way_is_near_the_shortest_that_any_order_could_have(sample: str) -> None:
+    (job,) = make_jobs(folded(sample), load_profile("laser-dxf"))
+    assert shortest_travel(job) <= job.travel < 2.5 * shortest_travel(job)
+
+
+def test_no_order_makes_the_way_of_the_fish_five_times_shorter() -> None:
+    (job,) = make_jobs(folded("fish"), load_profile("laser-dxf"))
+    assert job.travel_before < 5 * shortest_travel(job)
 
 
 def test_jobs_have_the_same_bytes_each_time() -> None:
