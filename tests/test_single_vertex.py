@@ -32,3 +32,13 @@ def test_the_oracle_knows_the_big_little_big_lemma() -> None:
     # The creases on either side of a sector smaller than both its neighbours are a mountain and a valley.
     foldable = {"".join(kinds) for kinds in product("MV", repeat=4) if folds_flat([60, 90, 120, 90], kinds)}
     assert foldable == {"MVMM", "MVVV", "VMMM", "VMVV"}
+
+
+@pytest.mark.parametrize("wedges", [(90, 90, 90, 90), (70, 100, 80, 110), (40, 120, 50, 150)])
+def test_where_two_loops_share_a_corner_one_fold_encloses_a_whole_loop(wedges: tuple[float, ...]) -> None:
+    # Four edges on the cut line, inside and outside in turn, and each of the four wedges folds along its bisector.
+    sectors = [(one + other) / 2 for one, other in zip(wedges, wedges[1:] + wedges[:1], strict=True)]
+    foldable = {"".join(kinds) for kinds in product("MV", repeat=4) if folds_flat(sectors, kinds)}
+    assert foldable
+    # The one that differs from the other three lies around the two sectors that it does not join: the ends of a loop.
+    assert all(sorted((kinds.count("M"), kinds.count("V"))) == [1, 3] for kinds in foldable)
