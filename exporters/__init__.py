@@ -26,6 +26,7 @@ PATTERN_EXPORTERS = {
     ".cp": "lines.export_cp",
     ".opx": "lines.export_opx",
     ".png": "png.export",
+    ".html": "page.export",
     ".stl": "stl.export",
     ".3mf": "threemf.export",
     ".step": "step.export",

@@ -1,4 +1,4 @@
-"""The command line: ``foldcut make``, ``check``, ``coupon``, ``profiles``, ``samples``.
+"""The command line: ``foldcut make``, ``view``, ``check``, ``coupon``, ``profiles``, ``samples``.
 
 Only this module prints: reports on stdout, progress and one-line errors on stderr. It exits with 0 when the
 pattern was made and verified, 1 when there is none or it is not verified, 2 when the input is at fault, 130
@@ -35,6 +35,7 @@ examples:
   foldcut make fish                        the sample "fish" on A4, as fish-creases.svg and fish-creases.fold
   foldcut make logo.svg -o logo.fold       your own drawing
   foldcut make fish --profile glowforge    the job for a machine, in its format
+  foldcut view fish                        a page to fold and cut it on the screen
   foldcut profiles                         the machines that foldcut knows
   foldcut check logo.fold                  does this pattern fold flat?
   foldcut COMMAND --help                   all options of a command, with examples
@@ -60,6 +61,12 @@ examples:
 Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder, or with --profile
 NAME-PROFILE with the ending of the machine's format.
 Existing files are replaced. Ctrl-C during the search goes on with the best pattern found so far.
+"""
+
+VIEW_EPILOG = """\
+examples:
+  foldcut view fish                        fish.html; open it in a browser
+  foldcut view logo.svg --sheet a5 -o out/logo.html
 """
 
 CHECK_EPILOG = """\
@@ -137,7 +144,8 @@ def _make(args: argparse.Namespace) -> int:
 
     source = _shape_path(args.shape)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
-    outputs = [Path(out) for out in args.output or _default_outputs(source, args.profile, profile)]
+    names = [f"{source.stem}.html"] if args.command == "view" else _default_outputs(source, args.profile, profile)
+    outputs = [Path(out) for out in args.output or names]
     _check_machine(args, profile, outputs)
     for path in outputs:
         if path.is_file() and path.samefile(source):
@@ -491,6 +499,7 @@ def _parser() -> _Parser:
     parser.add_argument("--version", action=_Version, help="show the version and exit")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands")
     _add_make(commands)
+    _add_view(commands)
     _add_check(commands)
     _add_coupon(commands)
     _add_profiles(commands)
@@ -529,14 +538,33 @@ def _command(
 
 
 def _add_make(commands: Any) -> None:
-    make = _command(
-        commands,
-        "make",
-        _make,
-        "compute the crease pattern of a drawing and write it",
-        "Compute how to fold a sheet so that one straight cut gives the drawing.",
-        MAKE_EPILOG,
+    _add_options_of_make(
+        _command(
+            commands,
+            "make",
+            _make,
+            "compute the crease pattern of a drawing and write it",
+            "Compute how to fold a sheet so that one straight cut gives the drawing.",
+            MAKE_EPILOG,
+        )
     )
+
+
+def _add_view(commands: Any) -> None:
+    _add_options_of_make(
+        _command(
+            commands,
+            "view",
+            _make,
+            "compute the crease pattern and write a page to look at, to fold and to cut on the screen",
+            "Compute as `foldcut make` does and write NAME.html: the pattern, and the sheet in 3D with sliders that "
+            "fold it and take its layers off. The page is one file, needs no network, and works in any current browser.",
+            VIEW_EPILOG,
+        )
+    )
+
+
+def _add_options_of_make(make: argparse.ArgumentParser) -> None:
     make.add_argument("shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample")
     make.add_argument(
         "-o",

@@ -6,6 +6,7 @@ disks -> packing -> molecules -> assignment -> layers, in the paper's order; the
 
 from __future__ import annotations
 
+import html
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -106,6 +107,23 @@ class Result:
         if self.findings:
             raise VerificationError(self.findings)
         return self.folded_pattern
+
+    def _repr_html_(self) -> str:
+        """Show the page of a verified pattern in Jupyter, in a frame of its own; what is wrong with any other."""
+        from foldcut.exporters import export
+
+        if self.findings:
+            return "<br>".join(html.escape(str(finding)) for finding in self.findings)
+        page = html.escape(export(self.folded_pattern, ".html").decode())
+        return (
+            f'<iframe srcdoc="{page}" sandbox="allow-scripts" style="width: 100%; height: 48rem; border: 0"></iframe>'
+        )
+
+    def _repr_svg_(self) -> str | None:
+        """Show the drawing of a verified pattern where there are no pages."""
+        from foldcut.exporters import export
+
+        return None if self.findings else export(self.folded_pattern, ".svg").decode()
 
 
 def fold(

@@ -413,7 +413,14 @@ def test_samples_lists_names_that_make_takes(capsys: pytest.CaptureFixture[str])
     assert run_json(capsys, "samples") == (0, {"ok": True, "samples": listed})
 
 
-@pytest.mark.parametrize("command", [[], ["make"], ["check"], ["samples"]])
+def test_view_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["view", "triangle", "--effort", "fast", "--quiet"]) == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["triangle.html"]
+    assert (tmp_path / "triangle.html").read_bytes().startswith(b"<!DOCTYPE html>")
+
+
+@pytest.mark.parametrize("command", [[], ["make"], ["view"], ["check"], ["samples"]])
 def test_help_has_examples(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stop:
         main([*command, "--help"])

@@ -29,8 +29,8 @@ from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_names, sample_path
 
-# triangles are up to manifold3d, pixels to the fonts that are there
-GOLDEN_KINDS = sorted(PATTERN_EXPORTERS.keys() - {".stl", ".3mf", ".step", ".png"})
+# triangles are up to manifold3d, pixels to the fonts that are there, and a page to its template
+GOLDEN_KINDS = sorted(PATTERN_EXPORTERS.keys() - {".stl", ".3mf", ".step", ".png", ".html"})
 GOLDEN = Path(__file__).parent / "golden"
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -86,7 +86,7 @@ def test_a_picture_has_the_words_of_the_legend() -> None:
 
 
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
-    with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg, \.cp, \.opx, \.png, \.stl"):
+    with pytest.raises(FileFormatError, match=r"\.xyz files; use one of \.fold, \.svg, \.cp, \.opx, \.png, \.html"):
         check_suffix(".xyz")
     with pytest.raises(FileFormatError, match="needs an ending"):
         check_suffix("")

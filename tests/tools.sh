@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Install the programs that read our files in the tests: node with rabbit-ear and fold, rsvg-convert, inkscape,
-# hp2xx, qpdf, mutool, admesh, librecad, freecad, and what Inkscape's DXF importer needs.
+# hp2xx, qpdf, mutool, admesh, librecad, freecad, chromium, and what Inkscape's DXF importer needs.
 # What is there already is left alone. What cannot be installed is no error: the tests that need it skip and say so.
 set -uo pipefail
 cd "$(dirname "$0")"
@@ -17,6 +17,7 @@ have qpdf || packages+=(qpdf)
 have mutool || packages+=(mupdf-tools)
 have librecad || packages+=(librecad)
 have freecadcmd || packages+=(freecad)
+have chromium || packages+=(chromium)
 /usr/bin/python3 -c "import cssselect, lxml, numpy" 2>/dev/null || packages+=(python3-cssselect python3-lxml python3-numpy)
 
 if [ "${#packages[@]}" -gt 0 ]; then
