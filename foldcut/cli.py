@@ -558,7 +558,7 @@ def _add_view(commands: Any) -> None:
             _make,
             "compute the crease pattern and write a page to look at, to fold and to cut on the screen",
             "Compute as `foldcut make` does and write NAME.html: the pattern, and the sheet in 3D with sliders that "
-            "fold it and take its layers off. The page is one file, needs no network, and works in any current browser.",
+            "fold it and take its layers off. The page is one file, needs no network, and works in any browser.",
             VIEW_EPILOG,
         )
     )
