@@ -29,11 +29,14 @@ FONT, FONT_NAME = Path(reportlab.__file__).parent / "fonts" / "Vera.ttf", "Bitst
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     """Return a picture of ``pattern`` as a PNG file."""
-    longest = max(pattern.sheet.width, pattern.sheet.height) / MM_PER_INCH
-    dpi = min(DPI, MOST_PIXELS / longest)
-    drawing = svg.export(pattern, profile).decode()
+    return rendered(svg.export(pattern, profile), (pattern.sheet.width, pattern.sheet.height))
+
+
+def rendered(drawing: bytes, size: tuple[float, float]) -> bytes:
+    """Return an SVG of ``size`` in mm as a PNG file."""
+    dpi = min(DPI, MOST_PIXELS / max(size) * MM_PER_INCH)
     pixels = resvg_py.svg_to_bytes(
-        svg_string=drawing, dpi=dpi, background="#ffffff", font_files=[str(FONT)], sans_serif_family=FONT_NAME
+        svg_string=drawing.decode(), dpi=dpi, background="#ffffff", font_files=[str(FONT)], sans_serif_family=FONT_NAME
     )
     out = io.BytesIO()
     Image.open(io.BytesIO(bytes(pixels))).convert("RGB").save(out, "PNG", dpi=(dpi, dpi))

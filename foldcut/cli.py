@@ -25,6 +25,7 @@ from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 if TYPE_CHECKING:
     from foldcut.job import Job, Side
     from foldcut.model import Finding, FoldedPattern
+    from foldcut.pipeline import Result
     from foldcut.profiles import Profile
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
@@ -67,6 +68,12 @@ VIEW_EPILOG = """\
 examples:
   foldcut view fish                        fish.html; open it in a browser
   foldcut view logo.svg --sheet a5 -o out/logo.html
+"""
+
+DRAW_EPILOG = """\
+examples:
+  foldcut draw fish                        fish-pictures.svg
+  foldcut draw logo.svg --show folded,layers -o folded.png
 """
 
 CHECK_EPILOG = """\
@@ -136,11 +143,9 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _make(args: argparse.Namespace) -> int:
     """Fold a shape and write the files."""
-    from foldcut import pipeline, report
+    from foldcut import report
     from foldcut.files import check_targets, write_files
     from foldcut.profiles import load_profile
-    from foldcut.progress import ProgressBar
-    from foldcut.sheet import parse_length, parse_sheet
 
     source = _shape_path(args.shape)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
@@ -152,8 +157,25 @@ def _make(args: argparse.Namespace) -> int:
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
     check_targets(target for path in outputs for target in _targets(path, source.stem, profile, args))
 
+    result = _folded(source, args)
+    files: list[dict[str, Any]] = []
+    jobs: list[Job] = []
+    if result.verified:
+        contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
+        files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
+        write_files(contents)
+    made = report.make_report(result, files, jobs, profile, args.material)
+    return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
+
+
+def _folded(source: Path, args: argparse.Namespace) -> Result:
+    """Fold the drawing as the options say."""
+    from foldcut import pipeline
+    from foldcut.progress import ProgressBar
+    from foldcut.sheet import parse_length, parse_sheet
+
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
-        result = pipeline.fold(
+        return pipeline.fold(
             source,
             parse_sheet(args.sheet),
             margin=parse_length(args.margin),
@@ -169,13 +191,31 @@ def _make(args: argparse.Namespace) -> int:
             seconds=args.seconds,
             progress=bar,
         )
+
+
+def _draw(args: argparse.Namespace) -> int:
+    """Fold a shape and draw pictures of it."""
+    from foldcut import report
+    from foldcut.exporters import pictures
+    from foldcut.exporters.png import rendered
+    from foldcut.files import check_targets, write_files
+    from foldcut.profiles import load_profile
+
+    source = _shape_path(args.shape)
+    output = Path(args.output or f"{source.stem}-pictures.svg")
+    if output.suffix.lower() not in (".svg", ".png"):
+        raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
+    show = tuple(name.strip() for name in args.show.split(","))
+    pictures.check(show)
+    check_targets([output])
+    result = _folded(source, args)
     files: list[dict[str, Any]] = []
-    jobs: list[Job] = []
     if result.verified:
-        contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
-        files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-        write_files(contents)
-    made = report.make_report(result, files, jobs, profile, args.material)
+        drawn, size = pictures.draw(result.folded_pattern, show, load_profile())
+        data = drawn if output.suffix.lower() == ".svg" else rendered(drawn, size)
+        files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
+        write_files({output: data})
+    made = report.make_report(result, files, [], None, None)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
 
@@ -500,6 +540,7 @@ def _parser() -> _Parser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", title="commands")
     _add_make(commands)
     _add_view(commands)
+    _add_draw(commands)
     _add_check(commands)
     _add_coupon(commands)
     _add_profiles(commands)
@@ -565,7 +606,6 @@ def _add_view(commands: Any) -> None:
 
 
 def _add_options_of_make(make: argparse.ArgumentParser) -> None:
-    make.add_argument("shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample")
     make.add_argument(
         "-o",
         "--output",
@@ -574,6 +614,64 @@ def _add_options_of_make(make: argparse.ArgumentParser) -> None:
         help="a file to write; its ending is the format; or a folder or a .zip for all files of a job and a "
         "README.txt; repeatable",
     )
+    _add_options_of_fold(make)
+    machine = make.add_argument_group("the machine")
+    machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
+    machine.add_argument(
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="change a value of the profile (repeatable)"
+    )
+    machine.add_argument("--material", metavar="NAME", help="what the sheet is made of (default: the profile's first)")
+    machine.add_argument(
+        "--treatment",
+        choices=("score", "perforate", "draw"),
+        help="of the creases: unbroken lines, cuts with gaps, or dashed and dash-dotted lines (default: the profile's)",
+    )
+    machine.add_argument(
+        "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
+    )
+    machine.add_argument(
+        "--registration",
+        choices=("corners", "holes", "pins"),
+        help="what lines the back up with the front: corner marks, 3 mm holes for pegs, or 1 mm holes for needles "
+        "(default: corners)",
+    )
+    machine.add_argument(
+        "--marks",
+        metavar="NAME,...",
+        help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what is seen of the "
+        "outline when folded), numbers (the order to press creases), title, ruler; or none "
+        "(default: outline,first-folds)",
+    )
+    machine.add_argument(
+        "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
+    )
+    _add_common(make)
+
+
+def _add_draw(commands: Any) -> None:
+    draw = _command(
+        commands,
+        "draw",
+        _draw,
+        "draw the pattern, the folded sheet, its layers, and what the cut leaves",
+        "Compute as `foldcut make` does and draw pictures to look at, side by side.",
+        DRAW_EPILOG,
+    )
+    draw.add_argument("-o", "--output", metavar="OUT", help="a .svg or .png (default: NAME-pictures.svg)")
+    draw.add_argument(
+        "--show",
+        metavar="NAME,...",
+        default="pattern,folded,layers,pieces",
+        help="pattern; folded: flat, from the front, with the cut; layers: drawn apart, from the side; pieces: "
+        "unfolded after the cut (default: all)",
+    )
+    _add_options_of_fold(draw)
+    _add_common(draw)
+
+
+def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
+    """Add the drawing, where it lies on the sheet, and how to search."""
+    make.add_argument("shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample")
     make.add_argument(
         "--sheet",
         default="a4",
@@ -639,37 +737,6 @@ def _add_options_of_make(make: argparse.ArgumentParser) -> None:
         help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
         "make it so (default: only rounding)",
     )
-    machine = make.add_argument_group("the machine")
-    machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
-    machine.add_argument(
-        "--set", metavar="KEY=VALUE", action="append", default=[], help="change a value of the profile (repeatable)"
-    )
-    machine.add_argument("--material", metavar="NAME", help="what the sheet is made of (default: the profile's first)")
-    machine.add_argument(
-        "--treatment",
-        choices=("score", "perforate", "draw"),
-        help="of the creases: unbroken lines, cuts with gaps, or dashed and dash-dotted lines (default: the profile's)",
-    )
-    machine.add_argument(
-        "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
-    )
-    machine.add_argument(
-        "--registration",
-        choices=("corners", "holes", "pins"),
-        help="what lines the back up with the front: corner marks, 3 mm holes for pegs, or 1 mm holes for needles "
-        "(default: corners)",
-    )
-    machine.add_argument(
-        "--marks",
-        metavar="NAME,...",
-        help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what is seen of the "
-        "outline when folded), numbers (the order to press creases), title, ruler; or none "
-        "(default: outline,first-folds)",
-    )
-    machine.add_argument(
-        "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
-    )
-    _add_common(make)
 
 
 def _add_check(commands: Any) -> None:
