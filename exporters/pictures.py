@@ -71,6 +71,14 @@ def draw(pattern: FoldedPattern, show: Sequence[str], profile: Profile) -> tuple
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode(), size
 
 
+def one_panel(outlines: list[Outline], strokes: list[Stroke]) -> bytes:
+    """Return a picture of ``PANEL_MM`` square as SVG."""
+    size = (f"{number(PANEL_MM)}mm",) * 2
+    drawing = svgwrite.Drawing(size=size, viewBox=f"0 0 {number(PANEL_MM)} {number(PANEL_MM)}", debug=False)
+    _fit(drawing, drawing, outlines, strokes, np.zeros(2))
+    return ET.tostring(drawing.get_xml(), encoding="unicode").encode()
+
+
 def _fit(drawing: svgwrite.Drawing, group: Any, outlines: list[Outline], strokes: list[Stroke], corner: Floats) -> None:
     """Draw filled outlines and then strokes, y up, as large as the panel at ``corner`` allows."""
     every = np.concatenate([points.reshape(-1, 2) for points, _ in [*outlines, *strokes]])

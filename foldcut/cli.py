@@ -76,6 +76,12 @@ examples:
   foldcut draw logo.svg --show folded,layers -o folded.png
 """
 
+GUIDE_EPILOG = """\
+examples:
+  foldcut guide letter-a                   letter-a-guide.pdf
+  foldcut guide logo.svg -o logo.html
+"""
+
 CHECK_EPILOG = """\
 examples:
   foldcut check fish.fold
@@ -215,7 +221,28 @@ def _draw(args: argparse.Namespace) -> int:
         data = drawn if output.suffix.lower() == ".svg" else rendered(drawn, size)
         files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
         write_files({output: data})
-    made = report.make_report(result, files, [], None, None)
+    made = report.make_report(result, files)
+    return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
+
+
+def _guide(args: argparse.Namespace) -> int:
+    """Fold a shape and write how a person folds it."""
+    from foldcut import report
+    from foldcut.exporters.guide import GUIDES
+    from foldcut.files import check_targets, write_files
+
+    source = _shape_path(args.shape)
+    output = Path(args.output or f"{source.stem}-guide.pdf")
+    if output.suffix.lower() not in GUIDES:
+        raise BadInputError(f"{output}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
+    check_targets([output])
+    result = _folded(source, args)
+    files: list[dict[str, Any]] = []
+    if result.verified:
+        data = GUIDES[output.suffix.lower()](result.folded_pattern)
+        files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
+        write_files({output: data})
+    made = report.make_report(result, files)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
 
@@ -541,6 +568,7 @@ def _parser() -> _Parser:
     _add_make(commands)
     _add_view(commands)
     _add_draw(commands)
+    _add_guide(commands)
     _add_check(commands)
     _add_coupon(commands)
     _add_profiles(commands)
@@ -667,6 +695,21 @@ def _add_draw(commands: Any) -> None:
     )
     _add_options_of_fold(draw)
     _add_common(draw)
+
+
+def _add_guide(commands: Any) -> None:
+    guide = _command(
+        commands,
+        "guide",
+        _guide,
+        "write how a person folds it, step by step",
+        "Compute as `foldcut make` does and write a folding guide with a picture of each step: what to press first, "
+        "the collapse, the layers, where to cut.",
+        GUIDE_EPILOG,
+    )
+    guide.add_argument("-o", "--output", metavar="OUT", help="a .pdf or .html (default: NAME-guide.pdf)")
+    _add_options_of_fold(guide)
+    _add_common(guide)
 
 
 def _add_options_of_fold(make: argparse.ArgumentParser) -> None:

@@ -87,10 +87,10 @@ def cut_line(pattern: FoldedPattern) -> list[Floats]:
     return seen
 
 
-def numbers(pattern: FoldedPattern) -> list[Floats]:
-    """A number beside each line of creases, in the order to press them: first folds, then the longest.
+def pressing_order(pattern: FoldedPattern) -> tuple[list[Floats], list[Floats]]:
+    """Return the first folds, and the lines of creases to press after them, the longest first; ``(2, 2)`` mm each.
 
-    What is folded through several layers has its number on the one to the right of, or above, the first folds.
+    Of what is folded through several layers only the line to the right of, or above, the first folds is there.
     """
     creases = pattern.creases
     edges = creases.edges_vertices[folded_edges(creases)].tolist()
@@ -98,6 +98,15 @@ def numbers(pattern: FoldedPattern) -> list[Floats]:
     firsts = list(pattern.first_folds)
     rest = [line for line in lines if all(_in_front(line, first) for first in firsts)]
     rest.sort(key=lambda line: (-round(math.dist(*line), 6), *np.round(line, 6).ravel().tolist()))
+    return firsts, rest
+
+
+def numbers(pattern: FoldedPattern) -> list[Floats]:
+    """A number beside each line of creases, in the order to press them: first folds, then the longest.
+
+    What is folded through several layers has its number on the one to the right of, or above, the first folds.
+    """
+    firsts, rest = pressing_order(pattern)
     strokes = []
     for number, line in enumerate([*firsts, *rest], start=1):
         if math.dist(*line) < SHORTEST_NUMBERED_MM:
