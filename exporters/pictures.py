@@ -7,9 +7,10 @@ red, valleys dashed and blue, what is inside the shape is yellow.
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import svgwrite
@@ -17,13 +18,17 @@ import svgwrite
 from foldcut.errors import BadInputError
 from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern
+from foldcut.molecules import Kind
 from foldcut.plane import signed_area
 from foldcut.profiles import Drawing, Profile
 
 from .svg import path_data
 from .text import number, printable
 
-PANEL_MM, GAP_MM, CAPTION_MM = 100.0, 8.0, 4.0
+if TYPE_CHECKING:
+    from foldcut.pipeline import PaperStages
+
+PANEL_MM, GAP_MM, CAPTION_MM = 100.0, 8.0, 3.2
 INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK = "#ffe08a", "#e6b93f", "#ffffff", "#cfd8e3"
 SIDEWAYS, UPWARD = 0.45, 0.2
 """Layers apart are seen from the side: how much of the way along the cut line is left, and how far it climbs."""
@@ -32,19 +37,24 @@ Outline = tuple[Floats, str]
 Stroke = tuple[Floats, str]
 
 
-def check(show: Sequence[str]) -> None:
-    """Raise BadInputError unless all these are names of panels."""
+def check(show: Sequence[str], *, construction: bool = False) -> None:
+    """Raise BadInputError unless all these are names of panels, of ``CONSTRUCTION`` only if there is one."""
     for name in show:
-        if name not in PANELS:
-            raise BadInputError(f"there is no picture {name!r}; choose of {', '.join(PANELS)}")
+        if name not in {**PANELS, **CONSTRUCTION}:
+            raise BadInputError(f"there is no picture {name!r}; choose of {', '.join([*PANELS, *CONSTRUCTION])}")
+        if name in CONSTRUCTION and not construction:
+            raise BadInputError(f"the picture {name} is of the paper's construction: it goes with --method paper")
 
 
-def draw(pattern: FoldedPattern, show: Sequence[str], profile: Profile) -> tuple[bytes, tuple[float, float]]:
+def draw(
+    pattern: FoldedPattern, show: Sequence[str], profile: Profile, stages: PaperStages | None = None
+) -> tuple[bytes, tuple[float, float]]:
     """Return an SVG with a panel for each name in ``show``, and its width and height in mm.
 
-    Raises BadInputError for a name that is not in ``PANELS``.
+    Raises BadInputError for a name that is not in ``PANELS``, nor, where the paper's ``stages`` are given, in
+    ``CONSTRUCTION``.
     """
-    check(show)
+    check(show, construction=stages is not None)
     columns = min(2, len(show))
     rows = -(-len(show) // columns)
     height = PANEL_MM + CAPTION_MM * 2
@@ -56,13 +66,19 @@ def draw(pattern: FoldedPattern, show: Sequence[str], profile: Profile) -> tuple
     )
     drawing.set_desc(title=printable(pattern.title) or "foldcut")
     for place, name in enumerate(show):
-        caption, panel = PANELS[name]
+        if name in PANELS:
+            caption, panel = PANELS[name]
+            outlines, strokes = panel(pattern, profile.drawing)
+        else:
+            assert stages is not None
+            caption, built = CONSTRUCTION[name]
+            outlines, strokes = built(stages)
         corner = np.array([GAP_MM, GAP_MM]) + np.array([PANEL_MM + GAP_MM, height + GAP_MM]) * (
             place % columns,
             place // columns,
         )
         group = drawing.add(drawing.g(id=name))
-        _fit(drawing, group, *panel(pattern, profile.drawing), corner)
+        _fit(drawing, group, outlines, strokes, corner)
         below = (number(corner[0]), number(corner[1] + PANEL_MM + 1.5 * CAPTION_MM))
         group.add(
             drawing.text(caption, insert=below, font_size=number(CAPTION_MM), font_family="sans-serif", fill="#222")
@@ -178,4 +194,70 @@ PANELS: dict[str, tuple[str, Callable[[FoldedPattern, Drawing], tuple[list[Outli
     "folded": ("Folded flat; the red line is the cut.", _front),
     "layers": ("The layers drawn apart, seen from the side.", _apart),
     "pieces": ("After the cut, unfolded: the rest and the shape.", _after),
+}
+
+
+CIRCLE = np.array([[math.cos(a), math.sin(a)] for a in np.linspace(0, 2 * math.pi, 49)])
+THREE, FOUR = "#dcebdc", "#f6d9c9"
+
+
+def _packing(stages: PaperStages) -> tuple[list[Outline], list[Stroke]]:
+    """The disks, and the gaps between them: paper section 2, Figure 1."""
+    packing = stages.packing
+    circles = packing.centres[:, None] + packing.radii[:, None, None] * CIRCLE
+    gaps = [(packing.centres[gap], THREE if len(gap) == 3 else FOUR) for gap in packing.gaps]
+    count = packing.boundary_count
+    drawn = [(circles[:count], "#1b5e9e"), (circles[count:], "#888888"), *_loops(stages)]
+    return gaps, [(pieces, colour) for pieces, colour in drawn if len(pieces)]
+
+
+def _loops(stages: PaperStages) -> list[Stroke]:
+    """The boundary of the shape, of which each node's first disk is taken."""
+    centre = dict(zip(stages.packing.node.tolist()[::-1], stages.packing.centres.tolist()[::-1], strict=True))
+    loops = [[centre[node] for node in loop.tolist()] for loop in stages.packing.loop_nodes]
+    return [(np.array([[*loop, loop[0]]]), "#c00000") for loop in loops[1:]]
+
+
+def _molecules(stages: PaperStages) -> tuple[list[Outline], list[Stroke]]:
+    """Each molecule with its bisectors, tangency edges and gussets: paper section 3, Figures 2 to 4."""
+    molecules = stages.molecules
+    gaps = [(molecules.vertices[row], THREE if len(row) == 3 else FOUR) for row in molecules.corners]
+    lines = molecules.vertices[molecules.creases]
+    colours = {Kind.BISECTOR: "#b3001b", Kind.TANGENCY: "#0b4f9e", Kind.DIAGONAL: "#117733", Kind.SIDE: "#666666"}
+    kinds = [(lines[molecules.crease_kind == kind], colour) for kind, colour in colours.items()]
+    return gaps, [(some, colour) for some, colour in kinds if len(some)]
+
+
+def _trees(stages: PaperStages) -> tuple[list[Outline], list[Stroke]]:
+    """T_C over the corners and T_M over the molecules: paper section 4, Figure 5."""
+    molecules, assignment = stages.molecules, stages.assignment
+    gaps = [(molecules.vertices[row], "#ffffff") for row in molecules.corners]
+    middles = np.array([molecules.vertices[row].mean(axis=0) for row in molecules.corners])
+    children = np.flatnonzero(assignment.parent >= 0)
+    of_molecules = np.stack([middles[children], middles[assignment.parent[children]]], axis=1)
+    feet = set(assignment.corner_tree[:, 1].tolist())
+    sides = molecules.creases[molecules.crease_kind == Kind.SIDE]
+    halves = np.array([side for side in sides.tolist() if feet & set(side)], dtype=int).reshape(-1, 2)
+    drawn = [(molecules.vertices[halves], "#c00000"), (of_molecules, "#0b4f9e")]
+    return gaps, [(some, colour) for some, colour in drawn if len(some)]
+
+
+def _ribbon(stages: PaperStages) -> tuple[list[Outline], list[Stroke]]:
+    """The strip along the boundary that stays unfolded: paper section 5, Figure 7."""
+    molecules = stages.molecules
+    strip = [
+        (molecules.vertices[row], "#ffe08a")
+        for row, owner in zip(molecules.facets, molecules.facet_molecule.tolist(), strict=True)
+        if owner < 0
+    ]
+    gaps = [(molecules.vertices[row], "#ffffff") for row in molecules.corners]
+    across = molecules.vertices[molecules.creases[molecules.crease_kind == Kind.RIBBON]]
+    return [*gaps, *strip], [(across, "#b3001b")] if len(across) else []
+
+
+CONSTRUCTION: dict[str, tuple[str, Callable[[PaperStages], tuple[list[Outline], list[Stroke]]]]] = {
+    "packing": ("Disks and gaps: three-sided green, four-sided orange.", _packing),
+    "molecules": ("Molecules: bisectors red, tangency edges blue, gussets green.", _molecules),
+    "trees": ("The tree of corners, red, and of molecules, blue.", _trees),
+    "ribbon": ("The ribbon along the cut, and the creases across it.", _ribbon),
 }

@@ -73,6 +73,7 @@ examples:
 DRAW_EPILOG = """\
 examples:
   foldcut draw fish                        fish-pictures.svg
+  foldcut draw triangle --method paper --show packing,molecules,trees,ribbon --ribbon 1mm
   foldcut draw logo.svg --show folded,layers -o folded.png
 """
 
@@ -205,6 +206,7 @@ def _draw(args: argparse.Namespace) -> int:
     from foldcut.exporters import pictures
     from foldcut.exporters.png import rendered
     from foldcut.files import check_targets, write_files
+    from foldcut.pipeline import PaperStages
     from foldcut.profiles import load_profile
 
     source = _shape_path(args.shape)
@@ -212,12 +214,13 @@ def _draw(args: argparse.Namespace) -> int:
     if output.suffix.lower() not in (".svg", ".png"):
         raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
     show = tuple(name.strip() for name in args.show.split(","))
-    pictures.check(show)
+    pictures.check(show, construction=args.method == "paper")
     check_targets([output])
     result = _folded(source, args)
     files: list[dict[str, Any]] = []
     if result.verified:
-        drawn, size = pictures.draw(result.folded_pattern, show, load_profile())
+        stages = result.stages if isinstance(result.stages, PaperStages) else None
+        drawn, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
         data = drawn if output.suffix.lower() == ".svg" else rendered(drawn, size)
         files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
         write_files({output: data})
@@ -691,7 +694,7 @@ def _add_draw(commands: Any) -> None:
         metavar="NAME,...",
         default="pattern,folded,layers,pieces",
         help="pattern; folded: flat, from the front, with the cut; layers: drawn apart, from the side; pieces: "
-        "unfolded after the cut (default: all)",
+        "unfolded after the cut (default: these); and of --method paper packing, molecules, trees, ribbon",
     )
     _add_options_of_fold(draw)
     _add_common(draw)

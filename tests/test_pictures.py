@@ -14,9 +14,9 @@ from PIL import Image
 
 from foldcut.cli import main
 from foldcut.errors import BadInputError
-from foldcut.exporters.pictures import INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
+from foldcut.exporters.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
 from foldcut.model import Floats, FoldedPattern
-from foldcut.pipeline import fold
+from foldcut.pipeline import PaperStages, fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
 
@@ -90,8 +90,38 @@ def test_all_panels_are_on_one_picture_and_png_has_its_size(tmp_path: Path) -> N
 
 
 def test_unknown_pictures_and_formats_are_errors(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(BadInputError, match=r"no picture 'x'; choose of pattern, folded, layers, pieces"):
+    with pytest.raises(BadInputError, match=r"no picture 'x'; choose of pattern, folded, layers, pieces, "):
         draw(folded("ring"), ["x"], load_profile())
     assert main(["draw", "ring", "--show", "x"]) == 2
     assert main(["draw", "ring", "-o", str(tmp_path / "a.dxf")]) == 2
     assert "pictures are SVG or PNG" in capsys.readouterr().err
+
+
+def test_the_construction_is_drawn_with_every_disk_molecule_and_tree() -> None:
+    result = fold(sample_path("triangle"), method="paper", ribbon=1.0)
+    stages = result.stages
+    assert isinstance(stages, PaperStages)
+    data, _ = draw(result.folded_pattern, list(CONSTRUCTION), load_profile(), stages)
+    drawing = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
+    groups = {g.id: list(g.select()) for g in drawing.elements(lambda e: isinstance(e, svgelements.Group)) if g.id}
+    count = len(stages.packing.gaps)
+
+    def pieces(panel: str, colour: str) -> int:
+        """Count the polylines of one colour."""
+        paths = [p for p in groups[panel] if isinstance(p, svgelements.Path) and p.stroke.hex == colour]
+        return sum(len(list(path.as_subpaths())) for path in paths)
+
+    filled = {
+        panel: sum(isinstance(p, svgelements.Path) and p.fill.value is not None for p in paths)
+        for panel, paths in groups.items()
+    }
+    strip = int((stages.molecules.facet_molecule < 0).sum())
+    assert filled == {"packing": count, "molecules": count, "trees": count, "ribbon": count + strip}
+    assert pieces("packing", "#1b5e9e") + pieces("packing", "#888888") == len(stages.packing.radii)
+    assert pieces("trees", "#0b4f9e") == count - 2  # two roots
+    assert pieces("trees", "#c00000") == 2 * len(stages.assignment.corner_tree)
+
+
+def test_the_construction_goes_with_the_papers_method(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["draw", "triangle", "--show", "packing"]) == 2
+    assert "goes with --method paper" in capsys.readouterr().err
