@@ -83,6 +83,12 @@ examples:
   foldcut guide logo.svg -o logo.html
 """
 
+SERVE_EPILOG = """\
+examples:
+  foldcut serve                            then open the address that it prints
+  foldcut serve --port 9000
+"""
+
 CHECK_EPILOG = """\
 examples:
   foldcut check fish.fold
@@ -247,6 +253,26 @@ def _guide(args: argparse.Namespace) -> int:
         write_files({output: data})
     made = report.make_report(result, files)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
+
+
+def _serve(args: argparse.Namespace) -> int:
+    """Serve the web page until Ctrl-C."""
+    try:
+        import uvicorn
+
+        from foldcut.web.app import Settings, make_app
+    except ModuleNotFoundError as error:
+        raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
+    if not 0 < args.port < 65536:
+        raise BadInputError(f"--port {args.port} is none; give one from 1 to 65535")
+    here = Settings().hosts
+    open_to_all = args.host not in ("127.0.0.1", "localhost", "::1")
+    settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if open_to_all else here)
+    print(f"http://{args.host}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
+    if open_to_all:
+        print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
+    uvicorn.run(make_app(settings), host=args.host, port=args.port, log_level="warning")
+    return DONE
 
 
 def _check(args: argparse.Namespace) -> int:
@@ -572,6 +598,7 @@ def _parser() -> _Parser:
     _add_view(commands)
     _add_draw(commands)
     _add_guide(commands)
+    _add_serve(commands)
     _add_check(commands)
     _add_coupon(commands)
     _add_profiles(commands)
@@ -713,6 +740,22 @@ def _add_guide(commands: Any) -> None:
     guide.add_argument("-o", "--output", metavar="OUT", help="a .pdf or .html (default: NAME-guide.pdf)")
     _add_options_of_fold(guide)
     _add_common(guide)
+
+
+def _add_serve(commands: Any) -> None:
+    serve = _command(
+        commands,
+        "serve",
+        _serve,
+        "a page in the browser for all of this, on this machine",
+        "Serve a page where drawings are dropped or drawn, folded, looked at and taken as files (extra: serve).",
+        SERVE_EPILOG,
+    )
+    serve.add_argument("--port", type=int, default=8000, help="(default: %(default)s)")
+    serve.add_argument("--host", default="127.0.0.1", help="the address to listen at (default: only this machine)")
+    serve.add_argument(
+        "--job-seconds", type=float, default=60.0, metavar="S", help="stop a drawing after so long (default: 60)"
+    )
 
 
 def _add_options_of_fold(make: argparse.ArgumentParser) -> None:

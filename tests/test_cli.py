@@ -420,7 +420,7 @@ def test_view_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert (tmp_path / "triangle.html").read_bytes().startswith(b"<!DOCTYPE html>")
 
 
-@pytest.mark.parametrize("command", [[], ["make"], ["view"], ["draw"], ["guide"], ["check"], ["samples"]])
+@pytest.mark.parametrize("command", [[], ["make"], ["view"], ["draw"], ["guide"], ["serve"], ["check"], ["samples"]])
 def test_help_has_examples(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as stop:
         main([*command, "--help"])

@@ -1,0 +1,1 @@
+"""A local web app around the command line: ``foldcut serve``."""

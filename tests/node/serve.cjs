@@ -1,0 +1,51 @@
+// Use the page of foldcut serve in a browser: its path, the page's address, a drawing, a picture to write; print what is seen.
+const {chromium} = require("playwright-core");
+const axe = require("axe-core");
+
+(async () => {
+  const [executablePath, address, drawing, picture] = process.argv.slice(2);
+  const browser = await chromium.launch({executablePath, args: ["--no-sandbox"]});
+  const page = await browser.newPage({viewport: {width: 1100, height: 1300}});
+  const complaints = [], requests = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
+  page.on("pageerror", (error) => complaints.push(error.message));
+  page.on("request", (request) => requests.push(request.url()));
+  await page.goto(address);
+  await page.waitForSelector("#sample option[value=triangle]", {state: "attached"});
+  const fold = async () => {
+    await page.click("#go");
+    await page.waitForSelector("#files a", {timeout: 60000});
+    return {said: await page.textContent("#said"), files: await page.locator("#files a").allTextContents()};
+  };
+  const seen = {};
+  await page.selectOption("#effort", "fast");
+  await page.selectOption("#sample", "triangle");
+  await page.selectOption("#profile", "laser-dxf");
+  seen.sample = await fold();
+  const [taken] = await Promise.all([page.waitForEvent("download"), page.click("#files a:has-text('job.zip')")]);
+  seen.download = await taken.path();
+  seen.zip = require("fs").readFileSync(seen.download).toString("base64");
+  seen.shown = await page.frameLocator("iframe").locator("#facts").textContent();
+  await page.screenshot({path: picture});
+  await page.evaluate(axe.source);
+  const found = await page.evaluate(() => axe.run({iframes: false}));
+  seen.serious = found.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id);
+  await page.selectOption("#sample", "");
+  await page.setInputFiles("#file", drawing);
+  seen.file = await fold();
+  await page.click("summary");
+  const board = await page.locator("#board").boundingBox();
+  for (const [x, y] of [[0.2, 0.8], [0.8, 0.8], [0.4, 0.2]]) await page.mouse.click(board.x + x * board.width, board.y + y * board.height);
+  seen.corners = await page.inputValue("#corners");
+  seen.drawn = await fold();
+  await page.selectOption("#sample", "swan");
+  await page.selectOption("#effort", "normal");
+  await page.click("#go");
+  await page.waitForSelector("#stop:enabled");
+  await page.click("#stop");
+  await page.waitForFunction(() => document.getElementById("said").textContent === "Cancelled.");
+  seen.cancelled = true;
+  await browser.close();
+  const foreign = requests.filter((url) => !url.startsWith(address) && !url.startsWith("data:") && !url.startsWith("about:"));
+  console.log(JSON.stringify({...seen, complaints, foreign}));
+})();
