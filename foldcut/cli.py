@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from foldcut.job import Job, Side
     from foldcut.model import Finding, FoldedPattern
     from foldcut.profiles import Profile
+    from foldcut.readers import ReadOptions
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
@@ -46,6 +47,9 @@ MAKE_EPILOG = """\
 examples:
   foldcut make fish -o fish.svg -o fish.fold
   foldcut make logo.svg --sheet letter --margin 15mm
+  foldcut make logo.svg --layer Cut --flatten 0.2mm
+  foldcut make part.dxf --layer OUTLINE --join 0.2mm
+  cat fish.svg | foldcut make - --from svg -o fish.fold
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
   foldcut make fish -o fish.fold --json > report.json
   foldcut make swan --effort best --seconds 60
@@ -133,20 +137,22 @@ def _make(args: argparse.Namespace) -> int:
     from foldcut.files import check_targets, write_files
     from foldcut.profiles import load_profile
     from foldcut.progress import ProgressBar
+    from foldcut.readers import read_shape
     from foldcut.sheet import parse_length, parse_sheet
 
-    source = _shape_path(args.shape)
+    source = _source(args)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
     outputs = [Path(out) for out in args.output or _default_outputs(source, args.profile, profile)]
     _check_machine(args, profile, outputs)
     for path in outputs:
-        if path.is_file() and path.samefile(source):
+        if path.is_file() and source.is_file() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
-    check_targets(target for path in outputs for target in _targets(path, source.stem, profile, args))
+    stem = _stem(source)
+    check_targets(target for path in outputs for target in _targets(path, stem, profile, args))
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         result = pipeline.fold(
-            source,
+            read_shape(source, _read_options(args)),
             parse_sheet(args.sheet),
             margin=parse_length(args.margin),
             scale=_parse_scale(args.scale),
@@ -164,7 +170,7 @@ def _make(args: argparse.Namespace) -> int:
     files: list[dict[str, Any]] = []
     jobs: list[Job] = []
     if result.verified:
-        contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
+        contents, jobs = _contents(result.folded_pattern, outputs, stem, profile, args)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
         write_files(contents)
     made = report.make_report(result, files, jobs, profile, args.material)
@@ -182,7 +188,7 @@ def _check(args: argparse.Namespace) -> int:
     read = read_fold(Path(args.file))
     shape, notes = None, read.notes
     if args.shape:
-        drawing = read_shape(_shape_path(args.shape))
+        drawing = read_shape(_source(args), _read_options(args))
         if read.placement is not None:
             loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
         else:
@@ -202,6 +208,30 @@ def _samples(args: argparse.Namespace) -> int:
     names = sample_names()
     _print_report({"ok": True, "samples": list(names)}, names, args.json)
     return DONE
+
+
+def _source(args: argparse.Namespace) -> Path:
+    """Return the path of the drawing, or that of standard input."""
+    return Path(args.shape) if args.shape == "-" else _shape_path(args.shape)
+
+
+def _stem(source: Path) -> str:
+    """Return what files are called after a drawing."""
+    return "drawing" if str(source) == "-" else source.stem
+
+
+def _read_options(args: argparse.Namespace) -> ReadOptions:
+    """Return what the reader is told."""
+    from foldcut.readers import ReadOptions
+    from foldcut.sheet import parse_length
+
+    return ReadOptions(
+        flatten_mm=parse_length(args.flatten),
+        join_mm=parse_length(args.join),
+        layers=tuple(args.layer),
+        ids=tuple(args.id),
+        suffix=args.format or "",
+    )
 
 
 def _shape_path(name: str) -> Path:
@@ -338,9 +368,10 @@ def _sides(path: Path, args: argparse.Namespace) -> dict[Side, Path]:
 
 def _default_outputs(source: Path, name: str | None, profile: Profile | None) -> list[str]:
     """Return the outputs when none are asked for; never the drawing's own name."""
+    stem = _stem(source)
     if name is None or profile is None:
-        return [f"{source.stem}-creases.svg", f"{source.stem}-creases.fold"]
-    return [f"{source.stem}-{Path(name).stem}.{profile.format}"]
+        return [f"{stem}-creases.svg", f"{stem}-creases.fold"]
+    return [f"{stem}-{Path(name).stem}.{profile.format}"]
 
 
 def _coupon(args: argparse.Namespace) -> int:
@@ -537,7 +568,11 @@ def _add_make(commands: Any) -> None:
         "Compute how to fold a sheet so that one straight cut gives the drawing.",
         MAKE_EPILOG,
     )
-    make.add_argument("shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample")
+    make.add_argument(
+        "shape",
+        metavar="SHAPE",
+        help="a drawing (.svg, .dxf, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, or - for standard input",
+    )
     make.add_argument(
         "-o",
         "--output",
@@ -611,6 +646,7 @@ def _add_make(commands: Any) -> None:
         help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
         "make it so (default: only rounding)",
     )
+    _add_reading(make)
     machine = make.add_argument_group("the machine")
     machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
     machine.add_argument(
@@ -655,6 +691,7 @@ def _add_check(commands: Any) -> None:
     )
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
+    _add_reading(check)
     _add_common(check)
 
 
@@ -701,6 +738,28 @@ def _add_samples(commands: Any) -> None:
         SAMPLES_EPILOG,
     )
     samples.add_argument("--json", action="store_true", help="print the list for programs")
+
+
+def _add_reading(command: argparse.ArgumentParser) -> None:
+    reading = command.add_argument_group("the drawing")
+    reading.add_argument(
+        "--from", dest="format", metavar="SUFFIX", help="the drawing's format, such as svg (default: as its name ends)"
+    )
+    reading.add_argument("--layer", metavar="NAME", action="append", default=[], help="read only this (repeatable)")
+    reading.add_argument("--id", metavar="ID", action="append", default=[], help="read only this element (repeatable)")
+    reading.add_argument(
+        "--flatten",
+        metavar="LENGTH",
+        default="0.05mm",
+        help="how far a curve may be from its segments, in the drawing at its own size and at 200 mm "
+        "(default: %(default)s)",
+    )
+    reading.add_argument(
+        "--join",
+        metavar="LENGTH",
+        default="0.05mm",
+        help="join ends of lines that are no farther apart, at the same sizes (default: %(default)s)",
+    )
 
 
 def _add_common(command: argparse.ArgumentParser) -> None:

@@ -6,20 +6,19 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
-from foldcut.readers.base import Drawing, read_text
+from foldcut.readers.base import Drawing, ReadOptions, Source
 from foldcut.units import MM_PER_UNIT
 
 _EXAMPLE = 'give {"loops": [[[0, 0], [40, 0], [0, 30]]], "units": "mm"}'
 _UNITS = ("mm", "cm", "in", "px")
 
 
-def read_json(path: Path) -> Drawing:
+def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a file of JSON loops."""
-    text = read_text(path)
+    text = source.text()
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -36,7 +35,7 @@ def read_json(path: Path) -> Drawing:
     return Drawing(
         loops=tuple(_loop(loop, f"loops[{number}]") for number, loop in enumerate(loops)),
         unit_mm=None if unit is None else MM_PER_UNIT[unit],
-        title=title if isinstance(title, str) and title else path.stem,
+        title=title if isinstance(title, str) and title else source.name,
     )
 
 
