@@ -21,6 +21,10 @@ READERS = {
     ".svg": "svg",
     ".json": "json_loops",
     ".wkt": "wkt",
+    ".dxf": "dxf",
+    ".geojson": "geojson",
+    ".wkb": "wkb",
+    ".csv": "csv_points",
 }
 """The module for each suffix, imported when it is first used."""
 
@@ -38,7 +42,7 @@ def read_shape(path: str | Path, options: ReadOptions | None = None) -> Drawing:
         if points > options.largest_points:
             raise FileFormatError(f"the drawing has {points:,} points; give at most {options.largest_points:,}")
     except FileFormatError as error:
-        raise FileFormatError(f"{path}: {error}") from None
+        raise FileFormatError(f"{path}: {' '.join(str(error).split())}") from None
     except OSError as error:
         raise FileFormatError(f"{path}: {error.strerror}; check the path and its permissions") from None
     except (MemoryError, RecursionError):

@@ -1,6 +1,7 @@
 """Read JSON loops: ``{"loops": [[[x, y], ...], ...], "units": "mm"}``, y up, even-odd.
 
-``units`` (mm, cm, in or px) and ``title`` are optional; other keys are ignored.
+``units`` (mm, cm, in or px) and ``title`` are optional; other keys are ignored. GeoJSON in a file
+that ends in .json is handed to its reader.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ import json
 
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
+from foldcut.readers import geojson
 from foldcut.readers.base import Drawing, ReadOptions, Source
 from foldcut.units import MM_PER_UNIT
 
@@ -23,6 +25,8 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise FileFormatError(f"not JSON: {error}; {_EXAMPLE}") from None
+    if isinstance(document, dict) and "type" in document and "loops" not in document:
+        return geojson.read(source, options)
     if not isinstance(document, dict) or "loops" not in document:
         raise FileFormatError(f"the file has no loops; {_EXAMPLE}")
     loops = document["loops"]
