@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from foldcut.job import Job, Side
     from foldcut.model import Finding, FoldedPattern
     from foldcut.profiles import Profile
-    from foldcut.readers import ReadOptions
+    from foldcut.readers import Drawing, ReadOptions
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
@@ -50,6 +50,8 @@ examples:
   foldcut make logo.svg --layer Cut --flatten 0.2mm
   foldcut make part.dxf --layer OUTLINE --join 0.2mm
   cat fish.svg | foldcut make - --from svg -o fish.fold
+  foldcut make --text A --font DejaVuSans-Bold.ttf
+  foldcut make photo.png --threshold 0.4 --simplify 1mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
   foldcut make fish -o fish.fold --json > report.json
   foldcut make swan --effort best --seconds 60
@@ -137,7 +139,6 @@ def _make(args: argparse.Namespace) -> int:
     from foldcut.files import check_targets, write_files
     from foldcut.profiles import load_profile
     from foldcut.progress import ProgressBar
-    from foldcut.readers import read_shape
     from foldcut.sheet import parse_length, parse_sheet
 
     source = _source(args)
@@ -152,7 +153,7 @@ def _make(args: argparse.Namespace) -> int:
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         result = pipeline.fold(
-            read_shape(source, _read_options(args)),
+            _drawing(args, source),
             parse_sheet(args.sheet),
             margin=parse_length(args.margin),
             scale=_parse_scale(args.scale),
@@ -180,7 +181,6 @@ def _make(args: argparse.Namespace) -> int:
 def _check(args: argparse.Namespace) -> int:
     """Verify a FOLD file."""
     from foldcut import report
-    from foldcut.readers import read_shape
     from foldcut.readers.fold import read_fold
     from foldcut.shape import make_shape
     from foldcut.verify import verify
@@ -188,7 +188,7 @@ def _check(args: argparse.Namespace) -> int:
     read = read_fold(Path(args.file))
     shape, notes = None, read.notes
     if args.shape:
-        drawing = read_shape(_source(args), _read_options(args))
+        drawing = _drawing(args, _source(args))
         if read.placement is not None:
             loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
         else:
@@ -211,8 +211,24 @@ def _samples(args: argparse.Namespace) -> int:
 
 
 def _source(args: argparse.Namespace) -> Path:
-    """Return the path of the drawing, or that of standard input."""
+    """Return the path of the drawing, that of standard input, or for a text a name that no file has to have."""
+    text = getattr(args, "text", None)
+    if (text is None) == (args.shape is None):
+        raise BadInputError(f"give a SHAPE or a --text, {'one of them' if text is None else 'not both'}")
+    if text is not None:
+        return Path("".join(letter for letter in text if letter.isalnum())[:40] or "text")
     return Path(args.shape) if args.shape == "-" else _shape_path(args.shape)
+
+
+def _drawing(args: argparse.Namespace, source: Path) -> Drawing:
+    """Return what the drawing's file, or the text, shows."""
+    if getattr(args, "text", None) is None:
+        from foldcut.readers import read_shape
+
+        return read_shape(source, _read_options(args))
+    from foldcut.readers.text import draw_text
+
+    return draw_text(args.text, args.font, _read_options(args))
 
 
 def _stem(source: Path) -> str:
@@ -231,6 +247,7 @@ def _read_options(args: argparse.Namespace) -> ReadOptions:
         layers=tuple(args.layer),
         ids=tuple(args.id),
         suffix=args.format or "",
+        threshold=args.threshold,
     )
 
 
@@ -571,7 +588,13 @@ def _add_make(commands: Any) -> None:
     make.add_argument(
         "shape",
         metavar="SHAPE",
-        help="a drawing (.svg, .dxf, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, or - for standard input",
+        nargs="?",
+        help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, or - "
+        "for standard input",
+    )
+    make.add_argument("--text", help="draw this text instead of a SHAPE")
+    make.add_argument(
+        "--font", default="sans", help="of --text: the path of a font file, or a family (default: %(default)s)"
     )
     make.add_argument(
         "-o",
@@ -753,6 +776,13 @@ def _add_reading(command: argparse.ArgumentParser) -> None:
         default="0.05mm",
         help="how far a curve may be from its segments, in the drawing at its own size and at 200 mm "
         "(default: %(default)s)",
+    )
+    reading.add_argument(
+        "--threshold",
+        metavar="T",
+        type=float,
+        default=0.5,
+        help="how light a picture's shape may be, from 0, black, to 1, white (default: %(default)s)",
     )
     reading.add_argument(
         "--join",

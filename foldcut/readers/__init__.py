@@ -25,6 +25,10 @@ READERS = {
     ".geojson": "geojson",
     ".wkb": "wkb",
     ".csv": "csv_points",
+    ".pdf": "pdf",
+    ".png": "image",
+    ".jpg": "image",
+    ".jpeg": "image",
 }
 """The module for each suffix, imported when it is first used."""
 

@@ -21,7 +21,8 @@ class ReadOptions:
 
     ``flatten_mm``: how far a curve may be from its straight segments, at the size that the file states and on the
     drawing enlarged to 200 mm. ``join_mm``: ends of lines nearer than this are joined, at the same size.
-    ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is called.
+    ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is called. ``threshold``: how
+    light a pixel of a picture's shape may be, from 0, black, to 1, white.
     """
 
     flatten_mm: float = 0.05
@@ -91,7 +92,7 @@ class Drawing:
 
 def counted(what: Counter[str]) -> tuple[str, ...]:
     """Return the counts as words: ("1 image", "2 texts")."""
-    return tuple(f"{count} {name}{'s' * (count != 1)}" for name, count in sorted(what.items()))
+    return tuple(f"{count} {name}{'s' * (count != 1)}" for name, count in sorted(what.items()) if count)
 
 
 def missing(option: str, extra: str) -> FileFormatError:
