@@ -205,6 +205,8 @@ BAD_SVG = [
         "more than 200,000 elements are shown; give a simpler drawing",
     ),
     (svg('<use href="file:///etc/passwd"/>'), "the file has no polygon"),
+    (svg('<path d="M0 0H5"/><polyline points="1,1 2,2"/>'), "the outlines of the file enclose no area; draw"),
+    (svg('<polygon points="%s"/>' % ("1 2 " * 500_000)), "more than 200,000 points; give a simpler one, or a larger"),
     (svg('<circle r="1e999"/>'), "r of circle number 1 is '1e999'; give a finite number"),
     (svg('<rect width="50%" height="3"/>'), "width of rect number 1 is '50%'"),
     (svg('<path d="M 0 0 C 1 1 2 2 Z"/>'), "unreadable path data at 'C 1 1 2 2 Z'"),
@@ -486,8 +488,8 @@ def test_a_suffix_is_known_in_either_case(tmp_path: Path) -> None:
 
 
 def test_paths_that_lead_to_no_drawing_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(FileFormatError, match=r"drawings do not end in '\.png'; give a file that ends in \.svg, "):
-        read_shape(tmp_path / "fish.png")
+    with pytest.raises(FileFormatError, match=r"drawings do not end in '\.gif'; give a file that ends in \.svg, "):
+        read_shape(tmp_path / "fish.gif")
     with pytest.raises(FileFormatError, match=r"drawings do not end in ''; give a file that ends in \.svg"):
         read_shape("fish")
     with pytest.raises(FileFormatError, match=r"fish\.svg: there is no such file; check the path"):

@@ -32,7 +32,7 @@ class ReadOptions:
     suffix: str = ""
     threshold: float = 0.5
     largest_bytes: int = 64 * 2**20
-    largest_points: int = 1_000_000
+    largest_points: int = 200_000
     largest_pixels: int = 40_000_000
 
     def __post_init__(self) -> None:

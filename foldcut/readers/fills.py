@@ -17,7 +17,7 @@ from scipy.spatial import KDTree
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
 
-MOST_CROSSINGS = 20_000
+MOST_CROSSINGS = 10_000
 """Outlines with more crossings are left as they are: ``make_shape`` refuses them by place."""
 
 _BATCH = 256
@@ -142,14 +142,12 @@ def _winding(points: Floats, loop: Floats) -> np.ndarray[tuple[int], np.dtype[np
 
 def _nonzero(loops: Sequence[Floats]) -> list[Floats]:
     """Return those of disjoint loops across which the winding number begins or ceases to be zero."""
-    own = [1 if shapely.is_ccw(shapely.linearrings(loop)) else -1 for loop in loops]
-    kept = []
-    for number, loop in enumerate(loops):
-        others = (_winding(loop[:1], other)[0] for index, other in enumerate(loops) if index != number)
-        outside = int(sum(others))
-        if (outside == 0) != (outside + own[number] == 0):
-            kept.append(loop)
-    return kept
+    rings = shapely.linearrings(np.concatenate(loops), indices=np.repeat(np.arange(len(loops)), list(map(len, loops))))
+    own = np.where(shapely.is_ccw(rings), 1, -1)
+    polygons, starts = shapely.polygons(rings), shapely.points([loop[0] for loop in loops])
+    inside, around = shapely.STRtree(polygons).query(starts, predicate="within")  # not itself: it starts on its edge
+    outside = np.bincount(inside, weights=own[around], minlength=len(loops))
+    return [loop for loop, kept in zip(loops, (outside == 0) != (outside + own == 0), strict=True) if kept]
 
 
 def _outlines(region: shapely.Geometry) -> list[Floats]:

@@ -92,16 +92,21 @@ def read(source: Source, options: ReadOptions) -> Drawing:
                 (closed if is_closed else chains).append(points_array((flip @ points).T))
                 count += points.shape[1]
                 if count > options.largest_points:
-                    raise FileFormatError(
-                        f"the drawing has more than {options.largest_points:,} points; give a simpler one"
-                    )
+                    raise _too_many(options)
             if closed:
                 parts.append(fill(closed, even_odd=one.even_odd))
         loops, united = unite(parts)
         loops += join(chains, options.units(options.join_mm, unit_mm, extent))
+    if not loops:
+        raise FileFormatError("the outlines of the file enclose no area; draw at least one closed outline")
     notes = [f"{united} outlines that overlap or touch were united"] if united else []
     title = _title(root) or source.name
     return Drawing(tuple(loops), unit_mm, title, tuple(notes), y_down=True, ignored=counted(page.ignored))
+
+
+def _too_many(options: ReadOptions) -> FileFormatError:
+    most = f"{options.largest_points:,} points"
+    return FileFormatError(f"the drawing has more than {most}; give a simpler one, or a larger --flatten")
 
 
 def _parse(text: str) -> ET.Element:
@@ -223,6 +228,7 @@ class _Page:
         self.ignored: Counter[str] = Counter()
         self.named: set[str] = set()
         self.labels: set[str] = set()
+        self.numbers = 0
 
     @cached_property
     def by_id(self) -> dict[str, ET.Element]:
@@ -233,7 +239,7 @@ class _Page:
     def rules(self) -> list[tuple[str, dict[str, str]]]:
         """The simple selectors (element, .class, #id) of the file's style sheets, and what they say."""
         sheets = " ".join(element.text or "" for element in self.root.iter() if _tag(element) == "style")
-        sheets = re.sub(r"/\*.*?\*/", "", sheets, flags=re.DOTALL)
+        sheets = re.sub(r"/\*.*?(?:\*/|\Z)", "", sheets, flags=re.DOTALL)
         pairs = ((names, _declarations(body)) for names, body in _RULE.findall(sheets))
         return [(name.strip(), said) for names, said in pairs for name in names.split(",")]
 
@@ -281,6 +287,9 @@ class _Page:
                 elif seen.layer and seen.chosen:
                     filled = tag != "line" and style.get("fill") not in ("none", "transparent")
                     even_odd = style.get("fill-rule") == "evenodd" or not filled
+                    self.numbers += len(re.findall(_NUMBER, element.get("points", element.get("d", ""))))
+                    if self.numbers > 4 * self.options.largest_points:
+                        raise _too_many(self.options)
                     if path := _path(element, name):
                         stroked = tag == "line" or not filled or style.get("stroke", "none") != "none"
                         yield _Outline(path, matrix, filled, stroked, even_odd, name)
