@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from foldcut.model import Finding, FoldedPattern
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
+    from foldcut.readers import Drawing, ReadOptions
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
@@ -48,6 +49,11 @@ MAKE_EPILOG = """\
 examples:
   foldcut make fish -o fish.svg -o fish.fold
   foldcut make logo.svg --sheet letter --margin 15mm
+  foldcut make logo.svg --layer Cut --flatten 0.2mm
+  foldcut make part.dxf --layer OUTLINE --join 0.2mm
+  cat fish.svg | foldcut make - --from svg -o fish.fold
+  foldcut make --text A --font DejaVuSans-Bold.ttf
+  foldcut make photo.png --threshold 0.4 --simplify 1mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
   foldcut make fish -o fish.fold --json > report.json
   foldcut make swan --effort best --seconds 60
@@ -160,21 +166,22 @@ def _make(args: argparse.Namespace) -> int:
     from foldcut.files import check_targets, write_files
     from foldcut.profiles import load_profile
 
-    source = _shape_path(args.shape)
+    source = _source(args)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
-    names = [f"{source.stem}.html"] if args.command == "view" else _default_outputs(source, args.profile, profile)
+    names = [f"{_stem(source)}.html"] if args.command == "view" else _default_outputs(source, args.profile, profile)
     outputs = [Path(out) for out in args.output or names]
     _check_machine(args, profile, outputs)
     for path in outputs:
-        if path.is_file() and path.samefile(source):
+        if path.is_file() and source.is_file() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
-    check_targets(target for path in outputs for target in _targets(path, source.stem, profile, args))
+    stem = _stem(source)
+    check_targets(target for path in outputs for target in _targets(path, stem, profile, args))
 
     result = _folded(source, args)
     files: list[dict[str, Any]] = []
     jobs: list[Job] = []
     if result.verified:
-        contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
+        contents, jobs = _contents(result.folded_pattern, outputs, stem, profile, args)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
         write_files(contents)
     made = report.make_report(result, files, jobs, profile, args.material)
@@ -189,7 +196,7 @@ def _folded(source: Path, args: argparse.Namespace) -> Result:
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         return pipeline.fold(
-            source,
+            _drawing(args, source),
             parse_sheet(args.sheet),
             margin=parse_length(args.margin),
             scale=_parse_scale(args.scale),
@@ -215,8 +222,8 @@ def _draw(args: argparse.Namespace) -> int:
     from foldcut.pipeline import PaperStages
     from foldcut.profiles import load_profile
 
-    source = _shape_path(args.shape)
-    output = Path(args.output or f"{source.stem}-pictures.svg")
+    source = _source(args)
+    output = Path(args.output or f"{_stem(source)}-pictures.svg")
     if output.suffix.lower() not in (".svg", ".png"):
         raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
     show = tuple(name.strip() for name in args.show.split(","))
@@ -240,8 +247,8 @@ def _guide(args: argparse.Namespace) -> int:
     from foldcut.exporters.guide import GUIDES
     from foldcut.files import check_targets, write_files
 
-    source = _shape_path(args.shape)
-    output = Path(args.output or f"{source.stem}-guide.pdf")
+    source = _source(args)
+    output = Path(args.output or f"{_stem(source)}-guide.pdf")
     if output.suffix.lower() not in GUIDES:
         raise BadInputError(f"{output}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
     check_targets([output])
@@ -278,7 +285,6 @@ def _serve(args: argparse.Namespace) -> int:
 def _check(args: argparse.Namespace) -> int:
     """Verify a FOLD file."""
     from foldcut import report
-    from foldcut.readers import read_shape
     from foldcut.readers.fold import read_fold
     from foldcut.shape import make_shape
     from foldcut.verify import verify
@@ -286,7 +292,7 @@ def _check(args: argparse.Namespace) -> int:
     read = read_fold(Path(args.file))
     shape, notes = None, read.notes
     if args.shape:
-        drawing = read_shape(_shape_path(args.shape))
+        drawing = _drawing(args, _source(args))
         if read.placement is not None:
             loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
         else:
@@ -306,6 +312,47 @@ def _samples(args: argparse.Namespace) -> int:
     names = sample_names()
     _print_report({"ok": True, "samples": list(names)}, names, args.json)
     return DONE
+
+
+def _source(args: argparse.Namespace) -> Path:
+    """Return the path of the drawing, that of standard input, or for a text a name that no file has to have."""
+    text = getattr(args, "text", None)
+    if (text is None) == (args.shape is None):
+        raise BadInputError(f"give a SHAPE or a --text, {'one of them' if text is None else 'not both'}")
+    if text is not None:
+        return Path("".join(letter for letter in text if letter.isalnum())[:40] or "text")
+    return Path(args.shape) if args.shape == "-" else _shape_path(args.shape)
+
+
+def _drawing(args: argparse.Namespace, source: Path) -> Drawing:
+    """Return what the drawing's file, or the text, shows."""
+    if getattr(args, "text", None) is None:
+        from foldcut.readers import read_shape
+
+        return read_shape(source, _read_options(args))
+    from foldcut.readers.text import draw_text
+
+    return draw_text(args.text, args.font, _read_options(args))
+
+
+def _stem(source: Path) -> str:
+    """Return what files are called after a drawing."""
+    return "drawing" if str(source) == "-" else source.stem
+
+
+def _read_options(args: argparse.Namespace) -> ReadOptions:
+    """Return what the reader is told."""
+    from foldcut.readers import ReadOptions
+    from foldcut.sheet import parse_length
+
+    return ReadOptions(
+        flatten_mm=parse_length(args.flatten),
+        join_mm=parse_length(args.join),
+        layers=tuple(args.layer),
+        ids=tuple(args.id),
+        suffix=args.format or "",
+        threshold=args.threshold,
+    )
 
 
 def _shape_path(name: str) -> Path:
@@ -442,9 +489,10 @@ def _sides(path: Path, args: argparse.Namespace) -> dict[Side, Path]:
 
 def _default_outputs(source: Path, name: str | None, profile: Profile | None) -> list[str]:
     """Return the outputs when none are asked for; never the drawing's own name."""
+    stem = _stem(source)
     if name is None or profile is None:
-        return [f"{source.stem}-creases.svg", f"{source.stem}-creases.fold"]
-    return [f"{source.stem}-{Path(name).stem}.{profile.format}"]
+        return [f"{stem}-creases.svg", f"{stem}-creases.fold"]
+    return [f"{stem}-{Path(name).stem}.{profile.format}"]
 
 
 def _coupon(args: argparse.Namespace) -> int:
@@ -760,7 +808,17 @@ def _add_serve(commands: Any) -> None:
 
 def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     """Add the drawing, where it lies on the sheet, and how to search."""
-    make.add_argument("shape", metavar="SHAPE", help="a drawing (.svg, .json, .wkt ...) or the name of a sample")
+    make.add_argument(
+        "shape",
+        metavar="SHAPE",
+        nargs="?",
+        help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, or - "
+        "for standard input",
+    )
+    make.add_argument("--text", help="draw this text instead of a SHAPE")
+    make.add_argument(
+        "--font", default="sans", help="of --text: the path of a font file, or a family (default: %(default)s)"
+    )
     make.add_argument(
         "--sheet",
         default="a4",
@@ -826,6 +884,7 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
         help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
         "make it so (default: only rounding)",
     )
+    _add_reading(make)
 
 
 def _add_check(commands: Any) -> None:
@@ -839,6 +898,7 @@ def _add_check(commands: Any) -> None:
     )
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
+    _add_reading(check)
     _add_common(check)
 
 
@@ -885,6 +945,35 @@ def _add_samples(commands: Any) -> None:
         SAMPLES_EPILOG,
     )
     samples.add_argument("--json", action="store_true", help="print the list for programs")
+
+
+def _add_reading(command: argparse.ArgumentParser) -> None:
+    reading = command.add_argument_group("the drawing")
+    reading.add_argument(
+        "--from", dest="format", metavar="SUFFIX", help="the drawing's format, such as svg (default: as its name ends)"
+    )
+    reading.add_argument("--layer", metavar="NAME", action="append", default=[], help="read only this (repeatable)")
+    reading.add_argument("--id", metavar="ID", action="append", default=[], help="read only this element (repeatable)")
+    reading.add_argument(
+        "--flatten",
+        metavar="LENGTH",
+        default="0.05mm",
+        help="how far a curve may be from its segments, in the drawing at its own size and at 200 mm "
+        "(default: %(default)s)",
+    )
+    reading.add_argument(
+        "--threshold",
+        metavar="T",
+        type=float,
+        default=0.5,
+        help="how light a picture's shape may be, from 0, black, to 1, white (default: %(default)s)",
+    )
+    reading.add_argument(
+        "--join",
+        metavar="LENGTH",
+        default="0.05mm",
+        help="join ends of lines that are no farther apart, at the same sizes (default: %(default)s)",
+    )
 
 
 def _add_common(command: argparse.ArgumentParser) -> None:

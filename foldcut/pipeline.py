@@ -78,8 +78,8 @@ class Result:
     ``findings`` is empty exactly when the pattern is verified. ``method`` is the one that made it, ``attempts`` has
     what all that were tried came to. ``actions``: how many straight folds a person makes, through one layer or more.
     ``ribbon`` is the half-width in mm that the pattern has.
-    ``seconds`` holds the time of each stage and the totals "build" and "verify". ``notes`` say what was left out of the
-    drawing, and what was simplified.
+    ``seconds`` holds the time of each stage and the totals "build" and "verify". ``notes`` say what was done to the
+    drawing, and what was simplified. ``drawing`` is what was read, unless the shape was given as points.
     """
 
     folded_pattern: FoldedPattern
@@ -91,6 +91,7 @@ class Result:
     ribbon: float
     seconds: dict[str, float]
     notes: tuple[str, ...]
+    drawing: Drawing | None = None
 
     @cached_property
     def foldability(self) -> Foldability:
@@ -167,7 +168,8 @@ def fold(
     with stages("reading"):
         drawing = read_shape(Path(shape)) if isinstance(shape, str | PathLike) else shape
         notes: list[str] = []
-        y_down = isinstance(drawing, Drawing) and drawing.y_down
+        read = drawing if isinstance(drawing, Drawing) else None
+        y_down = read is not None and read.y_down
         if isinstance(drawing, Drawing):
             title = title or drawing.title
             notes += drawing.notes
@@ -211,6 +213,7 @@ def fold(
         made.ribbon,
         stages.seconds,
         (*notes, *on.notes),
+        read,
     )
 
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from foldcut.job import Job
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
+    from foldcut.readers import Drawing
 
 Report = dict[str, Any]
 
@@ -43,6 +44,7 @@ def make_report(
         "ok": result.verified,
         "title": pattern.title,
         "sheet": {"name": sheet.name, "width_mm": sheet.width, "height_mm": sheet.height},
+        "drawing": _drawing_report(result.drawing),
         "scale_mm_per_unit": pattern.placement.scale,
         "corners": pattern.shape.corner_count,
         "method": result.method,
@@ -63,6 +65,34 @@ def make_report(
         "next": _next(files, profile),
         "files": list(files),
     }
+
+
+def _drawing_report(drawing: Drawing | None) -> Report | None:
+    """Return what was read, in numbers."""
+    if drawing is None:
+        return None
+    return {
+        "loops": len(drawing.loops),
+        "points": sum(map(len, drawing.loops)),
+        "unit_mm": drawing.unit_mm,
+        "size": list(drawing.size),
+        "size_mm": None if drawing.size_mm is None else list(drawing.size_mm),
+        "ignored": list(drawing.ignored),
+    }
+
+
+def _drawing_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines on what was read."""
+    drawing = report["drawing"]
+    if drawing is None:
+        return []
+    unit = drawing["unit_mm"]
+    width, height = drawing["size"] if unit is None else drawing["size_mm"]
+    size = f"{width:.4g} x {height:.4g}"
+    said = "in a unit that the file does not say" if unit is None else f"mm; the file's unit is {unit:.4g} mm"
+    loops = f"{drawing['loops']} loop{'s' * (drawing['loops'] != 1)}, {drawing['points']} points"
+    rows = [("drawing", f"{loops}, {size} {said}")]
+    return [*rows, ("ignored", ", ".join(drawing["ignored"]))] if drawing["ignored"] else rows
 
 
 def _paper(profile: Profile | None, material: str | None) -> tuple[str, float]:
@@ -86,6 +116,7 @@ def make_lines(report: Report) -> list[str]:
     sheet = Sheet(report["sheet"]["width_mm"], report["sheet"]["height_mm"], report["sheet"]["name"])
     seconds = report["seconds"]
     rows = [
+        *_drawing_rows(report),
         ("sheet", f"{sheet}; 1 unit of the drawing is {report['scale_mm_per_unit']:.4g} mm"),
         ("", f"{report['sheet_used']:.0%} of it is the shape"),
         *_method_rows(report),

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Callable
+from functools import reduce
 from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given
 from strategies import Points, simple_polygons
 
 from foldcut.errors import BadInputError, FileFormatError
-from foldcut.readers import READERS, Drawing, read_shape
+from foldcut.readers import READERS, Drawing, ReadOptions, read_shape
 from foldcut.shape import make_shape
 
 Reading = Callable[[str, str], Drawing]  # of a suffix and a text
@@ -84,7 +87,7 @@ def test_the_numbers_of_an_svg_are_kept_to_the_last_digit(read: Reading) -> None
 
 def test_all_outlines_of_an_svg_are_one_set_of_loops_in_their_order(read: Reading) -> None:
     others = '<g><rect x="20" width="5" height="5"/></g><polygon points="5,5 8,5 5,8"/>'
-    body = '<path d="M0 0H9V9H0ZM2 2H4V4H2Z"/>' + others
+    body = '<path fill-rule="evenodd" d="M0 0H9V9H0ZM2 2H4V4H2Z"/>' + others
     drawing = read(".svg", svg(body))
     assert [len(loop) for loop in drawing.loops] == [4, 4, 4, 3]
     assert make_shape(drawing.loops).parent == (-1, 0, -1, 0)
@@ -132,18 +135,22 @@ def test_what_is_not_an_outline_is_ignored_and_noted(read: Reading) -> None:
       <defs><circle r="3"/><g><polygon points="0,0 1,0 0,1"/></g></defs>
       <text>Hello</text><text>you</text><image href="http://example.org/x.png"/>
       <metadata><x xmlns="http://example.org/">1</x></metadata><x:y xmlns:x="http://example.org/"/>
+      <script>alert(1)</script><use href="other.svg#a"/><use href="http://example.org/#a"/>
       <g display="none"><circle r="3"/></g><path style="fill: red; display: none" d="M 0 0 C"/>
       <rect visibility="hidden" width="1" height="1"/>
       <polygon clip-path="url(#c)" points="0,0 4,0 0,3"/><!-- a comment --><?and-an instruction?>
     """
     drawing = read(".svg", svg(body))
     assert loops_of(drawing) == [TRIANGLE]
-    assert drawing.notes == (
-        "ignored: 1 clip-path",
-        "ignored: 3 hidden element",
-        "ignored: 1 image",
-        "ignored: 2 text",
+    assert drawing.ignored == (
+        "1 clip-path",
+        "2 external references",
+        "3 hidden elements",
+        "1 image",
+        "1 script",
+        "2 texts",
     )
+    assert drawing.notes == ()
 
 
 def test_an_svg_without_a_namespace_or_with_a_prefix_is_read(read: Reading) -> None:
@@ -167,6 +174,12 @@ def test_a_path_of_twenty_thousand_corners_is_read(read: Reading) -> None:
 
 
 POLYGON = '<polygon points="0,0 4,0 0,3"/>'
+
+
+def clones(number: int) -> str:
+    return f'<use href="#l{number}"/>' * 10
+
+
 BAD_SVG = [
     ("<svg><polygon</svg>", "not XML: "),
     ("<html/>", "the outermost element is 'html', not svg"),
@@ -183,32 +196,27 @@ BAD_SVG = [
     (svg(POLYGON, 'viewBox="0 0 ten 10"'), "the viewBox has something other than numbers"),
     (svg(POLYGON, 'width="0"'), "the width of the file is '0'"),
     (svg(POLYGON, 'height="3 ells"'), "the height of the file is '3 ells'"),
+    (svg('<use href="#a"/>'), "use number 1 shows '#a', which is not in the file; correct"),
+    (svg('<g id="a"><use href="#a"/></g>'), "use number 2 shows #a, which it is part of; remove the clone"),
     (
-        svg(f'<svg x="3">{POLYGON}</svg>'),
-        "svg number 1 is not an outline of straight segments; move its content",
+        "<svg><defs>"
+        + "".join(f'<g id="l{n}">{clones(n + 1)}</g>' for n in range(9))
+        + f'<g id="l9">{POLYGON}</g></defs><use href="#l0"/></svg>',
+        "more than 200,000 elements are shown; give a simpler drawing",
     ),
-    (
-        svg('<circle id="eye" r="3"/>'),
-        'circle "eye" is not an outline of straight segments; draw it as a polygon',
-    ),
-    (svg('<g><ellipse rx="3"/></g>'), "ellipse number 1"),
-    (svg('<line x2="3"/>'), "line number 1 is not an outline of straight segments; join the lines"),
-    (svg('<use href="#a"/>'), "use number 1 is not an outline of straight segments; replace the clone"),
-    (svg('<use href="file:///etc/passwd"/>'), "use number 1"),
-    (svg('<rect width="3" height="3" rx="1"/>'), "rect number 1 has round corners"),
+    (svg('<use href="file:///etc/passwd"/>'), "the file has no polygon"),
+    (svg('<path d="M0 0H5"/><polyline points="1,1 2,2"/>'), "the outlines of the file enclose no area; draw"),
+    (svg('<polygon points="%s"/>' % ("1 2 " * 500_000)), "more than 200,000 points; give a simpler one, or a larger"),
+    (svg('<circle r="1e999"/>'), "r of circle number 1 is '1e999'; give a finite number"),
     (svg('<rect width="50%" height="3"/>'), "width of rect number 1 is '50%'"),
+    (svg('<path d="M 0 0 C 1 1 2 2 Z"/>'), "unreadable path data at 'C 1 1 2 2 Z'"),
+    (svg('<path d="M0 0A1 1 0 2 1 2 2z"/>'), "unreadable path data at 'A1 1 0 2 1 2 2z'"),
     (
-        svg('<path d="M 0 0 L 4 0 C 1 1 2 2 3 3 Z"/>'),
-        "path number 1 has a curve ('C 1 1 2 2 3 3 Z'); flatten it",
+        svg('<path fill="none" d="M 0 0 4 0 0 3"/>'),
+        "a line ends at (0, 0), 3 from the next end; close the outline, or join ends that are farther apart",
     ),
-    (svg(POLYGON + '<path/><path id="fin" d="M0 0A1 1 0 0 1 2 2z"/>'), 'path "fin" has a curve'),
-    (svg('<path d="M 0 0 Q 1 1 2 2 Z"/>'), "has a curve"),
-    (
-        svg('<path d="M 0 0 4 0 0 3"/>'),
-        "path number 1 is open: it starts at (0, 0) and ends at (0, 3), 3 away; close",
-    ),
-    (svg('<path d="M 0 0 H 4 V 3 Z M 5 5 H 9 V 9"/>'), "is open: it starts at (5, 5)"),
-    (svg('<polyline points="0,0 4,0 0,3 1,1"/>'), "polyline number 1 is open"),
+    (svg('<g style="fill:none"><path d="M 0 0 H 4 V 3 Z M 5 5 H 9 V 9"/></g>'), "a line ends at (5, -5)"),
+    (svg('<line x2="3"/><line x2="3" y2="1"/><line x2="3" y2="2"/>'), "3 lines end at (0, 0); leave two"),
     (svg('<path d="M 0 0 L 4"/>'), "unreadable path data at 'L 4'"),
     (svg('<path d="M 0 0 L 4 0 X 3 Z"/>'), "unreadable path data at 'X 3 Z'"),
     (svg('<path d="M 0 0 L 4 0 0 #"/>'), "unreadable path data"),
@@ -234,6 +242,116 @@ def test_numbers_beyond_float64_are_left_for_make_shape_to_refuse(read: Reading)
     for body in ('<polygon points="0,0 4,0 0,1e999"/>', f'<g transform="scale(1e999)">{POLYGON}</g>'):
         with pytest.raises(BadInputError, match=r"of loop 1 is .*; give finite numbers"):
             make_shape(read(".svg", svg(body)).loops)
+
+
+def area(drawing: Drawing) -> float:
+    polygons = [shapely.Polygon(loop) for loop in drawing.loops]
+    return float(reduce(shapely.symmetric_difference, polygons).area)
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        ('<circle cx="9" cy="9" r="10"/>', math.pi * 100),
+        ('<ellipse rx="10" ry="4"/>', math.pi * 40),
+        ('<ellipse rx="10"/>', math.pi * 100),
+        ('<rect width="30" height="20" rx="5"/>', 600 - (4 - math.pi) * 25),
+        ('<rect width="30" height="20" rx="50" ry="4"/>', 600 - (4 - math.pi) * 60),
+        ('<path d="M0 0A10 10 0 0 1 20 0Z"/>', math.pi * 50),
+        ('<path d="M0 0a10 10 0 1 0 20 0"/>', math.pi * 50),
+        ('<path d="M0 0Q10 20 20 0Z"/>', 400 / 3),
+        ('<path d="M0 0Q5 10 10 0T20 0"/>', 200 / 3),
+        ('<path d="M0 0C0 10 20 10 20 0Z"/>', 120),
+        ('<path d="M0 0C0 5 10 5 10 0S20-5 20 0Z"/>', 60),
+    ],
+)
+def test_curves_become_segments_within_the_tolerance(tmp_path: Path, body: str, expected: float) -> None:
+    (tmp_path / "a.svg").write_text(svg(body))
+    corners = []
+    for tolerance in (0.05, 0.0005):
+        drawing = read_shape(tmp_path / "a.svg", ReadOptions(flatten_mm=tolerance))
+        assert area(drawing) == pytest.approx(expected, abs=tolerance * 80)
+        corners.append(sum(map(len, drawing.loops)))
+    assert 5 * corners[0] < corners[1] < 20 * corners[0]
+
+
+def test_a_flattened_circle_is_symmetric_and_within_the_tolerance(read: Reading) -> None:
+    (loop,) = read(".svg", svg('<circle r="40"/>')).loops
+    assert len(loop) % 4 == 0
+    np.testing.assert_allclose(np.hypot(*loop.T), 40, rtol=1e-12)
+    assert np.hypot(*((loop + np.roll(loop, 1, axis=0)) / 2).T).min() > 40 - 0.05
+
+
+SQUARES = "M0 0H9V9H0Z M2 2H4V4H2Z"  # both in the same direction
+
+
+@pytest.mark.parametrize(
+    ("body", "expected"),
+    [
+        (f'<path d="{SQUARES}"/>', 81),
+        (f'<path d="{SQUARES}" fill-rule="evenodd"/>', 77),
+        (f'<g style="fill-rule:evenodd"><path d="{SQUARES}"/></g>', 77),
+        (f'<style>/* a */ .hole, #x {{ fill-rule: evenodd }}</style><path class="a hole" d="{SQUARES}"/>', 77),
+        (f'<path d="{SQUARES}" fill="none" stroke="red"/>', 77),
+        ('<path d="M0 0H9V9H0Z M2 2V4H4V2Z"/>', 77),
+        ('<path d="M0 0H4V4H0Z M2 2H6V6H2Z"/>', 28),
+        ('<path d="M0 0H4V4H0Z M2 2H6V6H2Z" fill-rule="evenodd"/>', 24),
+        ('<rect width="4" height="4"/><rect x="2" y="2" width="4" height="4"/>', 28),
+        ('<rect width="4" height="4"/><rect x="4" width="4" height="4"/>', 32),
+        ('<rect width="4" height="4"/><rect width="4" height="4"/>', 16),
+        ('<rect width="9" height="9"/><rect x="2" y="2" width="4" height="4" fill="white"/>', 65),
+        ('<path d="M0 0 4 0 4 4 0 4"/>', 16),
+    ],
+)
+def test_outlines_fill_what_the_file_says(read: Reading, body: str, expected: float) -> None:
+    assert area(read(".svg", svg(body))) == pytest.approx(expected)
+
+
+def test_a_pentagram_is_filled_by_its_own_rule(read: Reading) -> None:
+    star = '<polygon points="0,-10 6,8 -9.5,-3 9.5,-3 -6,8" {}/>'
+    assert [len(loop) for loop in read(".svg", svg(star.format(""))).loops] == [10]
+    hollow = read(".svg", svg(star.format('fill-rule="evenodd"')))
+    assert sorted(len(loop) for loop in hollow.loops) == [3] * 5
+
+
+def test_lines_are_joined_end_to_end(read: Reading) -> None:
+    lines = '<line x2="4"/><line x1="4" y1="0.00001" x2="0" y2="3"/><path fill="none" d="M0 3V0"/>'
+    (loop,) = read(".svg", svg(lines)).loops
+    assert sorted((loop.round(3) + 0.0).tolist()) == [[0, -3], [0, 0], [4, 0]]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<defs>{}</defs><use href="#p"/>',
+        '<defs>{}</defs><g transform="scale(2)"><use x="1" href="#p" transform="scale(.5) translate(-1 0)"/></g>',
+        '<symbol id="s" viewBox="0 0 8 8">{}</symbol><use xlink:href="#s" width="8" height="8"/>',
+        '<symbol id="s" viewBox="8 8 8 8"><g transform="translate(8 8)">{}</g></symbol>'
+        '<use href="#s" width="16" height="8" x="-4"/>',
+        '<svg x="2" y="1"><g transform="translate(-2 -1)">{}</g></svg>',
+        '<svg viewBox="0 0 8 8" width="16" height="16"><g transform="scale(.5)">{}</g></svg>',
+    ],
+)
+def test_clones_symbols_and_nested_svgs_are_shown_where_they_lie(read: Reading, body: str) -> None:
+    polygon = POLYGON.replace("<polygon", '<polygon id="p"')
+    names = 'xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 9 9"'
+    assert sorted(loops_of(read(".svg", svg(body.format(polygon), names)))[0]) == sorted(TRIANGLE)
+
+
+def test_layers_and_ids_select(tmp_path: Path) -> None:
+    label = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" inkscape:label="Cut me"'
+    body = f'<g id="one" {label}>{POLYGON}</g><g id="two"><circle id="c" r="3"/><rect id="r" width="1" height="2"/></g>'
+    (tmp_path / "a.svg").write_text(svg(body))
+
+    def sizes(**options: tuple[str, ...]) -> list[int]:
+        return [len(loop) for loop in read_shape(tmp_path / "a.svg", ReadOptions(**options)).loops]  # type: ignore
+
+    assert sizes(layers=("Cut me",)) == sizes(layers=("one",)) == sizes(ids=("one",)) == [3]
+    assert sizes(ids=("r",)) == sizes(layers=("two",), ids=("r",)) == [4]
+    with pytest.raises(FileFormatError, match="no outline is in --layer three; the file has Cut me, two"):
+        sizes(layers=("three",))
+    with pytest.raises(FileFormatError, match="no outline is in --id x; the file has c, one, r, two"):
+        sizes(ids=("x",))
 
 
 # --- WKT
@@ -356,8 +474,8 @@ def test_a_bad_file_is_refused_with_its_name_the_fault_and_a_remedy(
     assert len(message) < 400 + len(str(path))
 
 
-@pytest.mark.parametrize("suffix", READERS)
-def test_a_file_that_is_not_utf_8_is_refused(tmp_path: Path, suffix: str) -> None:
+@pytest.mark.parametrize("suffix", [".svg", ".json", ".wkt"])
+def test_a_text_file_that_is_not_utf_8_is_refused(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"latin{suffix}"
     path.write_bytes("<svg>Füße</svg>".encode("latin-1"))
     with pytest.raises(FileFormatError, match="byte 6 is not UTF-8; save the file as UTF-8 text"):
@@ -370,8 +488,8 @@ def test_a_suffix_is_known_in_either_case(tmp_path: Path) -> None:
 
 
 def test_paths_that_lead_to_no_drawing_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(FileFormatError, match=r"drawings do not end in '\.png'; give a file that ends in \.svg, "):
-        read_shape(tmp_path / "fish.png")
+    with pytest.raises(FileFormatError, match=r"drawings do not end in '\.gif'; give a file that ends in \.svg, "):
+        read_shape(tmp_path / "fish.gif")
     with pytest.raises(FileFormatError, match=r"drawings do not end in ''; give a file that ends in \.svg"):
         read_shape("fish")
     with pytest.raises(FileFormatError, match=r"fish\.svg: there is no such file; check the path"):

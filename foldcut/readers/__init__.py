@@ -1,43 +1,90 @@
 """Read a drawing from a file: one module per format, found by the file's suffix.
 
-Input: a path. Output: a ``Drawing``: loops in drawing units, y up. A reader takes a path and returns a
-``Drawing`` or raises ``FileFormatError`` about the file's content; whether the loops are a valid shape is for
-``make_shape`` to say. To add a format, add its module and a line in ``READERS``.
+Input: a path, or ``-`` for standard input. Output: a ``Drawing``: loops in drawing units, y up. A reader takes the
+bytes and the options and returns a ``Drawing`` or raises ``FileFormatError`` about the file's content; it opens no
+file. Whether the loops are a valid shape is for ``make_shape`` to say. To add a format, add its module with a function
+``read`` and a line in ``READERS``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+from importlib import import_module
 from pathlib import Path
 
 from foldcut.errors import FileFormatError
-from foldcut.readers.base import Drawing
-from foldcut.readers.json_loops import read_json
-from foldcut.readers.svg import read_svg
-from foldcut.readers.wkt import read_wkt
+from foldcut.readers.base import Drawing, ReadOptions, Source
 
-__all__ = ["READERS", "Drawing", "read_shape"]
+__all__ = ["READERS", "Drawing", "ReadOptions", "read_shape"]
 
-READERS: dict[str, Callable[[Path], Drawing]] = {
-    ".svg": read_svg,
-    ".json": read_json,
-    ".wkt": read_wkt,
+READERS = {
+    ".svg": "svg",
+    ".json": "json_loops",
+    ".wkt": "wkt",
+    ".dxf": "dxf",
+    ".geojson": "geojson",
+    ".wkb": "wkb",
+    ".csv": "csv_points",
+    ".pdf": "pdf",
+    ".png": "image",
+    ".jpg": "image",
+    ".jpeg": "image",
 }
+"""The module for each suffix, imported when it is first used."""
+
+STANDARD_INPUT = "-"
 
 
-def read_shape(path: str | Path) -> Drawing:
+def read_shape(path: str | Path, options: ReadOptions | None = None) -> Drawing:
     """Return the drawing in the file ``path``; raises ``FileFormatError`` with the path and the remedy."""
+    options = options or ReadOptions()
     path = Path(path)
     try:
-        if path.is_dir():
-            raise FileFormatError("is a folder; give a file in it")
-        if path.suffix.lower() not in READERS:
-            known = ", ".join(READERS)
-            raise FileFormatError(f"drawings do not end in {path.suffix!r}; give a file that ends in {known}")
-        if not path.exists():
-            raise FileFormatError("there is no such file; check the path")
-        return READERS[path.suffix.lower()](path)
+        reader = import_module(f"foldcut.readers.{READERS[_suffix(path, options)]}")
+        drawing: Drawing = reader.read(_source(path, options), options)
+        points = sum(map(len, drawing.loops))
+        if points > options.largest_points:
+            raise FileFormatError(f"the drawing has {points:,} points; give at most {options.largest_points:,}")
     except FileFormatError as error:
-        raise FileFormatError(f"{path}: {error}") from None
+        raise FileFormatError(f"{path}: {' '.join(str(error).split())}") from None
     except OSError as error:
         raise FileFormatError(f"{path}: {error.strerror}; check the path and its permissions") from None
+    except (MemoryError, RecursionError):
+        raise FileFormatError(f"{path}: the drawing is nested too deep or too large; give a simpler one") from None
+    return drawing
+
+
+def _suffix(path: Path, options: ReadOptions) -> str:
+    """Return the suffix that says the format."""
+    known = ", ".join(READERS)
+    if options.suffix:
+        suffix = "." + options.suffix.lower().removeprefix(".")
+        if suffix not in READERS:
+            raise FileFormatError(f"there is no format {options.suffix!r}; give --from one of {known}")
+        return suffix
+    if str(path) == STANDARD_INPUT:
+        raise FileFormatError(f"standard input has no suffix; say the format with --from, one of {known}")
+    if path.is_dir():
+        raise FileFormatError("is a folder; give a file in it")
+    if path.suffix.lower() not in READERS:
+        raise FileFormatError(f"drawings do not end in {path.suffix!r}; give a file that ends in {known}")
+    return path.suffix.lower()
+
+
+def _source(path: Path, options: ReadOptions) -> Source:
+    """Return the bytes of a file, or of standard input; no more than the limit are read."""
+    most = options.largest_bytes
+    if str(path) == STANDARD_INPUT:
+        data, name = sys.stdin.buffer.read(most + 1), "drawing"
+    elif not path.exists():
+        raise FileFormatError("there is no such file; check the path")
+    elif not path.is_file():
+        raise FileFormatError("is no ordinary file; give one, or - for standard input")
+    else:
+        with path.open("rb") as file:
+            data, name = file.read(most + 1), path.stem
+    if len(data) > most:
+        raise FileFormatError(f"the file has more than {most / 2**20:.3g} MiB; give a smaller one")
+    if not data.strip():
+        raise FileFormatError("the file is empty; give a file with at least one closed loop")
+    return Source(data, name)

@@ -1,12 +1,60 @@
-"""What every reader gives, and how every reader of text gets its text."""
+"""What every reader takes and gives: a ``Source`` and ``ReadOptions`` -> a ``Drawing``."""
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from foldcut.errors import FileFormatError
+import numpy as np
+
+from foldcut.errors import BadInputError, FileFormatError
 from foldcut.model import Floats
+
+#: Curves are flattened as on a drawing enlarged to this many mm: "fit" makes it about so large.
+USUAL_SIZE_MM = 200.0
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a reader is told beside the file.
+
+    ``flatten_mm``: how far a curve may be from its straight segments, at the size that the file states and on the
+    drawing enlarged to 200 mm. ``join_mm``: ends of lines nearer than this are joined, at the same size.
+    ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is called. ``threshold``: how
+    light a pixel of a picture's shape may be, from 0, black, to 1, white.
+    """
+
+    flatten_mm: float = 0.05
+    join_mm: float = 0.05
+    layers: tuple[str, ...] = ()
+    ids: tuple[str, ...] = ()
+    suffix: str = ""
+    threshold: float = 0.5
+    largest_bytes: int = 64 * 2**20
+    largest_points: int = 200_000
+    largest_pixels: int = 40_000_000
+
+    def __post_init__(self) -> None:
+        if not 0 < self.flatten_mm < float("inf"):
+            raise BadInputError(f"curves cannot be flattened to {self.flatten_mm:g} mm; give a length above 0")
+
+    def units(self, length_mm: float, unit_mm: float | None, extent: float) -> float:
+        """Return a length in drawing units; ``extent`` is the drawing's longer side."""
+        enlarged = length_mm * extent / USUAL_SIZE_MM
+        return enlarged if unit_mm is None else min(length_mm / unit_mm, enlarged)
+
+
+@dataclass(frozen=True)
+class Source:
+    """The bytes of a file and its name without the suffix."""
+
+    data: bytes
+    name: str
+
+    def text(self) -> str:
+        """Return the text; raises ``FileFormatError`` where it is not UTF-8 or there is nothing in it."""
+        return _decoded(self.data)
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,7 +62,8 @@ class Drawing:
     """The closed loops of a file, as drawn: nothing is checked but that they are lists of points.
 
     ``loops`` are ``(n, 2)``, y up, in drawing units of ``unit_mm`` mm each (None: the file does not say).
-    ``notes`` say what in the file was ignored. ``y_down``: the file's own y axis points down, and y here is minus its.
+    ``ignored`` says what in the file was passed over ("2 texts"), ``notes`` what was done to the rest.
+    ``y_down``: the file's own y axis points down, and y here is minus its.
     """
 
     loops: tuple[Floats, ...]
@@ -22,16 +71,43 @@ class Drawing:
     title: str
     notes: tuple[str, ...] = ()
     y_down: bool = False
+    ignored: tuple[str, ...] = ()
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in drawing units."""
+        width, height = np.ptp(np.concatenate(self.loops), axis=0).tolist() if self.loops else (0.0, 0.0)
+        return width, height
+
+    @property
+    def size_mm(self) -> tuple[float, float] | None:
+        """Width and height in mm, if the file says."""
+        width, height = self.size
+        return None if self.unit_mm is None else (width * self.unit_mm, height * self.unit_mm)
 
     def own_coordinates(self) -> tuple[Floats, ...]:
         """The loops in the file's own coordinates."""
         return tuple(loop * (1.0, -1.0) for loop in self.loops) if self.y_down else self.loops
 
 
+def counted(what: Counter[str]) -> tuple[str, ...]:
+    """Return the counts as words: ("1 image", "2 texts")."""
+    return tuple(f"{count} {name}{'s' * (count != 1)}" for name, count in sorted(what.items()) if count)
+
+
+def missing(option: str, extra: str) -> FileFormatError:
+    """Return the error for a reader whose library is not installed."""
+    return FileFormatError(f"{option} need the extra {extra!r}; install it with pip install 'foldcut[{extra}]'")
+
+
 def read_text(path: Path) -> str:
     """Return the text of a UTF-8 file; raises ``FileFormatError`` where it is none or has nothing in it."""
+    return _decoded(path.read_bytes())
+
+
+def _decoded(data: bytes) -> str:
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise FileFormatError(f"byte {error.start} is not UTF-8; save the file as UTF-8 text") from None
     if not text.strip():

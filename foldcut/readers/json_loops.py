@@ -1,29 +1,32 @@
 """Read JSON loops: ``{"loops": [[[x, y], ...], ...], "units": "mm"}``, y up, even-odd.
 
-``units`` (mm, cm, in or px) and ``title`` are optional; other keys are ignored.
+``units`` (mm, cm, in or px) and ``title`` are optional; other keys are ignored. GeoJSON in a file
+that ends in .json is handed to its reader.
 """
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
-from foldcut.readers.base import Drawing, read_text
+from foldcut.readers import geojson
+from foldcut.readers.base import Drawing, ReadOptions, Source
 from foldcut.units import MM_PER_UNIT
 
 _EXAMPLE = 'give {"loops": [[[0, 0], [40, 0], [0, 30]]], "units": "mm"}'
 _UNITS = ("mm", "cm", "in", "px")
 
 
-def read_json(path: Path) -> Drawing:
+def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a file of JSON loops."""
-    text = read_text(path)
+    text = source.text()
     try:
         document = json.loads(text)
     except (ValueError, RecursionError) as error:
         raise FileFormatError(f"not JSON: {error}; {_EXAMPLE}") from None
+    if isinstance(document, dict) and "type" in document and "loops" not in document:
+        return geojson.read(source, options)
     if not isinstance(document, dict) or "loops" not in document:
         raise FileFormatError(f"the file has no loops; {_EXAMPLE}")
     loops = document["loops"]
@@ -36,7 +39,7 @@ def read_json(path: Path) -> Drawing:
     return Drawing(
         loops=tuple(_loop(loop, f"loops[{number}]") for number, loop in enumerate(loops)),
         unit_mm=None if unit is None else MM_PER_UNIT[unit],
-        title=title if isinstance(title, str) and title else path.stem,
+        title=title if isinstance(title, str) and title else source.name,
     )
 
 

@@ -5,22 +5,20 @@ All rings of the file are loops of one even-odd set.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import shapely
 
 from foldcut.errors import FileFormatError
 from foldcut.model import points_array
-from foldcut.readers.base import Drawing, read_text
+from foldcut.readers.base import Drawing, ReadOptions, Source
 
 #: GEOS parses collections recursively: brackets nested too deep would overflow the stack.
 _DEEPEST = 50
 
 
-def read_wkt(path: Path) -> Drawing:
+def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a WKT file; its title is the file's stem."""
-    text = read_text(path)
+    text = source.text()
     if _depth(text) > _DEEPEST:
         raise FileFormatError(f"brackets are nested more than {_DEEPEST} deep; give one flat MULTIPOLYGON")
     try:
@@ -28,11 +26,16 @@ def read_wkt(path: Path) -> Drawing:
             geometry = shapely.from_wkt(text)
     except (shapely.errors.ShapelyError, NotImplementedError) as error:
         raise FileFormatError(f"not WKT: {error}; give a POLYGON or MULTIPOLYGON with closed rings") from None
+    return drawing_of(geometry, source.name)
+
+
+def drawing_of(geometry: shapely.Geometry, title: str, ignored: tuple[str, ...] = ()) -> Drawing:
+    """Return the rings of a geometry's polygons as a drawing; other parts of it are a ``FileFormatError``."""
     polygons = _polygons(geometry, geometry.geom_type.upper())
     rings = [ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
     loops = tuple(points_array(shapely.get_coordinates(ring)) for ring in rings)
     notes = ("the z coordinates were ignored",) if shapely.has_z(geometry) else ()
-    return Drawing(loops, None, path.stem, notes)
+    return Drawing(loops, None, title, notes, ignored=ignored)
 
 
 def _depth(text: str) -> int:

@@ -1,0 +1,140 @@
+"""Read DXF with ezdxf, which mends broken files: closed curves, chains of lines, hatches, blocks.
+
+Curves become segments within the tolerance; open lines are joined end to end. A HATCH is read only where it is the only
+thing there: otherwise it repeats outlines. ``unit_mm`` follows from $INSUNITS; 0 means that the file does not say.
+Layers that are off or frozen are passed over, as are blocks from other files.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections import Counter
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from ezdxf import path as paths
+from ezdxf import recover
+from ezdxf.enums import InsertUnits
+from ezdxf.units import conversion_factor
+
+from foldcut.errors import FileFormatError
+from foldcut.model import Floats, points_array
+from foldcut.readers.base import Drawing, ReadOptions, Source, counted
+from foldcut.readers.fills import fill, join, unite
+
+OUTLINES = {"LWPOLYLINE", "POLYLINE", "LINE", "ARC", "SPLINE", "CIRCLE", "ELLIPSE", "SOLID", "TRACE"}
+FILLS = {"HATCH", "MPOLYGON"}
+
+MOST_ENTITIES = 200_000
+"""A file that shows more entities, those of blocks counted as often as they are shown, is refused."""
+
+DEEPEST = 16
+"""Blocks in blocks deeper than this are refused."""
+
+
+def read(source: Source, options: ReadOptions) -> Drawing:
+    """Return the drawing in a DXF file's model space; its title is the file's stem."""
+    try:
+        document, _ = recover.read(io.BytesIO(source.data))
+        return _read(document, source.name, options)
+    except FileFormatError:
+        raise
+    except Exception as error:  # ezdxf lets all kinds of errors out where a file is broken
+        about = " ".join(str(error).split())[:120] or type(error).__name__
+        raise FileFormatError(f"not a DXF file that can be read: {about}; save the drawing again as DXF") from None
+
+
+def _read(document: Any, title: str, options: ReadOptions) -> Drawing:
+    ignored: Counter[str] = Counter()
+    layers: set[str] = set()
+    shown: list[tuple[str, list[paths.Path]]] = []
+    wanted = {layer.casefold() for layer in options.layers}
+    for entity in _entities(document, ignored):
+        layers.add(entity.dxf.layer)
+        if wanted and entity.dxf.layer.casefold() not in wanted:
+            continue
+        kind = entity.dxftype()
+        if kind in FILLS:
+            shown.append((kind, list(paths.from_hatch(entity))))
+        elif kind in OUTLINES:
+            shown.append((kind, [paths.make_path(entity)]))
+        else:
+            ignored[kind] += 1
+    if any(kind in OUTLINES for kind, _ in shown):
+        ignored.update(kind for kind, _ in shown if kind in FILLS)
+        shown = [one for one in shown if one[0] in OUTLINES]
+    shown = [(kind, [one for one in outlines if len(one)]) for kind, outlines in shown]
+    if not any(outlines for _, outlines in shown):
+        where = f" in --layer {', '.join(options.layers)}" if wanted else ""
+        raise FileFormatError(
+            f"there is no outline{where}; the file has the layers {', '.join(sorted(layers)[:20]) or 'none'}: "
+            "draw closed polylines, lines or arcs"
+        )
+    unit: Any = document.header.get("$INSUNITS", 0)
+    unit_mm = float(conversion_factor(InsertUnits(unit), InsertUnits.Millimeters)) if 1 <= unit <= 20 else None
+    corners = np.array([point for _, outlines in shown for one in outlines for point in one.control_vertices()])
+    extent = float(np.ptp(corners[:, :2], axis=0).max())
+    if not extent > 0 or not math.isfinite(extent):
+        raise FileFormatError("the drawing has no size; draw a closed outline with finite coordinates")
+    parts, chains = _lines(shown, options, unit_mm, extent)
+    loops, united = unite(parts)
+    loops += join(chains, options.units(options.join_mm, unit_mm, extent))
+    notes = [f"{united} outlines that overlap or touch were united"] if united else []
+    if np.ptp(corners[:, 2]) > 0:
+        notes.append("the z coordinates were ignored")
+    return Drawing(tuple(loops), unit_mm, title, tuple(notes), ignored=counted(ignored))
+
+
+def _lines(
+    shown: list[tuple[str, list[paths.Path]]], options: ReadOptions, unit_mm: float | None, extent: float
+) -> tuple[list[list[Floats]], list[Floats]]:
+    """Return the even-odd sets of closed outlines, and the open lines."""
+    tolerance = options.units(options.flatten_mm, unit_mm, extent)
+    gap = options.units(options.join_mm, unit_mm, extent)
+    parts: list[list[Floats]] = []
+    chains: list[Floats] = []
+    for kind, outlines in shown:
+        closed: list[Floats] = []
+        for outline in outlines:
+            points = np.array([(point.x, point.y) for point in outline.flattening(tolerance, 4)])
+            if len(points) > 3 and math.dist(points[0], points[-1]) <= gap:
+                closed.append(points_array(points[:-1]))
+            elif kind in FILLS or outline.is_closed:
+                closed.append(points_array(points))
+            elif not np.array_equal(points[0], points[-1]):
+                chains.append(points_array(points))
+        if closed:
+            parts.append(fill(closed, even_odd=True))
+    return parts, chains
+
+
+def _entities(document: Any, ignored: Counter[str]) -> Iterator[Any]:
+    """Yield what is seen of the model space, blocks taken apart."""
+    waiting = [(entity, 0) for entity in reversed(document.modelspace())]
+    count = 0
+    while waiting:
+        entity, depth = waiting.pop()
+        count += 1
+        if count > MOST_ENTITIES:
+            raise FileFormatError(f"more than {MOST_ENTITIES:,} entities are shown; give a simpler drawing")
+        layer = document.layers.get(entity.dxf.layer) if entity.dxf.layer in document.layers else None
+        if entity.dxf.get("invisible", 0) or (layer is not None and (layer.is_off() or layer.is_frozen())):
+            ignored["hidden object"] += 1
+        elif entity.dxftype() != "INSERT":
+            yield entity
+        elif entity.block() is None or entity.block().block.is_xref:
+            ignored["external reference"] += 1
+        elif depth == DEEPEST:
+            raise FileFormatError(f"blocks are nested more than {DEEPEST} deep; explode them")
+        else:
+            inserts = entity.multi_insert() if entity.mcount > 1 else [entity]
+            for insert in inserts:
+                count += 1
+                if count > MOST_ENTITIES:
+                    raise FileFormatError(f"more than {MOST_ENTITIES:,} entities are shown; give a simpler drawing")
+                for part in insert.virtual_entities():
+                    if part.dxf.layer == "0":
+                        part.dxf.layer = entity.dxf.layer
+                    waiting.append((part, depth + 1))
