@@ -59,7 +59,7 @@ examples:
 
 Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder, or with --profile
 NAME-PROFILE with the ending of the machine's format.
-Existing files are replaced. Ctrl-C during the search goes on with the best pattern found so far.
+Existing files are replaced only with --force. Ctrl-C during the search goes on with the best pattern found so far.
 """
 
 CHECK_EPILOG = """\
@@ -142,7 +142,8 @@ def _make(args: argparse.Namespace) -> int:
     for path in outputs:
         if path.is_file() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
-    check_targets(target for path in outputs for target in _targets(path, source.stem, profile, args))
+    targets = [target for path in outputs for target in _targets(path, source.stem, profile, args)]
+    check_targets(targets, replace=args.force)
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         result = pipeline.fold(
@@ -166,7 +167,7 @@ def _make(args: argparse.Namespace) -> int:
     if result.verified:
         contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-        write_files(contents)
+        write_files(contents, replace=args.force)
     made = report.make_report(result, files, jobs, profile, args.material)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
@@ -352,11 +353,11 @@ def _coupon(args: argparse.Namespace) -> int:
 
     profile = load_profile(args.profile, args.set)
     path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
-    check_targets([path])
+    check_targets([path], replace=args.force)
     job, rows = make_coupon(profile, args.material)
     data = export_job(job, path.suffix, profile)
     replaced = path.exists()
-    write_files({path: data})
+    write_files({path: data}, replace=args.force)
     lines = [job.title, *(f"  {row}" for row in rows), f"  written   {path} ({len(data):,} bytes)"]
     files = [{"path": str(path), "bytes": len(data), "replaced": replaced}]
     if args.json or not args.quiet:
@@ -546,6 +547,7 @@ def _add_make(commands: Any) -> None:
         help="a file to write; its ending is the format; or a folder or a .zip for all files of a job and a "
         "README.txt; repeatable",
     )
+    _add_force(make)
     make.add_argument(
         "--sheet",
         default="a4",
@@ -672,6 +674,7 @@ def _add_coupon(commands: Any) -> None:
     coupon.add_argument("--material", metavar="NAME", help="what the card is made of (default: the profile's first)")
     coupon.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
     coupon.add_argument("-o", "--output", metavar="FILE", help="(default: coupon-PROFILE in the machine's format)")
+    _add_force(coupon)
     _add_common(coupon)
 
 
@@ -701,6 +704,10 @@ def _add_samples(commands: Any) -> None:
         SAMPLES_EPILOG,
     )
     samples.add_argument("--json", action="store_true", help="print the list for programs")
+
+
+def _add_force(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--force", action="store_true", help="replace files that are there already")
 
 
 def _add_common(command: argparse.ArgumentParser) -> None:
