@@ -93,6 +93,10 @@ class _Terminated(BaseException):
     """SIGTERM came: unwind, so that temporary files are removed."""
 
 
+class _TimedOut(BaseException):
+    """--timeout has passed: unwind, past all that would go on with the best found so far."""
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser that raises where argparse would print its usage and exit."""
 
@@ -109,7 +113,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with _sigterm_raises():
             args = _parser().parse_args(_with_joined_offset(argv))
-            status: int = args.run(args)
+            with _time_limit(getattr(args, "timeout", None)):
+                status: int = args.run(args)
             sys.stdout.flush()
             return status
     except FoldcutError as error:
@@ -123,6 +128,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(error, f"{where}{error.strerror or error}", BAD_INPUT, as_json)
     except KeyboardInterrupt as error:
         return _fail(error, "interrupted; no file is half-written", INTERRUPTED, as_json)
+    except _TimedOut as error:
+        remedy = "allow more with --timeout, or search less with --effort fast or --seconds"
+        return _fail(error, f"timed out after {args.timeout:g} s, no file is half-written; {remedy}", FAILED, as_json)
     except _Terminated as error:
         return _fail(error, "terminated; no file is half-written", TERMINATED, as_json)
 
@@ -131,6 +139,7 @@ def _make(args: argparse.Namespace) -> int:
     """Fold a shape and write the files."""
     from foldcut import pipeline, report
     from foldcut.files import check_targets, write_files
+    from foldcut.limits import parse_limits
     from foldcut.profiles import load_profile
     from foldcut.progress import ProgressBar
     from foldcut.sheet import parse_length, parse_sheet
@@ -160,6 +169,7 @@ def _make(args: argparse.Namespace) -> int:
             symmetry=parse_length(args.symmetry),
             effort=args.effort,
             seconds=args.seconds,
+            limits=parse_limits(args.limit),
             progress=bar,
         )
     files: list[dict[str, Any]] = []
@@ -464,6 +474,29 @@ def _fail(error: BaseException | None, message: str, status: int, as_json: bool)
 
 
 @contextmanager
+def _time_limit(seconds: float | None) -> Iterator[None]:
+    """Raise ``_TimedOut`` in the block once so many seconds have passed."""
+    if seconds is None:
+        yield
+        return
+    if not 0 < seconds < 1e8:
+        raise BadInputError(f"--timeout is {seconds} s; give a positive number")
+    if not hasattr(signal, "setitimer"):
+        raise BadInputError("--timeout does not work on this system; leave it out")
+
+    def raise_timed_out(number: int, frame: FrameType | None) -> NoReturn:
+        raise _TimedOut
+
+    before = signal.signal(signal.SIGALRM, raise_timed_out)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, seconds, 1.0)  # again and again: an exception in a finaliser is lost
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@contextmanager
 def _sigterm_raises() -> Iterator[None]:
     """Let SIGTERM unwind the stack like Ctrl-C does, where signals can be caught at all."""
 
@@ -589,6 +622,14 @@ def _add_make(commands: Any) -> None:
     make.add_argument(
         "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
     )
+    _add_timeout(make)
+    make.add_argument(
+        "--limit",
+        metavar="NAME=NUMBER",
+        action="append",
+        default=[],
+        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000); repeatable",
+    )
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",
@@ -657,6 +698,7 @@ def _add_check(commands: Any) -> None:
     )
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
+    _add_timeout(check)
     _add_common(check)
 
 
@@ -708,6 +750,12 @@ def _add_samples(commands: Any) -> None:
 
 def _add_force(command: argparse.ArgumentParser) -> None:
     command.add_argument("--force", action="store_true", help="replace files that are there already")
+
+
+def _add_timeout(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--timeout", metavar="S", type=float, help="give up after so many seconds, with an error (default: never)"
+    )
 
 
 def _add_common(command: argparse.ArgumentParser) -> None:

@@ -23,6 +23,7 @@ from foldcut.boundary import boundary_disks, default_ribbon
 from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
 from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.layers import fold_layers
+from foldcut.limits import Limits
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
 from foldcut.mirror import Half, Mirrored, fold_mirrored, halves
 from foldcut.model import CreasePattern, Finding, Floats, FoldedPattern, FoldedState, Placement, Shape, Sheet
@@ -124,6 +125,7 @@ def fold(
     effort: str = "normal",
     seconds: float | None = None,
     title: str = "",
+    limits: Limits | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
@@ -137,8 +139,8 @@ def fold(
     creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may have, None the
     method's default (0.5, "paper": 0). ``simplify`` leaves out corners that are off by no more than so many mm on the
     sheet; ``symmetry`` takes a drawing as symmetric whose corners are off by so much, and makes it so. ``effort``
-    ("fast", "normal", "best") and ``seconds`` bound the search. ``progress`` is called with a stage's name and the part
-    of it that is done.
+    ("fast", "normal", "best") and ``seconds`` bound the search. ``limits`` bound how large
+    a file may be. ``progress`` is called with a stage's name and the part of it that is done.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
@@ -147,7 +149,7 @@ def fold(
     _check_options(method, ribbon, min_crease, symmetry, effort, seconds)
     stages = _Stages(progress)
     with stages("reading"):
-        drawing = read_shape(Path(shape)) if isinstance(shape, str | PathLike) else shape
+        drawing = read_shape(Path(shape), limits) if isinstance(shape, str | PathLike) else shape
         notes: list[str] = []
         y_down = isinstance(drawing, Drawing) and drawing.y_down
         if isinstance(drawing, Drawing):

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from foldcut.errors import FileFormatError
+from foldcut.limits import Limits
 from foldcut.readers.base import Drawing
 from foldcut.readers.json_loops import read_json
 from foldcut.readers.svg import read_svg
@@ -25,9 +26,9 @@ READERS: dict[str, Callable[[Path], Drawing]] = {
 }
 
 
-def read_shape(path: str | Path) -> Drawing:
+def read_shape(path: str | Path, limits: Limits | None = None) -> Drawing:
     """Return the drawing in the file ``path``; raises ``FileFormatError`` with the path and the remedy."""
-    path = Path(path)
+    path, limits = Path(path), limits or Limits()
     try:
         if path.is_dir():
             raise FileFormatError("is a folder; give a file in it")
@@ -36,7 +37,11 @@ def read_shape(path: str | Path) -> Drawing:
             raise FileFormatError(f"drawings do not end in {path.suffix!r}; give a file that ends in {known}")
         if not path.exists():
             raise FileFormatError("there is no such file; check the path")
-        return READERS[path.suffix.lower()](path)
+        limits.check_size(path.stat().st_size)
+        limits.check_numbers(path.read_bytes())
+        drawing = READERS[path.suffix.lower()](path)
+        limits.check_loops(drawing.loops)
+        return drawing
     except FileFormatError as error:
         raise FileFormatError(f"{path}: {error}") from None
     except OSError as error:
