@@ -140,6 +140,7 @@ def _make(args: argparse.Namespace) -> int:
     from foldcut import pipeline, report
     from foldcut.files import check_targets, write_files
     from foldcut.limits import parse_limits
+    from foldcut.prepare import Preparation, preview
     from foldcut.profiles import load_profile
     from foldcut.progress import ProgressBar
     from foldcut.sheet import parse_length, parse_sheet
@@ -152,6 +153,7 @@ def _make(args: argparse.Namespace) -> int:
         if path.is_file() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
     targets = [target for path in outputs for target in _targets(path, source.stem, profile, args)]
+    targets += [Path(args.preview)] if args.preview else []
     check_targets(targets, replace=args.force)
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
@@ -170,12 +172,21 @@ def _make(args: argparse.Namespace) -> int:
             effort=args.effort,
             seconds=args.seconds,
             limits=parse_limits(args.limit),
+            preparation=Preparation(
+                corners=args.corners,
+                min_feature=parse_length(args.min_feature),
+                separate=parse_length(args.separate),
+                mirror=args.mirror,
+                strict=args.strict,
+            ),
             progress=bar,
         )
     files: list[dict[str, Any]] = []
     jobs: list[Job] = []
     if result.verified:
         contents, jobs = _contents(result.folded_pattern, outputs, source.stem, profile, args)
+        if args.preview and result.prepared is not None:
+            contents[Path(args.preview)] = preview(result.prepared.drawn, result.prepared.loops)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
         write_files(contents, replace=args.force)
     made = report.make_report(result, files, jobs, profile, args.material)
@@ -654,6 +665,23 @@ def _add_make(commands: Any) -> None:
         help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
         "make it so (default: only rounding)",
     )
+    mend = make.add_argument_group("the drawing; every change is reported")
+    mend.add_argument("--strict", action="store_true", help="refuse a drawing that has to be mended, and say why")
+    mend.add_argument("--corners", metavar="N", type=int, help="leave out corners until at most N are left")
+    mend.add_argument(
+        "--min-feature",
+        metavar="LENGTH",
+        default="0mm",
+        help="drop parts and close gaps that are narrower, on the sheet",
+    )
+    mend.add_argument(
+        "--separate",
+        metavar="LENGTH",
+        default="0mm",
+        help="if loops touch, move all edges inward until they are this far apart",
+    )
+    mend.add_argument("--mirror", action="store_true", help="turn the drawing over, left to right")
+    mend.add_argument("--preview", metavar="FILE.svg", help="also draw it before (red) and after (black)")
     machine = make.add_argument_group("the machine")
     machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
     machine.add_argument(

@@ -16,6 +16,7 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from foldcut.assignment import Assignment, assign_creases, require_one_loop
@@ -26,9 +27,20 @@ from foldcut.layers import fold_layers
 from foldcut.limits import Limits
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
 from foldcut.mirror import Half, Mirrored, fold_mirrored, halves
-from foldcut.model import CreasePattern, Finding, Floats, FoldedPattern, FoldedState, Placement, Shape, Sheet
+from foldcut.model import (
+    CreasePattern,
+    Finding,
+    Floats,
+    FoldedPattern,
+    FoldedState,
+    Placement,
+    Shape,
+    Sheet,
+    points_array,
+)
 from foldcut.molecules import Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
+from foldcut.prepare import Preparation, Prepared, prepare
 from foldcut.readers import Drawing, read_shape
 from foldcut.search import Compact, fold_compact, rank, shortest_crease
 from foldcut.shape import make_shape
@@ -79,7 +91,7 @@ class Result:
     what all that were tried came to. ``actions``: how many straight folds a person makes, through one layer or more.
     ``ribbon`` is the half-width in mm that the pattern has.
     ``seconds`` holds the time of each stage and the totals "build" and "verify". ``notes`` say what was left out of the
-    drawing, and what was simplified.
+    drawing, and what was mended and simplified; ``prepared`` has the loops before and after, if they were prepared.
     """
 
     folded_pattern: FoldedPattern
@@ -91,6 +103,7 @@ class Result:
     ribbon: float
     seconds: dict[str, float]
     notes: tuple[str, ...]
+    prepared: Prepared | None = None
 
     @cached_property
     def foldability(self) -> Foldability:
@@ -126,6 +139,7 @@ def fold(
     seconds: float | None = None,
     title: str = "",
     limits: Limits | None = None,
+    preparation: Preparation | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
@@ -140,7 +154,8 @@ def fold(
     method's default (0.5, "paper": 0). ``simplify`` leaves out corners that are off by no more than so many mm on the
     sheet; ``symmetry`` takes a drawing as symmetric whose corners are off by so much, and makes it so. ``effort``
     ("fast", "normal", "best") and ``seconds`` bound the search. ``limits`` bound how large
-    a file may be. ``progress`` is called with a stage's name and the part of it that is done.
+    a file may be. ``preparation`` says how the drawing is mended and simplified, None that it must be a shape as it is.
+    ``progress`` is called with a stage's name and the part of it that is done.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
@@ -157,8 +172,16 @@ def fold(
             notes += drawing.notes
             scale = scale if isinstance(scale, str) else scale * (drawing.unit_mm or 1.0)
             drawing = drawing.loops
-        outline = drawing if isinstance(drawing, Shape) else make_shape(drawing)
         paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
+        prepared, mirrored = None, preparation is not None and preparation.mirror
+        if preparation is not None and not isinstance(drawing, Shape):
+            hull = _hull(drawing)
+            lying = as_it_lies(paper, hull, rotation)
+            unit = place(hull, lying, margin=margin, scale=scale, offset=offset, rotation=rotation)[1].scale
+            prepared = prepare([points_array(loop) * unit for loop in drawing], preparation)
+            notes += prepared.changes
+            drawing = [loop / unit for loop in prepared.loops] if prepared.changes else drawing
+        outline = drawing if isinstance(drawing, Shape) else make_shape(drawing)
 
         def lay(turn: float) -> _Laid:
             """Lay the shape on the sheet, turned by so many degrees more."""
@@ -170,6 +193,7 @@ def fold(
                 simplified = simplify_shape(placed, simplify)
                 placed = simplified.shape
                 notes.append(str(simplified))
+            placement = Placement(placement.matrix * (-1.0, 1.0, 1.0)) if mirrored else placement
             return _Laid(on, placed, placement.from_y_down() if y_down else placement, notes)
 
         laid = lay(0.0)
@@ -195,7 +219,15 @@ def fold(
         made.ribbon,
         stages.seconds,
         (*notes, *on.notes),
+        prepared,
     )
+
+
+def _hull(loops: Sequence[ArrayLike]) -> Shape:
+    """Return the hull of loops, which lies on the sheet as they do; raises ``ShapeError`` where they have none."""
+    points = [np.asarray(loop, dtype=np.float64) for loop in loops]
+    hull = shapely.convex_hull(shapely.multipoints(np.concatenate(points))) if points else None
+    return make_shape([shapely.get_coordinates(hull)] if isinstance(hull, shapely.Polygon) else points)
 
 
 @dataclass(frozen=True, eq=False)

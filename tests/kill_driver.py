@@ -1,4 +1,4 @@
-"""Replace a FOLD, an SVG and a DXF file by the command line, again and again, and be killed; prints JSON of what is left.
+"""Replace a FOLD, an SVG and a DXF file by the command line, again and again, and be killed; print what is left.
 
 ``python kill_driver.py KILLS [careless]`` in an empty folder. Patterns are folded once; a forked child then runs
 ``foldcut make --force`` with them in turns, until SIGTERM or SIGKILL ends it at a random moment. ``careless`` writes

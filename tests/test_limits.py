@@ -72,7 +72,10 @@ def test_limits_are_options(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     square = [[0, 0], [40, 0], [40, 40], [0, 40]]
     path = tmp_path / "box.json"
     path.write_text(json.dumps({"loops": [square]}))
-    for limit, fault in (("bytes=10", "bytes, and at most 10 are"), ("points=3", "has about 4 points, and at most 3 are")):
+    for limit, fault in (
+        ("bytes=10", "bytes, and at most 10 are"),
+        ("points=3", "has about 4 points, and at most 3 are"),
+    ):
         assert main(["make", str(path), "--limit", limit]) == 2
         assert fault in capsys.readouterr().err
     with pytest.raises(FileFormatError, match="the drawing has 2 loops, and at most 1 are allowed; draw fewer"):
