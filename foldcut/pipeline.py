@@ -43,7 +43,7 @@ from foldcut.packing import Packing, fill_gaps
 from foldcut.prepare import Preparation, Prepared, prepare
 from foldcut.readers import Drawing, read_shape
 from foldcut.search import Compact, fold_compact, rank, shortest_crease
-from foldcut.shape import make_shape
+from foldcut.shape import LARGEST_NUMBER, make_shape
 from foldcut.sheet import as_it_lies, parse_sheet, place
 from foldcut.simplify import simplify as simplify_shape
 from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
@@ -226,7 +226,9 @@ def fold(
 def _hull(loops: Sequence[ArrayLike]) -> Shape:
     """Return the hull of loops, which lies on the sheet as they do; raises ``ShapeError`` where they have none."""
     points = [np.asarray(loop, dtype=np.float64) for loop in loops]
-    hull = shapely.convex_hull(shapely.multipoints(np.concatenate(points))) if points else None
+    if not points or not all((np.abs(loop) < LARGEST_NUMBER).all() for loop in points):  # nan compares as False
+        return make_shape(points)  # which says where
+    hull = shapely.convex_hull(shapely.multipoints(np.concatenate(points)))
     return make_shape([shapely.get_coordinates(hull)] if isinstance(hull, shapely.Polygon) else points)
 
 

@@ -128,7 +128,9 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
             changes.append(f"dropped loop {number}: it repeats loop {first}")
             continue
         kept.append(loop)
-    if not kept or _shape(kept) is not None:
+    if not kept:
+        return loops, []  # make_shape says why
+    if _shape(kept) is not None:
         return tuple(kept), changes
     area = _area(kept)
     parts = _areas(area)

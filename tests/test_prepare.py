@@ -99,10 +99,8 @@ def test_corners_are_left_out_down_to_the_budget(count: int) -> None:
 
 def test_narrow_parts_and_gaps_go() -> None:
     # A square with a thin tail to the right and a thin slot from above.
-    loop = points_array(
-        [(0, 0), (40, 0), (40, 10), (70, 10), (70, 11), (40, 11)]
-        + [(40, 40), (20.5, 40), (20.5, 20), (20, 20), (20, 40), (0, 40)]
-    )
+    tail, slot = [(40, 10), (70, 10), (70, 11), (40, 11)], [(20.5, 40), (20.5, 20), (20, 20), (20, 40)]
+    loop = points_array([(0, 0), (40, 0), *tail, (40, 40), *slot, (0, 40)])
     prepared = prepare([loop], Preparation(min_feature=2))
     assert prepared.changes == ("parts and gaps narrower than 2 mm: closed 10 mm2, dropped 30 mm2, 1 -> 1 loops",)
     assert area(prepared.loops) == pytest.approx(1600, rel=1e-3)
