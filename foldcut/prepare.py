@@ -26,6 +26,9 @@ __all__ = ["Preparation", "Prepared", "prepare", "preview"]
 SLIVER_MM = 0.05
 """A part or hole that is thinner than this on average is dropped when the drawing is mended."""
 
+LARGEST_MM = 1e9
+"""Coordinates beyond this are no drawing."""
+
 MANY = 1_000
 """With more corners than this, ``corners`` first leaves out by Douglas and Peucker what is hardly seen, for speed."""
 
@@ -70,6 +73,16 @@ def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
     Raises ``ShapeError`` with ``strict`` for what would be mended, and for a corner budget that cannot be kept.
     """
     drawn = tuple(points_array(loop) for loop in loops)
+    sensible = all(np.isfinite(loop).all() and np.abs(loop).max(initial=0.0) < LARGEST_MM for loop in drawn)
+    if not sensible or not any(_ring_areas(loop) for loop in drawn):
+        return Prepared(drawn, drawn, ())  # no drawing at all: make_shape says why
+    try:
+        return _prepared(drawn, preparation)
+    except shapely.errors.GEOSException as error:
+        raise ShapeError(f"the drawing is too tangled to be mended: {error}; draw it simpler") from error
+
+
+def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
     mended, changes = _mended(drawn)
     if changes and preparation.strict:
         raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or do so yourself")
@@ -113,9 +126,8 @@ def _shape(loops: Sequence[Floats]) -> Shape | None:
 
 def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
     """Return loops that neither cross nor overlap nor repeat, and what was done for that."""
-    finite = all(np.isfinite(loop).all() and np.abs(loop).max(initial=0.0) < 1e9 for loop in loops)
-    if not loops or not finite or _shape(loops) is not None:
-        return loops, []  # numbers that make no sense are for make_shape to refuse
+    if _shape(loops) is not None:
+        return loops, []
     changes: list[str] = []
     kept: list[Floats] = []
     seen: dict[bytes, int] = {}
@@ -128,8 +140,6 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
             changes.append(f"dropped loop {number}: it repeats loop {first}")
             continue
         kept.append(loop)
-    if not kept:
-        return loops, []  # make_shape says why
     if _shape(kept) is not None:
         return tuple(kept), changes
     area = _area(kept)

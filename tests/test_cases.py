@@ -24,13 +24,12 @@ TESTS = Path(__file__).parent
 LONGEST_S = 10
 
 
-@pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """Return what the command line made of every case, all in one process."""
+def test_the_command_line_takes_or_refuses_each(tmp_path: Path) -> None:
+    """In one process, and in one test, so that it runs once however the tests are distributed."""
     paths = os.pathsep.join([str(TESTS), *filter(None, [os.environ.get("PYTHONPATH")])])
     done = subprocess.run(
         [sys.executable, "-m", "cases.run"],
-        cwd=tmp_path_factory.mktemp("cases"),
+        cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": paths},
         capture_output=True,
         text=True,
@@ -38,29 +37,25 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         timeout=600,
     )
     assert done.stderr == ""
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
-
-
-def test_there_are_enough_cases_and_they_take_little_memory(results: dict[str, Any]) -> None:
+    results = json.loads(done.stdout)
     assert len(CASES) >= 120
     assert results["gigabytes"] < 1
+    assert {name: fault for name, result in results["cases"].items() if (fault := wrong_with(name, result))} == {}
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_the_command_line_takes_or_refuses(name: str, results: dict[str, Any]) -> None:
-    case, result = CASES[name], results["cases"][name]
-    assert result["seconds"] < LONGEST_S
-    if case.taken:
-        assert (result["status"], result["error"]) == (0, "")
-        assert case.words in result["out"]
-        assert result["left"] == ([] if name.endswith(".fold") else ["out.fold"])
-    else:
-        assert result["status"] in (1, 2)
-        assert result["error"].startswith("foldcut: error: ")
-        assert result["error"].count("\n") == 1
-        assert case.words in result["error"]
-        assert result["left"] == []
+def wrong_with(name: str, result: dict[str, Any]) -> str:
+    """Return what the command line did that it should not have done; empty if nothing."""
+    case, error = CASES[name], result["error"]
+    one_line = error.startswith("foldcut: error: ") and error.count("\n") == 1
+    left = ["out.fold"] if case.taken and not name.endswith(".fold") else []
+    faults = {
+        f"status {result['status']}, {error}": result["status"] not in ((0,) if case.taken else (1, 2)),
+        f"printed {error!r}": bool(error) if case.taken else not one_line,
+        f"does not say {case.words!r}": case.words not in (result["out"] if case.taken else error),
+        f"took {result['seconds']:.1f} s": result["seconds"] >= LONGEST_S,
+        f"left {result['left']}": result["left"] != left,
+    }
+    return "; ".join(fault for fault, found in faults.items() if found)
 
 
 @pytest.mark.parametrize("name", CASES)
