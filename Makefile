@@ -10,9 +10,9 @@ CODE := foldcut exporters profiles samples tests
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
 	@mkdir -p out
-	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold
-	$(BIN)/foldcut make samples/star.svg --sheet a4 -o out/star.svg -o out/star.fold
-	$(BIN)/foldcut make samples/letter-a.svg --sheet a4 -o out/letter-a.svg -o out/letter-a.fold
+	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold --force
+	$(BIN)/foldcut make samples/star.svg --sheet a4 -o out/star.svg -o out/star.fold --force
+	$(BIN)/foldcut make samples/letter-a.svg --sheet a4 -o out/letter-a.svg -o out/letter-a.fold --force
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
@@ -46,10 +46,10 @@ lint: $(VENV)/installed-dev
 
 ## Draw the pictures in docs/ anew.
 pictures: $(VENV)/installed
-	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg
-	$(BIN)/foldcut make star -o docs/star.svg
-	$(BIN)/foldcut make marlin -o docs/marlin.svg
-	$(BIN)/foldcut make letter-a -o docs/letter-a.svg
+	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg --force
+	$(BIN)/foldcut make star -o docs/star.svg --force
+	$(BIN)/foldcut make marlin -o docs/marlin.svg --force
+	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:

@@ -67,7 +67,7 @@ examples:
 
 Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder, or with --profile
 NAME-PROFILE with the ending of the machine's format.
-Existing files are replaced. Ctrl-C during the search goes on with the best pattern found so far.
+Existing files are replaced only with --force. Ctrl-C during the search goes on with the best pattern found so far.
 """
 
 VIEW_EPILOG = """\
@@ -126,6 +126,10 @@ class _Terminated(BaseException):
     """SIGTERM came: unwind, so that temporary files are removed."""
 
 
+class _TimedOut(BaseException):
+    """--timeout has passed: unwind, past all that would go on with the best found so far."""
+
+
 class _Parser(argparse.ArgumentParser):
     """A parser that raises where argparse would print its usage and exit."""
 
@@ -142,7 +146,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         with _sigterm_raises():
             args = _parser().parse_args(_with_joined_offset(argv))
-            status: int = args.run(args)
+            with _time_limit(getattr(args, "timeout", None)):
+                status: int = args.run(args)
             sys.stdout.flush()
             return status
     except FoldcutError as error:
@@ -156,6 +161,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(error, f"{where}{error.strerror or error}", BAD_INPUT, as_json)
     except KeyboardInterrupt as error:
         return _fail(error, "interrupted; no file is half-written", INTERRUPTED, as_json)
+    except _TimedOut as error:
+        remedy = "allow more with --timeout, or search less with --effort fast or --seconds"
+        return _fail(error, f"timed out after {args.timeout:g} s, no file is half-written; {remedy}", FAILED, as_json)
     except _Terminated as error:
         return _fail(error, "terminated; no file is half-written", TERMINATED, as_json)
 
@@ -164,6 +172,7 @@ def _make(args: argparse.Namespace) -> int:
     """Fold a shape and write the files."""
     from foldcut import report
     from foldcut.files import check_targets, write_files
+    from foldcut.prepare import preview
     from foldcut.profiles import load_profile
 
     source = _source(args)
@@ -175,15 +184,19 @@ def _make(args: argparse.Namespace) -> int:
         if path.is_file() and source.is_file() and path.samefile(source):
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
     stem = _stem(source)
-    check_targets(target for path in outputs for target in _targets(path, stem, profile, args))
+    targets = [target for path in outputs for target in _targets(path, stem, profile, args)]
+    targets += [Path(args.preview)] if args.preview else []
+    check_targets(targets, replace=args.force)
 
     result = _folded(source, args)
     files: list[dict[str, Any]] = []
     jobs: list[Job] = []
     if result.verified:
         contents, jobs = _contents(result.folded_pattern, outputs, stem, profile, args)
+        if args.preview and result.prepared is not None:
+            contents[Path(args.preview)] = preview(result.prepared.drawn, result.prepared.loops)
         files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-        write_files(contents)
+        write_files(contents, replace=args.force)
     made = report.make_report(result, files, jobs, profile, args.material)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
@@ -191,6 +204,7 @@ def _make(args: argparse.Namespace) -> int:
 def _folded(source: Path, args: argparse.Namespace) -> Result:
     """Fold the drawing as the options say."""
     from foldcut import pipeline
+    from foldcut.prepare import Preparation
     from foldcut.progress import ProgressBar
     from foldcut.sheet import parse_length, parse_sheet
 
@@ -209,6 +223,13 @@ def _folded(source: Path, args: argparse.Namespace) -> Result:
             symmetry=parse_length(args.symmetry),
             effort=args.effort,
             seconds=args.seconds,
+            preparation=Preparation(
+                corners=args.corners,
+                min_feature=parse_length(args.min_feature),
+                separate=parse_length(args.separate),
+                mirror=args.mirror,
+                strict=args.strict,
+            ),
             progress=bar,
         )
 
@@ -228,7 +249,7 @@ def _draw(args: argparse.Namespace) -> int:
         raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
     show = tuple(name.strip() for name in args.show.split(","))
     pictures.check(show, construction=args.method == "paper")
-    check_targets([output])
+    check_targets([output], replace=args.force)
     result = _folded(source, args)
     files: list[dict[str, Any]] = []
     if result.verified:
@@ -236,7 +257,7 @@ def _draw(args: argparse.Namespace) -> int:
         drawn, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
         data = drawn if output.suffix.lower() == ".svg" else rendered(drawn, size)
         files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
-        write_files({output: data})
+        write_files({output: data}, replace=args.force)
     made = report.make_report(result, files)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
@@ -251,13 +272,13 @@ def _guide(args: argparse.Namespace) -> int:
     output = Path(args.output or f"{_stem(source)}-guide.pdf")
     if output.suffix.lower() not in GUIDES:
         raise BadInputError(f"{output}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
-    check_targets([output])
+    check_targets([output], replace=args.force)
     result = _folded(source, args)
     files: list[dict[str, Any]] = []
     if result.verified:
         data = GUIDES[output.suffix.lower()](result.folded_pattern)
         files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
-        write_files({output: data})
+        write_files({output: data}, replace=args.force)
     made = report.make_report(result, files)
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
@@ -342,6 +363,7 @@ def _stem(source: Path) -> str:
 
 def _read_options(args: argparse.Namespace) -> ReadOptions:
     """Return what the reader is told."""
+    from foldcut.limits import parse_limits
     from foldcut.readers import ReadOptions
     from foldcut.sheet import parse_length
 
@@ -352,6 +374,7 @@ def _read_options(args: argparse.Namespace) -> ReadOptions:
         ids=tuple(args.id),
         suffix=args.format or "",
         threshold=args.threshold,
+        limits=parse_limits(args.limit),
     )
 
 
@@ -504,11 +527,11 @@ def _coupon(args: argparse.Namespace) -> int:
 
     profile = load_profile(args.profile, args.set)
     path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
-    check_targets([path])
+    check_targets([path], replace=args.force)
     job, rows = make_coupon(profile, args.material)
     data = export_job(job, path.suffix, profile)
     replaced = path.exists()
-    write_files({path: data})
+    write_files({path: data}, replace=args.force)
     lines = [job.title, *(f"  {row}" for row in rows), f"  written   {path} ({len(data):,} bytes)"]
     files = [{"path": str(path), "bytes": len(data), "replaced": replaced}]
     if args.json or not args.quiet:
@@ -612,6 +635,29 @@ def _fail(error: BaseException | None, message: str, status: int, as_json: bool)
         about = {"type": type(error).__name__.lstrip("_"), "message": line}
         print(json.dumps({"ok": False, "error": about, "findings": findings}, indent=2))
     return status
+
+
+@contextmanager
+def _time_limit(seconds: float | None) -> Iterator[None]:
+    """Raise ``_TimedOut`` in the block once so many seconds have passed."""
+    if seconds is None:
+        yield
+        return
+    if not 0 < seconds < 1e8:
+        raise BadInputError(f"--timeout is {seconds} s; give a positive number")
+    if not hasattr(signal, "setitimer"):
+        raise BadInputError("--timeout does not work on this system; leave it out")
+
+    def raise_timed_out(number: int, frame: FrameType | None) -> NoReturn:
+        raise _TimedOut
+
+    before = signal.signal(signal.SIGALRM, raise_timed_out)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, seconds, 1.0)  # again and again: an exception in a finaliser is lost
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 @contextmanager
@@ -720,6 +766,9 @@ def _add_options_of_make(make: argparse.ArgumentParser) -> None:
         help="a file to write; its ending is the format; or a folder or a .zip for all files of a job and a "
         "README.txt; repeatable",
     )
+    make.add_argument(
+        "--preview", metavar="FILE.svg", help="also draw the drawing before (red) and after (black) mending"
+    )
     _add_options_of_fold(make)
     machine = make.add_argument_group("the machine")
     machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
@@ -808,6 +857,7 @@ def _add_serve(commands: Any) -> None:
 
 def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     """Add the drawing, where it lies on the sheet, and how to search."""
+    _add_force(make)
     make.add_argument(
         "shape",
         metavar="SHAPE",
@@ -860,6 +910,7 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     make.add_argument(
         "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
     )
+    _add_timeout(make)
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",
@@ -885,6 +936,22 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
         "make it so (default: only rounding)",
     )
     _add_reading(make)
+    mend = make.add_argument_group("the drawing; every change is reported")
+    mend.add_argument("--strict", action="store_true", help="refuse a drawing that has to be mended, and say why")
+    mend.add_argument("--corners", metavar="N", type=int, help="leave out corners until at most N are left")
+    mend.add_argument(
+        "--min-feature",
+        metavar="LENGTH",
+        default="0mm",
+        help="drop parts and close gaps that are narrower, on the sheet",
+    )
+    mend.add_argument(
+        "--separate",
+        metavar="LENGTH",
+        default="0mm",
+        help="if loops touch, move all edges inward until they are this far apart",
+    )
+    mend.add_argument("--mirror", action="store_true", help="turn the drawing over, left to right")
 
 
 def _add_check(commands: Any) -> None:
@@ -899,6 +966,7 @@ def _add_check(commands: Any) -> None:
     check.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     check.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     _add_reading(check)
+    _add_timeout(check)
     _add_common(check)
 
 
@@ -916,6 +984,7 @@ def _add_coupon(commands: Any) -> None:
     coupon.add_argument("--material", metavar="NAME", help="what the card is made of (default: the profile's first)")
     coupon.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
     coupon.add_argument("-o", "--output", metavar="FILE", help="(default: coupon-PROFILE in the machine's format)")
+    _add_force(coupon)
     _add_common(coupon)
 
 
@@ -973,6 +1042,23 @@ def _add_reading(command: argparse.ArgumentParser) -> None:
         metavar="LENGTH",
         default="0.05mm",
         help="join ends of lines that are no farther apart, at the same sizes (default: %(default)s)",
+    )
+    reading.add_argument(
+        "--limit",
+        metavar="NAME=NUMBER",
+        action="append",
+        default=[],
+        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000); repeatable",
+    )
+
+
+def _add_force(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--force", action="store_true", help="replace files that are there already")
+
+
+def _add_timeout(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--timeout", metavar="S", type=float, help="give up after so many seconds, with an error (default: never)"
     )
 
 

@@ -17,6 +17,7 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
+import shapely
 from numpy.typing import ArrayLike
 
 from foldcut.assignment import Assignment, assign_creases, require_one_loop
@@ -24,14 +25,26 @@ from foldcut.boundary import boundary_disks, default_ribbon
 from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
 from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.layers import fold_layers
+from foldcut.limits import Limits
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
 from foldcut.mirror import Half, Mirrored, fold_mirrored, halves
-from foldcut.model import CreasePattern, Finding, Floats, FoldedPattern, FoldedState, Placement, Shape, Sheet
+from foldcut.model import (
+    CreasePattern,
+    Finding,
+    Floats,
+    FoldedPattern,
+    FoldedState,
+    Placement,
+    Shape,
+    Sheet,
+    points_array,
+)
 from foldcut.molecules import Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
-from foldcut.readers import Drawing, read_shape
+from foldcut.prepare import Preparation, Prepared, prepare
+from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.search import Compact, fold_compact, rank, shortest_crease
-from foldcut.shape import make_shape
+from foldcut.shape import LARGEST_NUMBER, make_shape
 from foldcut.sheet import as_it_lies, parse_sheet, place
 from foldcut.simplify import simplify as simplify_shape
 from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
@@ -79,7 +92,8 @@ class Result:
     what all that were tried came to. ``actions``: how many straight folds a person makes, through one layer or more.
     ``ribbon`` is the half-width in mm that the pattern has.
     ``seconds`` holds the time of each stage and the totals "build" and "verify". ``notes`` say what was done to the
-    drawing, and what was simplified. ``drawing`` is what was read, unless the shape was given as points.
+    drawing: left out, mended, simplified; ``prepared`` has the loops before and after, if they were prepared.
+    ``drawing`` is what was read, unless the shape was given as points.
     """
 
     folded_pattern: FoldedPattern
@@ -92,6 +106,7 @@ class Result:
     seconds: dict[str, float]
     notes: tuple[str, ...]
     drawing: Drawing | None = None
+    prepared: Prepared | None = None
 
     @cached_property
     def foldability(self) -> Foldability:
@@ -143,6 +158,8 @@ def fold(
     effort: str = "normal",
     seconds: float | None = None,
     title: str = "",
+    limits: Limits | None = None,
+    preparation: Preparation | None = None,
     progress: Progress | None = None,
 ) -> Result:
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
@@ -156,8 +173,9 @@ def fold(
     creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may have, None the
     method's default (0.5, "paper": 0). ``simplify`` leaves out corners that are off by no more than so many mm on the
     sheet; ``symmetry`` takes a drawing as symmetric whose corners are off by so much, and makes it so. ``effort``
-    ("fast", "normal", "best") and ``seconds`` bound the search. ``progress`` is called with a stage's name and the part
-    of it that is done.
+    ("fast", "normal", "best") and ``seconds`` bound the search. ``limits`` bound how large
+    a file may be. ``preparation`` says how the drawing is mended and simplified, None that it must be a shape as it is.
+    ``progress`` is called with a stage's name and the part of it that is done.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
@@ -166,7 +184,11 @@ def fold(
     _check_options(method, ribbon, min_crease, symmetry, effort, seconds)
     stages = _Stages(progress)
     with stages("reading"):
-        drawing = read_shape(Path(shape)) if isinstance(shape, str | PathLike) else shape
+        drawing = (
+            read_shape(Path(shape), ReadOptions(limits=limits or Limits()))
+            if isinstance(shape, str | PathLike)
+            else shape
+        )
         notes: list[str] = []
         read = drawing if isinstance(drawing, Drawing) else None
         y_down = read is not None and read.y_down
@@ -175,8 +197,16 @@ def fold(
             notes += drawing.notes
             scale = scale if isinstance(scale, str) else scale * (drawing.unit_mm or 1.0)
             drawing = drawing.loops
-        outline = drawing if isinstance(drawing, Shape) else make_shape(drawing)
         paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
+        prepared, mirrored = None, preparation is not None and preparation.mirror
+        if preparation is not None and not isinstance(drawing, Shape):
+            hull = _hull(drawing)
+            lying = as_it_lies(paper, hull, rotation)
+            unit = place(hull, lying, margin=margin, scale=scale, offset=offset, rotation=rotation)[1].scale
+            prepared = prepare([points_array(loop) * unit for loop in drawing], preparation)
+            notes += prepared.changes
+            drawing = [loop / unit for loop in prepared.loops] if prepared.changes else drawing
+        outline = drawing if isinstance(drawing, Shape) else make_shape(drawing)
 
         def lay(turn: float) -> _Laid:
             """Lay the shape on the sheet, turned by so many degrees more."""
@@ -188,6 +218,7 @@ def fold(
                 simplified = simplify_shape(placed, simplify)
                 placed = simplified.shape
                 notes.append(str(simplified))
+            placement = Placement(placement.matrix * (-1.0, 1.0, 1.0)) if mirrored else placement
             return _Laid(on, placed, placement.from_y_down() if y_down else placement, notes)
 
         laid = lay(0.0)
@@ -214,7 +245,17 @@ def fold(
         stages.seconds,
         (*notes, *on.notes),
         read,
+        prepared,
     )
+
+
+def _hull(loops: Sequence[ArrayLike]) -> Shape:
+    """Return the hull of loops, which lies on the sheet as they do; raises ``ShapeError`` where they have none."""
+    points = [np.asarray(loop, dtype=np.float64) for loop in loops]
+    if not points or not all((np.abs(loop) < LARGEST_NUMBER).all() for loop in points):  # nan compares as False
+        return make_shape(points)  # which says where
+    hull = shapely.convex_hull(shapely.multipoints(np.concatenate(points)))
+    return make_shape([shapely.get_coordinates(hull)] if isinstance(hull, shapely.Polygon) else points)
 
 
 @dataclass(frozen=True, eq=False)

@@ -80,10 +80,37 @@ def test_make_without_output_names_files_after_the_drawing(
 
 def test_make_says_which_file_it_replaced(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
     _, first = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg")
-    _, second = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg")
+    _, second = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg", "--force")
     assert [report["files"][0]["replaced"] for report in (first, second)] == [False, True]
-    main(["make", drawing, *SMALL, "-o", "box.svg"])
+    main(["make", drawing, *SMALL, "-o", "box.svg", "--force"])
     assert "bytes, replaced)" in capsys.readouterr().out
+
+
+def test_nothing_is_replaced_without_force(
+    folder: Path, drawing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(pipeline, "fold", lambda *_, **__: pytest.fail("folded first"))
+    (folder / "box.svg").write_text("old")
+    (folder / "out").mkdir()
+    (folder / "out/box.fold").write_text("old")
+    (folder / "coupon-glowforge.svg").write_text("old")
+    for arguments in (
+        ["make", drawing, "-o", "new.fold", "-o", "box.svg"],
+        ["make", drawing, "-o", "out"],
+        ["coupon", "--profile", "glowforge"],
+    ):
+        assert main(arguments) == 2
+        error = capsys.readouterr().err
+        assert_one_line(error)
+        assert "it is there already; replace it with --force" in error
+    assert (folder / "box.svg").read_text() == (folder / "out/box.fold").read_text() == "old"
+    assert names(folder) == {drawing, "box.svg", "out", "coupon-glowforge.svg"}
+    assert main(["coupon", "--profile", "glowforge", "--force", "--quiet"]) == 0
+
+
+def test_what_make_writes_again_says_force() -> None:
+    lines = (Path(__file__).parents[1] / "Makefile").read_text().splitlines()
+    assert all("--force" in line for line in lines if "foldcut make" in line and " -o " in line)
 
 
 def test_make_takes_a_sample_by_name_even_beside_a_folder_of_that_name(folder: Path) -> None:
@@ -204,7 +231,7 @@ def test_a_folder_and_an_archive_hold_all_files_and_say_what_they_are(
     for words in ("1. both-front.dxf: front", "2. both-back.dxf: back", "Do the front first", "Import the DXF"):
         assert words in text
     capsys.readouterr()
-    assert main(["make", drawing, *SMALL, "-o", "out"]) == 0, "its own README.txt may be replaced"
+    assert main(["make", drawing, *SMALL, "-o", "out", "--force"]) == 0, "its own README.txt may be replaced"
     assert {f"{stem}.svg", f"{stem}.fold", f"{stem}.png"} <= {path.name for path in Path("out").iterdir()}
 
 
@@ -247,7 +274,7 @@ def test_an_interrupt_while_writing_leaves_the_old_files_and_no_others(
     (folder / "box.svg").write_text("old")
     monkeypatch.setattr(os, "fsync", lambda _: signal.raise_signal(number))
     before = signal.getsignal(signal.SIGTERM)
-    assert main(["make", drawing, *SMALL, "-o", "box.svg", "-o", "box.fold"]) == status
+    assert main(["make", drawing, *SMALL, "-o", "box.svg", "-o", "box.fold", "--force"]) == status
     assert_one_line(capsys.readouterr().err)
     assert (folder / "box.svg").read_text() == "old"
     assert names(folder) == {drawing, "box.svg"}
@@ -282,7 +309,7 @@ def test_check_finds_a_flipped_crease(folder: Path, capsys: pytest.CaptureFixtur
 
 
 def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
-    arguments = ["make", drawing, *SMALL, "--method", "paper", "-o", "box.fold"]
+    arguments = ["make", drawing, *SMALL, "--method", "paper", "-o", "box.fold", "--force"]
     status, report = run_json(capsys, *arguments)
     assert status == 0
     assert report["lines"] <= report["creases"]
@@ -337,7 +364,7 @@ def fake_search(monkeypatch: pytest.MonkeyPatch, *, interrupted: bool = False) -
     return seen
 
 
-COMPACT = ["--sheet", "48x48", "--margin", "4mm", "--method", "compact", "-o", "box.fold"]
+COMPACT = ["--sheet", "48x48", "--margin", "4mm", "--method", "compact", "-o", "box.fold", "--force"]
 
 
 def test_the_search_is_given_the_options(
@@ -527,7 +554,7 @@ def test_a_job_is_written_in_the_machines_format_and_reported(
 
 
 def test_thickness_is_that_of_the_material(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
-    card = ["--profile", "laser-dxf", "--material", "card-300g", "-o", "box.dxf"]
+    card = ["--profile", "laser-dxf", "--material", "card-300g", "-o", "box.dxf", "--force"]
     _, office = run_json(capsys, "make", drawing, *SMALL, "-o", "box.fold")
     _, thick = run_json(capsys, "make", drawing, *SMALL, *card)
     assert (office["paper"], thick["paper"]) == ("office paper", "card-300g")

@@ -18,6 +18,7 @@ import shapely
 
 from foldcut import fold
 from foldcut.errors import FileFormatError
+from foldcut.limits import Limits
 from foldcut.readers import READERS, Drawing, ReadOptions, read_shape
 from foldcut.shape import make_shape
 
@@ -277,10 +278,10 @@ def test_a_file_may_be_called_anything_and_come_from_standard_input(
 
 
 def test_sizes_are_bounded(tmp_path: Path) -> None:
-    with pytest.raises(FileFormatError, match="the file has more than 9.54e-06 MiB; give a smaller one"):
-        read(tmp_path, "a.csv", "0,0\n20,0\n20,10\n0,10", largest_bytes=10)
-    with pytest.raises(FileFormatError, match="the drawing has 4 points; give at most 3"):
-        read(tmp_path, "a.csv", "0,0\n20,0\n20,10\n0,10", largest_points=3)
+    with pytest.raises(FileFormatError, match="the file has 25 bytes, and at most 10 are allowed"):
+        read(tmp_path, "a.csv", "0,0\n20,0\n20,10\n0,10", limits=Limits(bytes=10))
+    with pytest.raises(FileFormatError, match="the drawing has 4 points, and at most 3 are allowed"):
+        read(tmp_path, "a.csv", "0,0\n20,0\n20,10\n0,10", limits=Limits(points=3))
 
 
 def test_the_same_drawing_gives_the_same_pattern_through_every_format(tmp_path: Path) -> None:

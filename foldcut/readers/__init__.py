@@ -32,6 +32,9 @@ READERS = {
 }
 """The module for each suffix, imported when it is first used."""
 
+BINARY = (".wkb", ".pdf", ".png", ".jpg", ".jpeg")
+"""Their bytes are not to be counted as numbers."""
+
 STANDARD_INPUT = "-"
 
 
@@ -40,11 +43,12 @@ def read_shape(path: str | Path, options: ReadOptions | None = None) -> Drawing:
     options = options or ReadOptions()
     path = Path(path)
     try:
-        reader = import_module(f"foldcut.readers.{READERS[_suffix(path, options)]}")
-        drawing: Drawing = reader.read(_source(path, options), options)
-        points = sum(map(len, drawing.loops))
-        if points > options.largest_points:
-            raise FileFormatError(f"the drawing has {points:,} points; give at most {options.largest_points:,}")
+        suffix = _suffix(path, options)
+        source = _source(path, options)
+        if suffix not in BINARY:
+            options.limits.check_numbers(source.data)
+        drawing: Drawing = import_module(f"foldcut.readers.{READERS[suffix]}").read(source, options)
+        options.limits.check_loops(drawing.loops)
     except FileFormatError as error:
         raise FileFormatError(f"{path}: {' '.join(str(error).split())}") from None
     except OSError as error:
@@ -73,7 +77,7 @@ def _suffix(path: Path, options: ReadOptions) -> str:
 
 def _source(path: Path, options: ReadOptions) -> Source:
     """Return the bytes of a file, or of standard input; no more than the limit are read."""
-    most = options.largest_bytes
+    most = options.limits.bytes
     if str(path) == STANDARD_INPUT:
         data, name = sys.stdin.buffer.read(most + 1), "drawing"
     elif not path.exists():
@@ -83,8 +87,7 @@ def _source(path: Path, options: ReadOptions) -> Source:
     else:
         with path.open("rb") as file:
             data, name = file.read(most + 1), path.stem
-    if len(data) > most:
-        raise FileFormatError(f"the file has more than {most / 2**20:.3g} MiB; give a smaller one")
+    options.limits.check_size(len(data) if str(path) == STANDARD_INPUT else path.stat().st_size)
     if not data.strip():
         raise FileFormatError("the file is empty; give a file with at least one closed loop")
     return Source(data, name)

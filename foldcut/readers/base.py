@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from foldcut.errors import BadInputError, FileFormatError
+from foldcut.limits import Limits
 from foldcut.model import Floats
 
 #: Curves are flattened as on a drawing enlarged to this many mm: "fit" makes it about so large.
@@ -31,8 +32,7 @@ class ReadOptions:
     ids: tuple[str, ...] = ()
     suffix: str = ""
     threshold: float = 0.5
-    largest_bytes: int = 64 * 2**20
-    largest_points: int = 200_000
+    limits: Limits = field(default_factory=Limits)
     largest_pixels: int = 40_000_000
 
     def __post_init__(self) -> None:

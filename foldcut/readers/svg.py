@@ -91,7 +91,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
             for points, is_closed in one.lines(tolerance):
                 (closed if is_closed else chains).append(points_array((flip @ points).T))
                 count += points.shape[1]
-                if count > options.largest_points:
+                if count > options.limits.points:
                     raise _too_many(options)
             if closed:
                 parts.append(fill(closed, even_odd=one.even_odd))
@@ -105,7 +105,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
 
 
 def _too_many(options: ReadOptions) -> FileFormatError:
-    most = f"{options.largest_points:,} points"
+    most = f"{options.limits.points:,} points"
     return FileFormatError(f"the drawing has more than {most}; give a simpler one, or a larger --flatten")
 
 
@@ -288,7 +288,7 @@ class _Page:
                     filled = tag != "line" and style.get("fill") not in ("none", "transparent")
                     even_odd = style.get("fill-rule") == "evenodd" or not filled
                     self.numbers += len(re.findall(_NUMBER, element.get("points", element.get("d", ""))))
-                    if self.numbers > 4 * self.options.largest_points:
+                    if self.numbers > 4 * self.options.limits.points:
                         raise _too_many(self.options)
                     if path := _path(element, name):
                         stroked = tag == "line" or not filled or style.get("stroke", "none") != "none"

@@ -1,0 +1,1 @@
+"""Hostile and odd files, and what has to become of each."""

@@ -1,0 +1,90 @@
+"""Replace a FOLD, an SVG and a DXF file by the command line, again and again, and be killed; print what is left.
+
+``python kill_driver.py KILLS [careless]`` in an empty folder. Patterns are folded once; a forked child then runs
+``foldcut make --force`` with them in turns, until SIGTERM or SIGKILL ends it at a random moment. ``careless`` writes
+the files in place, in two halves, to show that torn files are found.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import sys
+import time
+from collections.abc import Mapping
+from itertools import cycle
+from pathlib import Path
+
+import ezdxf
+from patterns import square_out_of_square
+
+import foldcut
+from foldcut import cli, files, pipeline
+from foldcut.readers.fold import read_fold
+
+SIZES = ("60x60", "64x64")
+OUTPUTS = [Path("box.fold"), Path("box.svg"), Path("box.dxf")]
+COMMAND = ["make", "box.json", "--profile", "laser-dxf", "--force", "--quiet"]
+LONGEST_S = 0.15
+
+
+def write_carelessly(contents: Mapping[Path, bytes], *, replace: bool) -> None:
+    """Write in place, half of each file first."""
+    for path, data in contents.items():
+        with path.open("wb", buffering=0) as file:
+            file.write(data[: len(data) // 2])
+            time.sleep(0.005)
+            file.write(data[len(data) // 2 :])
+
+
+def main(kills: int, *, careless: bool) -> None:
+    loop = square_out_of_square().shape.loops[0]
+    Path("box.json").write_text(json.dumps({"loops": [loop.tolist()]}))
+    made = {size: foldcut.fold("box.json", size, effort="fast") for size in SIZES}
+    versions: dict[Path, list[bytes]] = {path: [] for path in OUTPUTS}
+
+    def run(size: str) -> int:
+        pipeline.fold = lambda *_, **__: made[size]  # type: ignore[assignment]
+        return cli.main([*COMMAND, *(f"-o{path}" for path in OUTPUTS)])
+
+    for size in SIZES:
+        assert run(size) == 0
+        for path in OUTPUTS:
+            versions[path].append(path.read_bytes())
+    if careless:
+        files.write_files = write_carelessly  # type: ignore[assignment]
+
+    chance = random.Random(6)
+    torn, statuses, left, seen = [], [], [], set()
+    for kill in range(kills):
+        number = signal.SIGKILL if kill % 2 else signal.SIGTERM
+        child = os.fork()
+        if child == 0:
+            for size in cycle(SIZES):
+                status = run(size)
+                if status:
+                    os._exit(status)
+        time.sleep(chance.uniform(0, LONGEST_S))
+        os.kill(child, number)
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        statuses.append([number.name, code])
+        for path in OUTPUTS:
+            data = path.read_bytes()
+            if data in versions[path]:
+                seen.add((path.name, versions[path].index(data)))
+            else:
+                torn.append(path.name)
+        hidden = [path for path in Path().iterdir() if path.name.startswith(".")]
+        left += [[number.name, path.name] for path in hidden]
+        for path in hidden:
+            path.unlink()
+    if not torn:
+        read_fold("box.fold")
+        ezdxf.readfile("box.dxf")
+    print(json.dumps({"torn": torn, "statuses": statuses, "left": left, "seen": sorted(seen)}))
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]), careless=sys.argv[2:] == ["careless"])
