@@ -354,6 +354,19 @@ def test_layers_and_ids_select(tmp_path: Path) -> None:
         sizes(ids=("x",))
 
 
+@pytest.mark.parametrize(
+    "body",
+    [
+        '<path style="fill:none" d="M0 0t5 1e308z"/><rect width="3" height="1e308" x="1e308"/>',
+        '<ellipse rx="5" ry="1e9"/><path fill="none" d="M0 0t1e999 1e999M0 1A5 10 5 0 0 1e999 1e9 "/>',
+        '<path transform="scale(0)" d="M0 0L5 1A.5 10 5 1 1 .5 .5M1e308 1M0 1e9L1e308 1e308C1 10 0 1e308 5 -7 "/>',
+    ],
+)
+def test_numbers_at_the_ends_of_float64_are_refused_by_reader_or_shape(read: Reading, body: str) -> None:
+    with pytest.raises(BadInputError):
+        make_shape(read(".svg", svg(body)).loops)
+
+
 # --- WKT
 
 

@@ -12,7 +12,9 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-from foldcut.errors import FileFormatError
+from shapely.errors import ShapelyError
+
+from foldcut.errors import BadInputError, FileFormatError
 from foldcut.readers.base import Drawing, ReadOptions, Source
 
 __all__ = ["READERS", "Drawing", "ReadOptions", "read_shape"]
@@ -53,6 +55,11 @@ def read_shape(path: str | Path, options: ReadOptions | None = None) -> Drawing:
         raise FileFormatError(f"{path}: {' '.join(str(error).split())}") from None
     except OSError as error:
         raise FileFormatError(f"{path}: {error.strerror}; check the path and its permissions") from None
+    except BadInputError:
+        raise
+    except (ArithmeticError, ValueError, TypeError, ShapelyError) as error:  # numbers at the ends of float64
+        about = " ".join(str(error).split())[:100]
+        raise FileFormatError(f"{path}: numbers cannot be computed with ({about}); keep them below 1e100") from None
     except (MemoryError, RecursionError):
         raise FileFormatError(f"{path}: the drawing is nested too deep or too large; give a simpler one") from None
     return drawing

@@ -30,7 +30,7 @@ def fill(loops: Sequence[Floats], *, even_odd: bool) -> list[Floats]:
     rings = _rings(loops)
     if rings is None:
         return list(loops)
-    if shapely.is_simple(shapely.multilinestrings(rings)):
+    if shapely.is_simple(shapely.multilinestrings(rings)) and min(map(len, loops)) > 2:
         return list(loops) if even_odd or len(loops) == 1 else _nonzero(loops)
     return _outlines(_region(loops, rings, even_odd)) if _crossings(rings) <= MOST_CROSSINGS else list(loops)
 
@@ -40,6 +40,7 @@ def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
 
     Sets whose outlines meet are united; an outline that lies within another without touching it is its hole.
     """
+    parts = [part for part in parts if part]
     loops = [loop for part in parts for loop in part]
     rings = _rings(loops)
     if len(parts) < 2 or rings is None or shapely.is_simple(shapely.multilinestrings(rings)):
