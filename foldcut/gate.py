@@ -28,7 +28,7 @@ from foldcut.layers import join_unfolded, sheet_corners, walk
 from foldcut.model import CreasePattern, FoldedState, Ints, Shape, Sheet, index_array
 from foldcut.molecules import Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
-from foldcut.ring import Parts, Ring, divide_faces, plan_rings, small_at_gates
+from foldcut.ring import HEIGHT, Parts, Ring, divide_faces, plan_rings, small_at_gates
 from foldcut.tolerance import Tolerance
 
 Graph = dict[int, list[tuple[int, int]]]  # corner -> (corner next to it, tangency point between)
@@ -110,6 +110,7 @@ class _Joined:
                 for side, foot in enumerate(feet):
                     if row[side] in ring and row[side + 1 - len(row)] in ring:
                         self.barrier[foot] = loop - RINGS
+        self.reach = self._reaches()
         self.excess = 0.0
         self.ends: dict[int, tuple[int, int]] = {}  # by loop: the path's end on the loop above, and on the loop
 
@@ -174,9 +175,22 @@ class _Joined:
         return tree
 
     def _excess(self, part: int, vertex: int, ring: Ring) -> float:
-        """By how much a corner's molecules in a part exceed the gate's height, or its disk the ring's radius."""
-        x, height = self.molecules.folded[vertex, 0], self._heights[part, vertex]
-        return max(0.0, float(x / ring.radius) - 1, height / ring.height - 1)
+        """By how much a corner's facets in a part stick out of the ring's crevice triangle, relative to it."""
+        return max(0.0, self.reach[part, vertex] / ring.radius - 1)
+
+    def _reaches(self) -> dict[tuple[int, int], float]:
+        """By part and corner, the radius of a ring whose crevice triangle the corner's facets fit into."""
+        molecules = self.molecules
+        base = float(np.abs(molecules.folded[molecules.corners[0][0], 1]))
+        x, y = np.abs(molecules.folded).T
+        needed = x + (y - base) / HEIGHT
+        reach: dict[tuple[int, int], float] = defaultdict(float)
+        owners = zip(molecules.facet_molecule.tolist(), molecules.facet_corner.tolist(), strict=True)
+        for facet, (number, place) in enumerate(owners):
+            if number >= 0:
+                key = self.part[number], self.corners[number][place]
+                reach[key] = max(reach[key], float(needed[molecules.facets[facet]].max()))
+        return reach
 
     def _paths(self, part: int, ring: Ring, taken: list[Step]) -> dict[int, tuple[float, list[Step]]]:
         """The best path from each disk of a ring to the loop of the part's root: its cost and its steps."""
@@ -211,43 +225,32 @@ class _Joined:
         return found
 
     def _cost(self, part: int, vertex: int, ring: Ring) -> float:
-        return 1 + 100 * self._excess(part, vertex, ring)
-
-    @property
-    def _heights(self) -> dict[tuple[int, int], float]:
-        """How high above its side the highest molecule at a corner of a part folds."""
-        if not hasattr(self, "_height"):
-            molecules = self.molecules
-            base = float(np.abs(molecules.folded[molecules.boundary_sides[-1, 0], 1]))
-            heights = np.zeros(len(molecules))
-            facets = molecules.facets
-            owner = molecules.facet_molecule[facets.rows]
-            mine = owner >= 0
-            np.maximum.at(heights, owner[mine], np.abs(molecules.folded[facets.values[mine], 1]) - base)
-            self._height: dict[tuple[int, int], float] = defaultdict(float)
-            for number, row in enumerate(self.corners):
-                for corner in row:
-                    place = self.part[number], corner
-                    self._height[place] = max(self._height[place], float(heights[number]))
-        return self._height
+        excess = self._excess(part, vertex, ring)
+        return 1 + (10 + 100 * excess if excess else 0)
 
     def _spanning(self, part: int, forced: list[Step]) -> set[int]:
         """T_C of a part: the given paths, and a breadth-first tree that hangs on them as little as possible."""
+        along = {corner for step in forced for corner in step[:2]}
         graph: dict[int, list[tuple[int, int]]] = defaultdict(list)
+        beside_path: dict[int, list[tuple[int, int]]] = defaultdict(list)
         for corner, beside in self.graphs[part].items():
-            graph[self._node(corner)] += [(self._node(following), foot) for following, foot in beside]
+            for following, foot in beside:
+                sides = beside_path if corner in along or following in along else graph
+                sides[self._node(corner)].append((self._node(following), foot))
         root = -1 - self._above(part)
         tree = {foot for _, _, foot in forced}
-        path = [self._node(child) for child, _, _ in forced]
-        reached = {root, *path}
-        queue, late = deque([root]), deque(node for node in path if node >= 0)
+        reached = {root, *(self._node(child) for child, _, _ in forced)}
+        queue = deque([root])
+        late = deque(node for node in reached if node > -RINGS // 2)
         while queue or late:
-            for node, foot in graph[(queue or late).popleft()]:
+            at, sides = (queue.popleft(), graph) if queue else (late.popleft(), beside_path)
+            for node, foot in sides[at]:
                 if node not in reached and node > -RINGS // 2:
                     reached.add(node)
                     tree.add(foot)
                     queue.append(node)
-        if not graph.keys() <= reached:
+                    late.append(node)
+        if not graph.keys() | beside_path.keys() <= reached:
             raise UnfoldableError("the tree of corners does not reach every corner; move the drawing a little")
         return tree
 

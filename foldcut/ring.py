@@ -27,6 +27,8 @@ from foldcut.plane import left_normal
 
 # The petals' radii relative to the ring's: in the collar, and on the main side, where molecules must be lower.
 PETAL, MAIN_PETAL = 0.4, 0.36
+# How high the crevice triangles fold, relative to the ring's radius.
+HEIGHT = math.sqrt(PETAL / (2 + PETAL))
 PETAL_REACH = 1.85  # so many radii from the centres of a ring there are no petals any more
 SHARPEST = 5.0  # so many half-widths of the ribbon disks at sharp corners grow and move beyond it
 # A ring's disks have this many radii of room on either side of their centres.
@@ -52,11 +54,6 @@ class Ring:
     centres: Floats
     radius: float
     ends: Floats
-
-    @property
-    def height(self) -> float:
-        """How high the triangles fold that everything at the gate must fit into."""
-        return self.radius * math.sqrt(PETAL / (2 + PETAL))
 
 
 @dataclass(frozen=True, eq=False)
