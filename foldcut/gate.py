@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import heapq
 from collections import defaultdict, deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,12 +25,16 @@ from foldcut.boundary import boundary_disks
 from foldcut.errors import UnfoldableError
 from foldcut.faces import assemble, creases_of_stack, merge_stacks, outlines
 from foldcut.layers import join_unfolded, sheet_corners, walk
-from foldcut.model import CreasePattern, FoldedState, Ints, Shape, Sheet, index_array
-from foldcut.molecules import Molecules, build_molecules
+from foldcut.model import CreasePattern, FoldedState, Ragged, Shape, Sheet, index_array
+from foldcut.molecules import Kind, Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
 from foldcut.ring import HEIGHT, Parts, Ring, divide_faces, plan_rings, small_at_gates
 from foldcut.tolerance import Tolerance
+from foldcut.verify import verify
 
+# The room of a ring on either side, in radii of its disks, that is tried.
+ROOMS = (2.6, 3.5, 5.0)
+RINGS = 1_000_000
 Graph = dict[int, list[tuple[int, int]]]  # corner -> (corner next to it, tangency point between)
 Step = tuple[int, int, int]  # child corner, parent corner, tangency point
 
@@ -47,14 +51,32 @@ class Gated:
     excess: float
 
 
-def fold_gated(shape: Shape, sheet: Sheet, ribbon: float, *, move_layers: bool = True) -> Gated:
-    """Fold a shape with several loops by rings of equal disks; the pattern must be verified.
+def fold_gated(shape: Shape, sheet: Sheet, ribbon: float) -> Gated:
+    """Fold a shape with several loops by rings of equal disks: the first that is verified, with ever smaller disks.
 
-    ``shape`` is in the sheet's mm, ``ribbon`` the half-width in mm. ``move_layers=False`` leaves out the gate itself, for
-    tests. Raises ``UnfoldableError`` where there is no room.
+    ``shape`` is in the sheet's mm, ``ribbon`` the half-width in mm. Raises ``UnfoldableError`` with the loops and the
+    reason where there is no room or the layers cross.
     """
+    if len(shape.loops) < 2:
+        raise UnfoldableError("the shape has one boundary loop; a gate joins several")
+    reasons = []
+    for room in ROOMS:
+        try:
+            made = build_gated(shape, sheet, ribbon, room)
+        except UnfoldableError as error:
+            reasons.append(str(error))
+            continue
+        findings = verify(made.creases, made.folded.layers, shape)
+        if not findings:
+            return made
+        reasons.append(f"the pattern fails verification ({findings[0]})")
+    raise UnfoldableError(f"the shape's {len(shape.loops)} loops cannot be joined by gates: {reasons[0]}")
+
+
+def build_gated(shape: Shape, sheet: Sheet, ribbon: float, room: float, *, move_layers: bool = True) -> Gated:
+    """Build the pattern with one size of ring, not verified; without ``move_layers`` it has no gate (for tests)."""
     tolerance = Tolerance.for_sheet(sheet)
-    root, rings = plan_rings(shape, sheet, ribbon)
+    root, rings = plan_rings(shape, sheet, ribbon, room)
     boundary = boundary_disks(shape, sheet, ribbon, tolerance, small_at_gates(rings, ribbon))
     parts = divide_faces(boundary, rings)
     packing = with_molecules(fill_gaps(parts.boundary, tolerance), parts)
@@ -66,16 +88,10 @@ def fold_gated(shape: Shape, sheet: Sheet, ribbon: float, *, move_layers: bool =
 
 def with_molecules(packing: Packing, parts: Parts) -> Packing:
     """Return the packing with the triangles at the rings."""
-    return Packing(
-        packing.centres,
-        packing.radii,
-        packing.node,
-        type(packing.gaps).from_rows([*packing.gaps.to_lists(), *parts.molecules]),
-        index_array([*packing.gap_face.tolist(), *parts.parts]),
-        packing.face_inside,
-        packing.loop_nodes,
-        packing.ribbon,
-        packing.boundary_count,
+    return replace(
+        packing,
+        gaps=Ragged.from_rows([*packing.gaps.to_lists(), *parts.molecules]),
+        gap_face=index_array([*packing.gap_face.tolist(), *parts.parts]),
     )
 
 
@@ -125,7 +141,7 @@ class _Joined:
                 self._move(ring, walks)
         unfolded = [
             pair
-            for pair in self.molecules.creases[self.molecules.crease_kind == 3].tolist()
+            for pair in self.molecules.creases[self.molecules.crease_kind == Kind.SIDE].tolist()
             if any(self.loop_of_foot.get(vertex) for vertex in pair)
         ]
         joined, self.face_of = join_unfolded(self.molecules, np.array(unfolded))
@@ -320,6 +336,3 @@ class _Joined:
         )
         owners = zip(self.molecules.facet_molecule.tolist(), self.molecules.facet_corner.tolist(), strict=True)
         return max(facet for facet, owner in enumerate(owners) if owner == (number, place))
-
-
-RINGS = 1_000_000

@@ -22,6 +22,7 @@ from foldcut.assignment import Assignment, assign_creases, require_one_loop
 from foldcut.boundary import boundary_disks, default_ribbon
 from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
 from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
+from foldcut.gate import Gated, fold_gated
 from foldcut.layers import fold_layers
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
 from foldcut.mirror import Half, Mirrored, fold_mirrored, halves
@@ -83,7 +84,7 @@ class Result:
 
     folded_pattern: FoldedPattern
     findings: tuple[Finding, ...]
-    stages: PaperStages | Compact | Mirrored
+    stages: PaperStages | Compact | Mirrored | Gated
     method: str
     actions: int
     attempts: tuple[Attempt, ...]
@@ -131,8 +132,8 @@ def fold(
     ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in mm,
     ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
     ``rotation`` in degrees counter-clockwise. ``method`` is "mirror" (the shape's mirror axes are folded first, the
-    rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), or "auto":
-    of the first two, the one with fewer folding actions. ``ribbon`` is the half-width in mm of the strip along the
+    rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), "gate"
+    (the same for several loops), or "auto": of the first two, the one with fewer folding actions, else the gate. ``ribbon`` is the half-width in mm of the strip along the
     shape's boundary that is not folded; None is the method's default, which for "paper" is a small one: without,
     creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may have, None the
     method's default (0.5, "paper": 0). ``simplify`` leaves out corners that are off by no more than so many mm on the
@@ -211,7 +212,7 @@ class _Made:
     """What a method made of a shape on its sheet."""
 
     method: str
-    stages: PaperStages | Compact | Mirrored
+    stages: PaperStages | Compact | Mirrored | Gated
     laid: _Laid
     ribbon: float
     actions: int
@@ -246,6 +247,8 @@ class _Trials:
         """Return what a method makes, or the best of what several do."""
         if method == "paper":
             return self._kept(self._paper(laid))
+        if method == "gate":
+            return self._kept(self._gate(laid))
         made: list[_Made] = []
         reasons: list[str] = []
         interrupted = False
@@ -268,6 +271,11 @@ class _Trials:
             except KeyboardInterrupt:
                 if not made:
                     raise
+        if not made and len(laid.shape.loops) > 1:
+            try:
+                made.append(self._kept(self._gate(laid)))
+            except UnfoldableError as error:
+                reasons.append(self._failed("gate", error))
         if not made:
             raise UnfoldableError("; ".join(reasons))
         return min(made, key=lambda one: rank(one.actions, shortest_crease(one.stages.creases)))
@@ -332,6 +340,12 @@ class _Trials:
             f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; "
             f"make it so with --symmetry {math.ceil(off * 100) / 100:g}mm"
         )
+
+    def _gate(self, laid: _Laid) -> _Made:
+        ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon
+        with self.stages("gates"):
+            made = fold_gated(laid.shape, laid.sheet, ribbon)
+        return _Made("gate", made, laid, ribbon, crease_numbers(made.creases).lines)
 
     def _paper(self, laid: _Laid) -> _Made:
         require_one_loop(laid.shape)

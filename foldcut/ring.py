@@ -31,9 +31,7 @@ PETAL, MAIN_PETAL = 0.4, 0.36
 HEIGHT = math.sqrt(PETAL / (2 + PETAL))
 PETAL_REACH = 1.85  # so many radii from the centres of a ring there are no petals any more
 SHARPEST = 5.0  # so many half-widths of the ribbon disks at sharp corners grow and move beyond it
-# A ring's disks have this many radii of room on either side of their centres.
-ROOM = 2.6
-FEWEST = 9
+FEWEST, MOST = 9, 400  # disks of a ring
 # Disks of the corridor and boundary disks near the gate, relative to the ring's.
 SMALL = 0.4
 # How far from the gate boundary disks are small, in radii of the ring.
@@ -71,32 +69,35 @@ class Parts:
     collar: dict[int, int]
 
 
-def plan_rings(shape: Shape, sheet: Sheet, ribbon: float, room: float = ROOM) -> tuple[int, list[Ring]]:
+def plan_rings(shape: Shape, sheet: Sheet, ribbon: float, room: float) -> tuple[int, list[Ring]]:
     """Return the root loop, numbered from 1, and a ring around each other loop.
 
+    A ring has ``room`` radii on either side of its disks' centres, at least 2.5.
     Raises ``UnfoldableError`` with the loop's place where there is no room for a ring.
     """
     polygons = [shapely.Polygon(loop) for loop in shape.loops]
     root = max((k for k, above in enumerate(shape.parent) if above < 0), key=lambda k: polygons[k].area)
-    rings = []
-    curves: list[shapely.LinearRing] = []
-    for child, face in enumerate(shape.parent):
-        if child == root:
-            continue
-        above = root if face < 0 else face
-        around = polygons[above].exterior
+    children = [child for child in range(len(polygons)) if child != root]
+    curves, obstacles = {}, {}
+    for child in children:
+        face = shape.parent[child]
+        around = polygons[root if face < 0 else face].exterior
         if face < 0:
             around = shapely.union(around, shapely.LinearRing(sheet.corners))
-        siblings = [p.exterior for k, p in enumerate(polygons) if shape.parent[k] == face and k not in (child, root)]
-        free = min([polygons[child].distance(around) / 2] + [polygons[child].distance(s) / 3 for s in siblings])
+        siblings = [polygons[k].exterior for k in children if shape.parent[k] == face and k != child]
+        obstacles[child] = shapely.union_all([around, *siblings])
+        free = min([polygons[child].distance(around) / 2] + [polygons[child].distance(s) / 3.5 for s in siblings])
         # Closing rounds the notches in the curve.
-        curve = shapely.remove_repeated_points(
-            polygons[child].buffer(2 * free, quad_segs=32).buffer(-free, quad_segs=32).exterior
-        )
-        obstacles = shapely.union_all([around, polygons[child].exterior, *siblings, *curves])
-        curves.append(curve)
-        radius = (curve.distance(obstacles) - SHARPEST * ribbon) / room
-        rings.append(_ring(child + 1, face + 1, above + 1, curve, radius, polygons, shape))
+        curves[child] = polygons[child].buffer(2 * free, quad_segs=32).buffer(-free, quad_segs=32).exterior
+    rings = []
+    for child in children:
+        curve, face = curves[child], shape.parent[child]
+        radius = curve.distance(shapely.union(obstacles[child], polygons[child].exterior)) - SHARPEST * ribbon
+        others = [curves[k] for k in children if shape.parent[k] == face and k != child]
+        radius = min([radius / room] + [curve.distance(other) / (1.5 * room) for other in others])
+        if radius < 2 * ribbon:
+            radius = 0.0
+        rings.append(_ring(child + 1, face + 1, (root if face < 0 else face) + 1, curve, radius, polygons, shape))
     return root + 1, rings
 
 
@@ -109,11 +110,12 @@ def _ring(
     polygons: list[shapely.Polygon],
     shape: Shape,
 ) -> Ring:
-    count = max(FEWEST, math.ceil(curve.length / (2 * radius))) if radius > 0 else MAX_RING + 1
-    if count > MAX_RING:
+    count = max(FEWEST, math.ceil(curve.length / (2 * radius))) if radius > 0 else MOST + 1
+    if count > MOST:
         x, y = shape.loops[loop - 1].mean(axis=0)
         raise UnfoldableError(
-            f"around loop {loop}, near ({x:.4g}, {y:.4g}), is so little room that its ring would have {count} disks"
+            f"there is too little room around loop {loop}, near ({x:.4g}, {y:.4g}), for a ring of at most {MOST} disks; "
+            "move the loops apart or use a bigger sheet"
         )
     at = np.arange(count) * (curve.length / count)
     centres = shapely.get_coordinates(shapely.line_interpolate_point(curve, at))
@@ -126,9 +128,6 @@ def _ring(
     gate = shapely.Point(centres[0])
     ends = np.array([line.interpolate(line.project(gate)).coords[0] for line in lines])
     return Ring(loop, face, above, centres, float(np.hypot(*(centres[1] - centres[0]))) / 2, ends)
-
-
-MAX_RING = 400
 
 
 def _equal_sides(points: Floats) -> Floats:
@@ -262,12 +261,21 @@ class _Divider:
     def _corridor(self, ring: Ring, disks: list[int], part: int, end: Floats) -> None:
         """Lay a hexagonal strip from the ring's first disk to a loop, as far as it is free."""
         small = SMALL * ring.radius
+        own = {disk for triangle in self.molecules for disk in triangle if set(triangle) & set(disks)}
         mine = {disk for chain, its in zip(self.chains, self.chain_part, strict=True) if its == part for disk in chain}
         taken = sorted(mine.union(disks))
         centres, radii = np.array([self.centres[d] for d in taken]), np.array([self.radii[d] for d in taken])
+        walls = shapely.union_all(
+            [
+                shapely.LinearRing([self.centres[disk] for disk in chain])
+                for chain, its in zip(self.chains, self.chain_part, strict=True)
+                if its == part and len(chain) > 2 and chain[0] not in own
+            ]
+        )
         for place in _strip(ring.centres[0], end, small):
             slack = np.hypot(*(centres - place).T) - radii - small
-            if slack.min() > 0.1 * small:
+            way = shapely.LineString([ring.centres[0], place])
+            if slack.min() > 0.1 * small and not way.intersects(walls):
                 self.chains.append([self._add(place, small)])
                 self.chain_part.append(part)
 
