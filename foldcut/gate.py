@@ -272,7 +272,7 @@ class _Joined:
 
     def _roots(self) -> dict[int, tuple[int, int]]:
         """By part, the molecule and the side that T_M is rooted at."""
-        roots = {}
+        roots: dict[int, tuple[int, int]] = {}
         sides = self.molecules.boundary_sides.tolist()
         for loop in (self.root, *self.collar):
             mine = [side for side in sides if side[3] == loop]

@@ -10,4 +10,4 @@ EFFORTS = ("fast", "normal", "best")
 """How long there is a search for the best pattern."""
 
 MIN_CREASE_MM = {"mirror": 0.5, "compact": 0.5, "paper": 0.0, "gate": 0.0}
-"""The shortest crease that a method's patterns may have unless told otherwise; the paper's and the gate's are tiny by nature."""
+"""The shortest crease that a method's patterns may have unless told otherwise; disk packings have tiny ones."""

@@ -129,17 +129,17 @@ def fold(
 ) -> Result:
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
 
-    ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in mm,
-    ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
+    ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in
+    mm, ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
     ``rotation`` in degrees counter-clockwise. ``method`` is "mirror" (the shape's mirror axes are folded first, the
     rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), "gate"
-    (the same for several loops), or "auto": of the first two, the one with fewer folding actions, else the gate. ``ribbon`` is the half-width in mm of the strip along the
-    shape's boundary that is not folded; None is the method's default, which for "paper" is a small one: without,
-    creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may have, None the
-    method's default (0.5, "paper": 0). ``simplify`` leaves out corners that are off by no more than so many mm on the
-    sheet; ``symmetry`` takes a drawing as symmetric whose corners are off by so much, and makes it so. ``effort``
-    ("fast", "normal", "best") and ``seconds`` bound the search. ``progress`` is called with a stage's name and the part
-    of it that is done.
+    (the same for several loops), or "auto": of the first two, the one with fewer folding actions, else the gate.
+    ``ribbon`` is the half-width in mm of the strip along the shape's boundary that is not folded; None is the
+    method's default, which for "paper" is a small one: without, creases fold onto the cut line. ``min_crease`` is
+    the shortest crease in mm that a pattern may have, None the method's default (0.5, "paper": 0). ``simplify``
+    leaves out corners that are off by no more than so many mm on the sheet; ``symmetry`` takes a drawing as
+    symmetric whose corners are off by so much, and makes it so. ``effort`` ("fast", "normal", "best") and
+    ``seconds`` bound the search. ``progress`` is called with a stage's name and the part of it that is done.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern

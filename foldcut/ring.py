@@ -6,7 +6,7 @@ equal-disk gate).
 A face of the plane with several loops has one *main part* and, around each loop reached through it, a *collar*. Main
 parts are numbered as the faces are, collars after them. Between a collar and its main part lies a ring of equal disks,
 each of which touches the next. *Petals* fill the crevices between two of them on either side, and smaller equal disks
-close the fan around each. The *corridor* is a strip of a hexagonal packing of small disks, from either loop to the ring.
+close the fan around each. The *corridor* is a strip of a hexagonal packing of small disks, from loop to ring.
 
 Invariants: the triangles at a ring's disks are no higher on the main side than in the collar's crevices.
 """
@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -114,8 +115,8 @@ def _ring(
     if count > MOST:
         x, y = shape.loops[loop - 1].mean(axis=0)
         raise UnfoldableError(
-            f"there is too little room around loop {loop}, near ({x:.4g}, {y:.4g}), for a ring of at most {MOST} disks; "
-            "move the loops apart or use a bigger sheet"
+            f"there is too little room around loop {loop}, near ({x:.4g}, {y:.4g}), for a ring of at most {MOST} "
+            "disks; move the loops apart or use a bigger sheet"
         )
     at = np.arange(count) * (curve.length / count)
     centres = shapely.get_coordinates(shapely.line_interpolate_point(curve, at))
@@ -229,7 +230,7 @@ class _Divider:
         for k, disk in enumerate(disks):
             fan = [petals[k - 1], *self._fan(ring[k], radius, places[k - 1], places[k], size), petals[k]]
             chain += fan[:-1]
-            for one, other in zip(fan, fan[1:], strict=False):
+            for one, other in pairwise(fan):
                 self._molecule([disk, other, one], part)
             self._molecule([disk, disks[k + 1 - len(disks)], petals[k]], part)
         self.chains.append(chain)
