@@ -590,8 +590,8 @@ def _add_make(commands: Any) -> None:
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",
-        help="half the width of an unfolded ribbon along the cut (default: none; with --method paper and gate, which need "
-        "one, 0.25mm or what the drawing has room for)",
+        help="half the width of an unfolded ribbon along the cut (default: none; with --method paper and gate, which "
+        "need one, 0.25mm or what the drawing has room for)",
     )
     make.add_argument(
         "--min-crease",
