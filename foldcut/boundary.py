@@ -113,7 +113,7 @@ def boundary_disks(
     if radii is None:
         raise RibbonError(_too_wide(shape, sheet, ribbon))
     if limit is not None:
-        radii = [np.minimum(radius, limit(loop.corners, radius)) for loop, radius in zip(loops, radii, strict=True)]
+        radii = [_limited(loop, radius, limit) for loop, radius in zip(loops, radii, strict=True)]
     radii = _separate_vertex_disks(loops, radii, tolerance)
     pieces = _split_crowded(loops, radii, tolerance, limit)
     inside = np.array([False] + [shape.depth(i) % 2 == 0 for i in range(len(shape.loops))])
@@ -234,6 +234,14 @@ def _separate_vertex_disks(loops: list[_Loop], radii: list[Floats], tolerance: T
     return radii
 
 
+def _limited(loop: _Loop, radii: Floats, limit: Limit) -> Floats:
+    """Shrink vertex disks to what is allowed on either border of the ribbon."""
+    for _, sign in loop.sides:
+        shift = loop.shift(sign)
+        radii = np.minimum(radii, limit(loop.offset(sign), radii - shift) + shift)
+    return np.maximum(radii, np.abs(loop.shift(1)) * 1.1)
+
+
 def _nearly_touching(slack: Floats, a: Floats, b: Floats, tolerance: Tolerance) -> Bools:
     return (slack > tolerance.touching(a, b)) & (slack < NEARLY * np.minimum(a, b))
 
@@ -316,7 +324,8 @@ def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance
         crowded[owner[i[take_i]]] = True
         crowded[owner[j[take_j]]] = True
         if limit is not None:
-            crowded |= sides[0][2] > limit(sides[0][1], sides[0][2])
+            for _, side_centres, side_radii in sides:
+                crowded |= side_radii > limit(side_centres, side_radii)
         if not crowded.any():
             return pieces
         pieces = pieces.split(crowded)

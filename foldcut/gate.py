@@ -77,7 +77,7 @@ def build_gated(shape: Shape, sheet: Sheet, ribbon: float, room: float, *, move_
     """Build the pattern with one size of ring, not verified; without ``move_layers`` it has no gate (for tests)."""
     tolerance = Tolerance.for_sheet(sheet)
     root, rings = plan_rings(shape, sheet, ribbon, room)
-    boundary = boundary_disks(shape, sheet, ribbon, tolerance, small_at_gates(rings, ribbon))
+    boundary = boundary_disks(shape, sheet, ribbon, tolerance, small_at_gates(rings))
     parts = divide_faces(boundary, rings)
     packing = with_molecules(fill_gaps(parts.boundary, tolerance), parts)
     molecules = build_molecules(packing, tolerance)

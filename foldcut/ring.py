@@ -151,14 +151,14 @@ def _equal_sides(points: Floats) -> Floats:
     return points
 
 
-def small_at_gates(rings: list[Ring], ribbon: float) -> Limit:
+def small_at_gates(rings: list[Ring]) -> Limit:
     """Return the limit that keeps boundary disks off the rings' petals, and small near the ends of the corridors."""
 
     def limit(centres: Floats, radii: Floats) -> Floats:
         largest = np.full(len(centres), np.inf)
         for ring in rings:
             away = shapely.distance(shapely.points(centres), shapely.LinearRing(ring.centres))
-            largest = np.minimum(largest, away - PETAL_REACH * ring.radius - SHARPEST * ribbon)
+            largest = np.minimum(largest, away - PETAL_REACH * ring.radius)
             for end in ring.ends:
                 near = np.hypot(*(centres - end).T) - radii < NEAR * ring.radius
                 largest[near] = np.minimum(largest[near], SMALL * ring.radius)
