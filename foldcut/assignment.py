@@ -92,7 +92,7 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
             behind[foot].append((number, side))
 
     roots = _roots(molecules, behind, face, inside)
-    entry_side, parent = _molecule_tree(feet, behind, roots, tree_feet, loop_of_foot)
+    entry_side, parent = molecule_tree(feet, behind, roots, tree_feet, loop_of_foot)
     assignment = _assign(molecules, corner_tree, entry_side, loop_of_foot)
     order = sorted((number for number, _ in roots), key=lambda number: not inside[face[number]])
     return Assignment(
@@ -104,18 +104,18 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
     )
 
 
-def _ribbon_partners(molecules: Molecules) -> dict[int, int]:
+def ribbon_partners(molecules: Molecules) -> dict[int, int]:
     """Vertices on the left border of the ribbon to their like on the right one."""
     return dict(molecules.creases[molecules.crease_kind == Kind.RIBBON].tolist())
 
 
 def _right_feet(molecules: Molecules, loop_of_foot: dict[int, int]) -> dict[int, int]:
-    partners = _ribbon_partners(molecules)
+    partners = ribbon_partners(molecules)
     return {partners[foot]: loop for foot, loop in loop_of_foot.items() if foot in partners}
 
 
 def _right_corners(molecules: Molecules) -> set[int]:
-    return set(_ribbon_partners(molecules).values())
+    return set(ribbon_partners(molecules).values())
 
 
 def _corner_tree(
@@ -161,13 +161,13 @@ def _roots(
     sides = molecules.boundary_sides[molecules.boundary_sides[:, 3] > 0]
     lengths = molecules.folded[sides[:, 0], 0] + molecules.folded[sides[:, 2], 0]
     start, foot, _, _ = sides[int(np.argmax(lengths > lengths.max() * (1 - 1e-9)))].tolist()
-    partner = _ribbon_partners(molecules).get(foot, foot)
+    partner = ribbon_partners(molecules).get(foot, foot)
     places = behind[foot] + (behind[partner] if partner != foot else [])
     assert len(places) == 2, (start, foot)
     return sorted(places, key=lambda place: not inside[face[place[0]]])
 
 
-def _molecule_tree(
+def molecule_tree(
     feet: list[list[int]],
     behind: dict[int, list[tuple[int, int]]],
     roots: list[tuple[int, int]],

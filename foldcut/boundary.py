@@ -14,6 +14,7 @@ Invariants: along a loop each disk touches the next one; disks of one face do no
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,8 @@ NARROWEST_RIBBON = 1e-7
 # that edge's end.)
 NEARLY = 0.02
 MAX_DISKS = 100_000
+Limit = Callable[[Floats, Floats], Floats]
+"""Of disks with these centres and radii, the largest radius that each may have."""
 # A pencil line's width on either side: less is hard to crease, more is a visible strip.
 DEFAULT_RIBBON_MM = 0.25
 
@@ -88,10 +91,13 @@ class _Loop:
         return sign * self.half_width * self.outward_cot
 
 
-def boundary_disks(shape: Shape, sheet: Sheet, ribbon: float, tolerance: Tolerance) -> BoundaryDisks:
+def boundary_disks(
+    shape: Shape, sheet: Sheet, ribbon: float, tolerance: Tolerance, limit: Limit | None = None
+) -> BoundaryDisks:
     """Cover every edge of ``shape`` and ``sheet`` with disks centred on it.
 
-    ``shape`` is in the sheet's mm; ``ribbon`` is the half-width in mm of the unfolded strip along the shape's boundary.
+    ``shape`` is in the sheet's mm; ``ribbon`` is the half-width in mm of the unfolded strip along the shape's boundary;
+    ``limit`` keeps disks small where it matters.
     Raises ``RibbonError`` with the largest, or the least, width that works, ``UnfoldableError`` when a feature needs
     too many disks.
     Source: paper section 2 (vertex disks, crowded edges) and section 5.
@@ -106,8 +112,10 @@ def boundary_disks(shape: Shape, sheet: Sheet, ribbon: float, tolerance: Toleran
     radii = _vertex_radii(loops)
     if radii is None:
         raise RibbonError(_too_wide(shape, sheet, ribbon))
+    if limit is not None:
+        radii = [_limited(loop, radius, limit) for loop, radius in zip(loops, radii, strict=True)]
     radii = _separate_vertex_disks(loops, radii, tolerance)
-    pieces = _split_crowded(loops, radii, tolerance)
+    pieces = _split_crowded(loops, radii, tolerance, limit)
     inside = np.array([False] + [shape.depth(i) % 2 == 0 for i in range(len(shape.loops))])
     return _assemble(loops, radii, pieces, inside, ribbon)
 
@@ -226,6 +234,14 @@ def _separate_vertex_disks(loops: list[_Loop], radii: list[Floats], tolerance: T
     return radii
 
 
+def _limited(loop: _Loop, radii: Floats, limit: Limit) -> Floats:
+    """Shrink vertex disks to what is allowed on either border of the ribbon."""
+    for _, sign in loop.sides:
+        shift = loop.shift(sign)
+        radii = np.minimum(radii, limit(loop.offset(sign), radii - shift) + shift)
+    return np.maximum(radii, np.abs(loop.shift(1)) * 1.1)
+
+
 def _nearly_touching(slack: Floats, a: Floats, b: Floats, tolerance: Tolerance) -> Bools:
     return (slack > tolerance.touching(a, b)) & (slack < NEARLY * np.minimum(a, b))
 
@@ -280,7 +296,7 @@ def _piece_disks(loops: list[_Loop], pieces: _Pieces, sign: int) -> tuple[Floats
     return centres, (pieces.end - pieces.start) / 2
 
 
-def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance) -> _Pieces:
+def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance, limit: Limit | None) -> _Pieces:
     """Halve edges until no diameter disk overlaps another disk of its face; of two, the larger is halved."""
     pieces = _first_pieces(loops, radii, tolerance)
     face_of = {sign: np.array([{s: f for f, s in loop.sides}.get(sign, -1) for loop in loops]) for sign in (1, -1)}
@@ -307,6 +323,9 @@ def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance
         crowded = np.zeros(count, dtype=bool)
         crowded[owner[i[take_i]]] = True
         crowded[owner[j[take_j]]] = True
+        if limit is not None:
+            for _, side_centres, side_radii in sides:
+                crowded |= side_radii > limit(side_centres, side_radii)
         if not crowded.any():
             return pieces
         pieces = pieces.split(crowded)

@@ -899,7 +899,7 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
         default=DEFAULT_METHOD,
         help="mirror: fold the drawing's mirror axes first, the rest through two or four layers; compact: few creases; "
         "auto: of these, what is easiest to fold; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
-        "thousands of creases (default: %(default)s)",
+        "thousands of creases; gate: the same for several loops, what auto takes last (default: %(default)s)",
     )
     make.add_argument(
         "--effort",
@@ -914,13 +914,13 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",
-        help="half the width of an unfolded ribbon along the cut (default: none; with --method paper, which needs one, "
-        "0.25mm or what the drawing has room for)",
+        help="half the width of an unfolded ribbon along the cut (default: none; with --method paper and gate, which "
+        "need one, 0.25mm or what the drawing has room for)",
     )
     make.add_argument(
         "--min-crease",
         metavar="LENGTH",
-        help="refuse patterns with a shorter crease (default: 0.5mm; with --method paper 0mm)",
+        help="refuse patterns with a shorter crease (default: 0.5mm; with --method paper and gate 0mm)",
     )
     make.add_argument(
         "--simplify",

@@ -19,7 +19,7 @@ import numpy as np
 
 from foldcut.assignment import Assignment
 from foldcut.faces import assemble, merge_stacks, outlines
-from foldcut.model import CreasePattern, FoldedState
+from foldcut.model import CreasePattern, FoldedState, Ints
 from foldcut.molecules import Molecules
 
 
@@ -30,25 +30,25 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
     Source: paper section 4.
     """
     inside_root, outside_root = assignment.roots
-    inside = _walk(molecules, assignment, inside_root)
-    outside = _walk(molecules, assignment, outside_root)[::-1]
-    joined, face_of = _join_unfolded(molecules, assignment)
+    entry, parent = assignment.entry_side.tolist(), assignment.parent.tolist()
+    inside = walk(molecules, entry, parent, inside_root)
+    outside = walk(molecules, entry, parent, outside_root)[::-1]
+    joined, face_of = join_unfolded(molecules, molecules.creases[assignment.crease_assignment == "F"])
     shared = {face for face, parts in joined.items() if len(parts) > 1}
     order = merge_stacks([face_of[f] for f in inside], [face_of[f] for f in outside], shared)[::-1]
     rings = [ring for face in order for ring in outlines([molecules.facets[f].tolist() for f in joined[face]])]
     keep = np.isin(assignment.crease_assignment, ("M", "V", "B"))
     edges = [(a, b) for a, b in molecules.creases[keep].tolist()]
     kinds = assignment.crease_assignment[keep].tolist()
-    return assemble(molecules.vertices, molecules.folded, rings, edges, kinds, _sheet_corners(molecules))
+    return assemble(molecules.vertices, molecules.folded, rings, edges, kinds, sheet_corners(molecules))
 
 
-def _walk(molecules: Molecules, assignment: Assignment, root: int) -> list[int]:
+def walk(molecules: Molecules, entry: list[int], parent: list[int], root: int) -> list[int]:
     """The facets of one face of the plane, top to bottom: preorder of T_M, from each entry side counter-clockwise."""
     around: dict[tuple[int, int], list[int]] = defaultdict(list)
     for facet, place in enumerate(zip(molecules.facet_molecule.tolist(), molecules.facet_corner.tolist(), strict=True)):
         around[place].append(facet)
     feet = molecules.feet.to_lists()
-    entry, parent = assignment.entry_side.tolist(), assignment.parent.tolist()
     child: dict[tuple[int, int], int] = {}
     for number, above in enumerate(parent):
         if above >= 0:
@@ -68,9 +68,9 @@ def _walk(molecules: Molecules, assignment: Assignment, root: int) -> list[int]:
     return order
 
 
-def _join_unfolded(molecules: Molecules, assignment: Assignment) -> tuple[dict[int, list[int]], list[int]]:
-    """Facets joined across sides that are not folded: facets by face, and the face of each facet."""
-    unfolded = {frozenset(pair) for pair in molecules.creases[assignment.crease_assignment == "F"].tolist()}
+def join_unfolded(molecules: Molecules, sides: Ints) -> tuple[dict[int, list[int]], list[int]]:
+    """Facets joined across sides that are not folded, ``(n, 2)``: facets by face, and the face of each facet."""
+    unfolded = {frozenset(pair) for pair in sides.tolist()}
     face_of = list(range(len(molecules.facets)))
 
     def face(facet: int) -> int:
@@ -90,7 +90,7 @@ def _join_unfolded(molecules: Molecules, assignment: Assignment) -> tuple[dict[i
     return joined, [face(facet) for facet in range(len(face_of))]
 
 
-def _sheet_corners(molecules: Molecules) -> set[int]:
+def sheet_corners(molecules: Molecules) -> set[int]:
     """The vertices at the corners of the sheet."""
     border = molecules.boundary_sides[molecules.boundary_sides[:, 3] == 0]
     points = molecules.vertices[border[:, 0]]

@@ -409,8 +409,8 @@ def _largest_first(found: list[tuple[_Candidate, Leaf]]) -> Iterator[tuple[_Cand
 
 
 def _leaves(gap: list[Chain]) -> list[Leaf]:
-    """The pairs of consecutive visits of all chains."""
-    return [leaf for chain in gap for leaf in zip(chain, chain[1:] + chain[:1], strict=True)]
+    """The pairs of consecutive visits of all chains; a disk by itself has none."""
+    return [leaf for chain in gap if len(chain) > 1 for leaf in zip(chain, chain[1:] + chain[:1], strict=True)]
 
 
 def _angle(start: Floats, end: Floats) -> float:

@@ -24,6 +24,7 @@ from foldcut.assignment import Assignment, assign_creases, require_one_loop
 from foldcut.boundary import boundary_disks, default_ribbon
 from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
 from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
+from foldcut.gate import Gated, fold_gated
 from foldcut.layers import fold_layers
 from foldcut.limits import Limits
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
@@ -98,7 +99,7 @@ class Result:
 
     folded_pattern: FoldedPattern
     findings: tuple[Finding, ...]
-    stages: PaperStages | Compact | Mirrored
+    stages: PaperStages | Compact | Mirrored | Gated
     method: str
     actions: int
     attempts: tuple[Attempt, ...]
@@ -164,18 +165,19 @@ def fold(
 ) -> Result:
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
 
-    ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in mm,
-    ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
+    ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in
+    mm, ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
     ``rotation`` in degrees counter-clockwise. ``method`` is "mirror" (the shape's mirror axes are folded first, the
-    rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), or "auto":
-    of the first two, the one with fewer folding actions. ``ribbon`` is the half-width in mm of the strip along the
-    shape's boundary that is not folded; None is the method's default, which for "paper" is a small one: without,
-    creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may have, None the
-    method's default (0.5, "paper": 0). ``simplify`` leaves out corners that are off by no more than so many mm on the
-    sheet; ``symmetry`` takes a drawing as symmetric whose corners are off by so much, and makes it so. ``effort``
-    ("fast", "normal", "best") and ``seconds`` bound the search. ``limits`` bound how large
-    a file may be. ``preparation`` says how the drawing is mended and simplified, None that it must be a shape as it is.
-    ``progress`` is called with a stage's name and the part of it that is done.
+    rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), "gate"
+    (the same for several loops), or "auto": of the first two, the one with fewer folding actions, else the gate.
+    ``ribbon`` is the half-width in mm of the strip along the shape's boundary that is not folded; None is the
+    method's default, which for "paper" is a small one: without, creases fold onto the cut line. ``min_crease`` is
+    the shortest crease in mm that a pattern may have, None the method's default (0.5, "paper": 0). ``simplify``
+    leaves out corners that are off by no more than so many mm on the sheet; ``symmetry`` takes a drawing as
+    symmetric whose corners are off by so much, and makes it so. ``effort`` ("fast", "normal", "best") and
+    ``seconds`` bound the search. ``limits`` bound how large a file may be. ``preparation`` says how the drawing is
+    mended and simplified, None that it must be a shape as it is. ``progress`` is called with a stage's name and the
+    part of it that is done.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
@@ -273,7 +275,7 @@ class _Made:
     """What a method made of a shape on its sheet."""
 
     method: str
-    stages: PaperStages | Compact | Mirrored
+    stages: PaperStages | Compact | Mirrored | Gated
     laid: _Laid
     ribbon: float
     actions: int
@@ -308,6 +310,8 @@ class _Trials:
         """Return what a method makes, or the best of what several do."""
         if method == "paper":
             return self._kept(self._paper(laid))
+        if method == "gate":
+            return self._kept(self._gate(laid))
         made: list[_Made] = []
         reasons: list[str] = []
         interrupted = False
@@ -330,6 +334,11 @@ class _Trials:
             except KeyboardInterrupt:
                 if not made:
                     raise
+        if not made and len(laid.shape.loops) > 1:
+            try:
+                made.append(self._kept(self._gate(laid)))
+            except UnfoldableError as error:
+                reasons.append(self._failed("gate", error))
         if not made:
             raise UnfoldableError("; ".join(reasons))
         return min(made, key=lambda one: rank(one.actions, shortest_crease(one.stages.creases)))
@@ -394,6 +403,12 @@ class _Trials:
             f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; "
             f"make it so with --symmetry {math.ceil(off * 100) / 100:g}mm"
         )
+
+    def _gate(self, laid: _Laid) -> _Made:
+        ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon
+        with self.stages("gates"):
+            made = fold_gated(laid.shape, laid.sheet, ribbon)
+        return _Made("gate", made, laid, ribbon, crease_numbers(made.creases).lines)
 
     def _paper(self, laid: _Laid) -> _Made:
         require_one_loop(laid.shape)
