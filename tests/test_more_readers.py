@@ -278,9 +278,9 @@ def test_a_file_may_be_called_anything_and_come_from_standard_input(
 
 
 def test_sizes_are_bounded(tmp_path: Path) -> None:
-    with pytest.raises(FileFormatError, match="the file has 25 bytes, and at most 10 are allowed"):
+    with pytest.raises(FileFormatError, match="the file has 19 bytes, and at most 10 are allowed"):
         read(tmp_path, "a.csv", "0,0\n20,0\n20,10\n0,10", limits=Limits(bytes=10))
-    with pytest.raises(FileFormatError, match="the drawing has 4 points, and at most 3 are allowed"):
+    with pytest.raises(FileFormatError, match="about 4 points, and at most 3 are allowed"):
         read(tmp_path, "a.csv", "0,0\n20,0\n20,10\n0,10", limits=Limits(points=3))
 
 
