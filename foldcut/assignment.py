@@ -61,8 +61,8 @@ def require_one_loop(shape: Shape) -> None:
         x, y = loop.mean(axis=0)
         names.append(f"loop {number} ({role}, {len(loop)} corners, around ({x:.4g}, {y:.4g}))")
     raise UnfoldableError(
-        f"the shape has {len(names)} boundary loops, and only one can be folded so far: {', '.join(names)}; "
-        "give a drawing with one loop, or cut the loops from separate sheets"
+        f"the shape has {len(names)} boundary loops, and this method folds only one: {', '.join(names)}; "
+        "try --method auto, or cut the loops from separate sheets"
     )
 
 

@@ -176,17 +176,22 @@ def _method_numbers(result: Result) -> Report:
     if result.method in ("compact", "mirror"):
         found = stages if result.method == "compact" else stages.found
         return {"tried": found.tried, "interrupted": found.interrupted}
-    return {"disks": len(stages.packing.radii), "molecules": len(stages.molecules.corners)}
+    numbers = {"disks": len(stages.packing.radii), "molecules": len(stages.molecules.corners)}
+    return numbers | ({"rings": len(stages.rings)} if result.method == "gate" else {})
 
 
 def _method_rows(report: Report) -> list[tuple[str, str]]:
     """Return the lines on how the pattern was made."""
     width = f"ribbon {report['ribbon_mm']:.3g} mm"
+    packing = f"{report.get('disks')} disks, {report.get('molecules')} molecules"
     if report["method"] == "paper":
         ribbon = f"{width} (the paper's method needs one)" if report["ribbon_mm"] else "no ribbon"
-        return [("packing", f"{report['disks']} disks, {report['molecules']} molecules"), ("", ribbon)]
-    best = f"{report['method']}, best of {report['tried']} tried"
-    rows = [("method", f"interrupted: {best}" if report["interrupted"] else best)]
+        return [("packing", packing), ("", ribbon)]
+    if report["method"] == "gate":
+        rows = [("method", f"gate: {report['rings']} rings, {packing}")]
+    else:
+        best = f"{report['method']}, best of {report['tried']} tried"
+        rows = [("method", f"interrupted: {best}" if report["interrupted"] else best)]
     others = (attempt for attempt in report["attempts"] if attempt["method"] != report["method"])
     rows += [("", f"{attempt['method']}: {_attempt_text(attempt)}") for attempt in others]
     return [*rows, ("", width)] if report["ribbon_mm"] else rows

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 import shapely
@@ -10,6 +14,7 @@ from strategies import Points, rectangle, regular
 
 import foldcut
 from foldcut.boundary import default_ribbon
+from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.flatfold import fold_faces
 from foldcut.gate import ROOMS, build_gated, fold_gated
@@ -99,3 +104,14 @@ def test_no_room_for_a_ring_is_refused_with_the_loop() -> None:
 def test_one_loop_needs_no_gate() -> None:
     with pytest.raises(UnfoldableError, match="one boundary loop"):
         foldcut.fold(sample_path("fish"), method="gate")
+
+
+def test_the_command_reports_rings_and_why_the_others_lost(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    drawing = tmp_path / "two.json"
+    drawing.write_text(json.dumps({"loops": [loop.tolist() for loop in random_loops(3, holes=True)]}))
+    command = ["make", str(drawing), "--method", "auto", "--margin", "40mm", "--effort", "fast", "--min-crease", "0mm"]
+    assert main([*command, "-o", str(tmp_path / "two.fold")]) == 0
+    said = capsys.readouterr().out
+    assert re.search(r"method +gate: [1-3] rings, \d+ disks", said)
+    assert "compact: " in said
+    assert "verified  " in said
