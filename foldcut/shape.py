@@ -293,9 +293,10 @@ def _refuse_crossing(boundary: _Boundary, frame: _Frame, one: int, other: int) -
     else:
         verb, place = "touches", ends[reaches.argmin()]
     subject, target = boundary.pair(one, other)
+    remedy = ", or all that touch with --separate" if verb == "touches" else ""
     raise ShapeError(
         f"{subject} {verb} {target} at {frame.at(place)}; "
-        f"separate the two edges by at least {frame.length(FEATURE_TOLERANCE)}"
+        f"separate the two edges by at least {frame.length(FEATURE_TOLERANCE)}{remedy}"
     )
 
 

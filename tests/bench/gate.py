@@ -24,7 +24,7 @@ def main(first: int = 0, last: int = 25) -> None:
             try:
                 result = foldcut.fold(loops, method="gate", margin=40)
                 outcome = f"{result.folded_pattern.creases.crease_count} creases"
-            except foldcut.UnfoldableError as error:
+            except (foldcut.UnfoldableError, foldcut.BadInputError) as error:
                 outcome = str(error)
             kind = "holes" if holes else "components"
             print(seed, kind, f"{len(loops)} loops: {outcome}, {time.perf_counter() - start:.1f} s", flush=True)
