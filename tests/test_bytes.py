@@ -16,7 +16,7 @@ import foldcut
 from foldcut.errors import FoldcutError
 from foldcut.limits import Limits
 from foldcut.prepare import Preparation, prepare
-from foldcut.readers import read_shape
+from foldcut.readers import ReadOptions, read_shape
 from foldcut.shape import invariant_faults, make_shape
 
 NUMBERS = st.one_of(
@@ -109,6 +109,6 @@ def test_random_text_is_read_or_refused(suffix: str, words: list[str], document:
             path = Path(folder, f"drawing{suffix}")
             path.write_bytes(content.encode("utf-8", "surrogatepass"))
             try:
-                make_shape(read_shape(path, Limits(points=1000)).loops)
+                make_shape(read_shape(path, ReadOptions(limits=Limits(points=1000))).loops)
             except FoldcutError as error:
                 assert str(error).strip()
