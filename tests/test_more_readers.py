@@ -6,6 +6,8 @@ import io
 import json
 import math
 import struct
+import subprocess
+import sys
 from collections.abc import Callable
 from functools import reduce
 from pathlib import Path
@@ -262,6 +264,18 @@ def test_no_bytes_get_anything_but_a_format_error_out_of_a_reader(tmp_path: Path
             read(tmp_path, f"a{suffix}", bytes(data[: random.integers(1, len(data) + 1)] if number % 3 == 0 else data))
         except FileFormatError as error:
             assert len(str(error).splitlines()) == 1
+
+
+def test_a_mended_dxf_says_nothing_on_standard_error(tmp_path: Path) -> None:
+    path = tmp_path / "a.dxf"
+    path.write_bytes(dxf(hatch).encode().replace(b"297.0", b"297D0\xf2", 1))
+    command = [
+        sys.executable,
+        "-c",
+        "import sys; from foldcut.readers import read_shape; read_shape(sys.argv[1])",
+        path,
+    ]
+    assert subprocess.run(command, capture_output=True, check=True, text=True).stderr == ""
 
 
 def test_a_file_may_be_called_anything_and_come_from_standard_input(

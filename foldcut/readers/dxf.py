@@ -8,6 +8,7 @@ Layers that are off or frozen are passed over, as are blocks from other files.
 from __future__ import annotations
 
 import io
+import logging
 import math
 from collections import Counter
 from collections.abc import Iterator
@@ -23,6 +24,9 @@ from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.fills import fill, join, unite
+
+# It logs what it mends line by line, even letters that are no text; what matters of that is said in an error.
+logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
 
 OUTLINES = {"LWPOLYLINE", "POLYLINE", "LINE", "ARC", "SPLINE", "CIRCLE", "ELLIPSE", "SOLID", "TRACE"}
 FILLS = {"HATCH", "MPOLYGON"}
