@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from foldcut.errors import BadInputError, ShapeError
 from foldcut.model import Floats, Shape, points_array
-from foldcut.shape import make_shape
+from foldcut.shape import make_shape, polygon_loops
 from foldcut.simplify import simplify
 
 __all__ = ["Preparation", "Prepared", "prepare", "preview"]
@@ -152,7 +152,7 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
     ]
     if thin := len(parts) - len(solid) + holes - sum(len(part.interiors) for part in solid):
         changes.append(f"dropped {thin} sliver{'s' * (thin > 1)} thinner than {SLIVER_MM:g} mm")
-    outlines = _loops(solid)
+    outlines = polygon_loops(solid)
     if _shape(kept) is None:
         before, after = sum(map(len, kept)), sum(map(len, outlines))
         changes.append(
@@ -171,11 +171,6 @@ def _areas(geometry: shapely.Geometry) -> list[shapely.Polygon]:
 def _ring_areas(loop: Floats) -> list[shapely.Polygon]:
     """Return what a loop bounds by the even-odd rule."""
     return _areas(shapely.make_valid(shapely.Polygon(loop), method="linework")) if len(loop) > 2 else []
-
-
-def _loops(polygons: Sequence[shapely.Polygon]) -> tuple[Floats, ...]:
-    rings = [ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
-    return tuple(points_array(shapely.get_coordinates(ring)[:-1]) for ring in rings)
 
 
 def _thin(polygon: shapely.Polygon) -> bool:
@@ -198,7 +193,7 @@ def _without_narrow_parts(loops: tuple[Floats, ...], width: float) -> tuple[tupl
     changed = shapely.symmetric_difference(area, opened).buffer(-1e-6 * width)
     if changed.is_empty:
         return loops, ""
-    outlines = _loops([part.simplify(1e-4 * width) for part in parts])
+    outlines = polygon_loops([part.simplify(1e-4 * width) for part in parts])
     filled, dropped = closed.difference(area).area, closed.difference(opened).area
     return outlines, (
         f"parts and gaps narrower than {width:g} mm: closed {filled:.3g} mm2, dropped {dropped:.3g} mm2, "
@@ -214,7 +209,7 @@ def _set_apart(loops: tuple[Floats, ...], distance: float) -> tuple[tuple[Floats
     parts = _areas(area.buffer(-distance / 2, **_MITRE))
     if not parts:
         raise ShapeError(f"nothing of the drawing is left {distance:g} mm apart; give a smaller --separate")
-    return _loops(parts), (
+    return polygon_loops(parts), (
         f"loops that touch were set {distance:g} mm apart: every edge went inward by {distance / 2:g} mm, "
         f"{len(loops)} -> {len(parts)} parts"
     )
@@ -227,7 +222,7 @@ def _within_budget(loops: tuple[Floats, ...], budget: int) -> tuple[tuple[Floats
     coarse, off = loops, 0.0
     while sum(map(len, coarse)) > MANY and off < 0.01 * size:
         off = max(2 * off, 1e-5 * size)
-        coarse = _loops([shapely.simplify(shapely.Polygon(loop), off) for loop in loops])
+        coarse = polygon_loops([shapely.simplify(shapely.Polygon(loop), off) for loop in loops])
     shape = make_shape(coarse)
     if shape.corner_count <= budget:
         most, reached = 0.0, shape

@@ -12,7 +12,7 @@ that box and divided by its diagonal, so that scale and position do not matter.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
@@ -42,6 +42,12 @@ LARGEST_NUMBER = 1e100
 _BATCH = 256  # corners or edges per query: bounds the memory that a tangle of edges can take
 
 Place = tuple[float, float]
+
+
+def polygon_loops(polygons: Iterable[shapely.Polygon]) -> tuple[Floats, ...]:
+    """Return the outlines and holes of polygons as loops, without repeated last points."""
+    rings = [ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
+    return tuple(points_array(shapely.get_coordinates(ring)[:-1]) for ring in rings)
 
 
 def make_shape(loops: Sequence[ArrayLike]) -> Shape:

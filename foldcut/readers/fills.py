@@ -16,6 +16,7 @@ from scipy.spatial import KDTree
 
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
+from foldcut.shape import polygon_loops
 
 MOST_CROSSINGS = 10_000
 """Outlines with more crossings are left as they are: ``make_shape`` refuses them by place."""
@@ -32,7 +33,9 @@ def fill(loops: Sequence[Floats], *, even_odd: bool) -> list[Floats]:
         return list(loops)
     if shapely.is_simple(shapely.multilinestrings(rings)) and min(map(len, loops)) > 2:
         return list(loops) if even_odd or len(loops) == 1 else _nonzero(loops)
-    return _outlines(_region(loops, rings, even_odd)) if _crossings(rings) <= MOST_CROSSINGS else list(loops)
+    if _crossings(rings) > MOST_CROSSINGS:
+        return list(loops)
+    return list(polygon_loops(shapely.get_parts(_region(loops, rings, even_odd))))
 
 
 def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
@@ -59,7 +62,7 @@ def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
             continue
         touched += len(members)
         regions = [_region(part, _rings(part), True) for part in members]
-        united += _outlines(shapely.union_all(regions))
+        united += polygon_loops(shapely.get_parts(shapely.union_all(regions)))
     return united, touched
 
 
@@ -149,9 +152,3 @@ def _nonzero(loops: Sequence[Floats]) -> list[Floats]:
     inside, around = shapely.STRtree(polygons).query(starts, predicate="within")  # not itself: it starts on its edge
     outside = np.bincount(inside, weights=own[around], minlength=len(loops))
     return [loop for loop, kept in zip(loops, (outside == 0) != (outside + own == 0), strict=True) if kept]
-
-
-def _outlines(region: shapely.Geometry) -> list[Floats]:
-    polygons = shapely.get_parts(region)
-    rings = [ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
-    return [points_array(shapely.get_coordinates(ring)[:-1]) for ring in rings]
