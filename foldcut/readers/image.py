@@ -32,7 +32,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the outlines of the silhouette in a picture; its title is the file's stem."""
     try:
         import vtracer
-        from PIL import Image
+        from PIL import Image, UnidentifiedImageError
     except ImportError:
         raise missing("pictures", "image") from None
     try:
@@ -46,6 +46,8 @@ def read(source: Source, options: ReadOptions) -> Drawing:
             mask = _silhouette(picture, options.threshold)
     except FileFormatError:
         raise
+    except UnidentifiedImageError:  # its words name an object of Python's
+        raise FileFormatError("not a PNG or JPEG that can be read: it is neither; save the picture again") from None
     except Exception as error:  # Pillow lets all kinds of errors out where a picture is broken
         about = " ".join(str(error).split())[:80] or type(error).__name__
         raise FileFormatError(f"not a PNG or JPEG that can be read: {about}; save the picture again") from None
