@@ -213,9 +213,8 @@ class _Joined:
         root = -1 - self._above(part)
         blocked = {vertex for step in taken for vertex in step[:2]}
         graph = self.graphs[part]
-        distance: dict[int, float] = {v: 0.0 for v in graph if self._node(v) == root and v not in blocked}
         towards: dict[int, tuple[int, int]] = {}
-        heap = [(self._cost(part, v, ring), v) for v in distance]
+        heap = [(self._cost(part, v, ring), v) for v in graph if self._node(v) == root and v not in blocked]
         distance = {v: d for d, v in heap}
         heapq.heapify(heap)
         found: dict[int, tuple[float, list[Step]]] = {}
