@@ -170,8 +170,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _make(args: argparse.Namespace) -> int:
     """Fold a shape and write the files."""
-    from foldcut import report
-    from foldcut.files import check_targets, write_files
+    from foldcut.files import check_targets
     from foldcut.prepare import preview
     from foldcut.profiles import load_profile
 
@@ -189,16 +188,13 @@ def _make(args: argparse.Namespace) -> int:
     check_targets(targets, replace=args.force)
 
     result = _folded(source, args)
-    files: list[dict[str, Any]] = []
+    contents: dict[Path, bytes] = {}
     jobs: list[Job] = []
     if result.verified:
         contents, jobs = _contents(result.folded_pattern, outputs, stem, profile, args)
         if args.preview and result.prepared is not None:
             contents[Path(args.preview)] = preview(result.prepared.drawn, result.prepared.loops)
-        files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-        write_files(contents, replace=args.force)
-    made = report.make_report(result, files, jobs, profile, args.material)
-    return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
+    return _write_and_report(result, contents, args, jobs, profile)
 
 
 def _folded(source: Path, args: argparse.Namespace) -> Result:
@@ -236,10 +232,8 @@ def _folded(source: Path, args: argparse.Namespace) -> Result:
 
 def _draw(args: argparse.Namespace) -> int:
     """Fold a shape and draw pictures of it."""
-    from foldcut import report
     from foldcut.exporters import pictures
     from foldcut.exporters.png import rendered
-    from foldcut.files import check_targets, write_files
     from foldcut.pipeline import PaperStages
     from foldcut.profiles import load_profile
 
@@ -249,37 +243,50 @@ def _draw(args: argparse.Namespace) -> int:
         raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
     show = tuple(name.strip() for name in args.show.split(","))
     pictures.check(show, construction=args.method == "paper")
-    check_targets([output], replace=args.force)
-    result = _folded(source, args)
-    files: list[dict[str, Any]] = []
-    if result.verified:
+
+    def drawn(result: Result) -> bytes:
         stages = result.stages if isinstance(result.stages, PaperStages) else None
-        drawn, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
-        data = drawn if output.suffix.lower() == ".svg" else rendered(drawn, size)
-        files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
-        write_files({output: data}, replace=args.force)
-    made = report.make_report(result, files)
-    return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
+        svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
+        return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
+
+    return _fold_and_write(source, output, drawn, args)
 
 
 def _guide(args: argparse.Namespace) -> int:
     """Fold a shape and write how a person folds it."""
-    from foldcut import report
     from foldcut.exporters.guide import GUIDES
-    from foldcut.files import check_targets, write_files
 
     source = _source(args)
     output = Path(args.output or f"{_stem(source)}-guide.pdf")
     if output.suffix.lower() not in GUIDES:
         raise BadInputError(f"{output}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
+    guide = GUIDES[output.suffix.lower()]
+    return _fold_and_write(source, output, lambda result: guide(result.folded_pattern), args)
+
+
+def _fold_and_write(source: Path, output: Path, content: Callable[[Result], bytes], args: argparse.Namespace) -> int:
+    """Fold a shape and write one file about it."""
+    from foldcut.files import check_targets
+
     check_targets([output], replace=args.force)
     result = _folded(source, args)
-    files: list[dict[str, Any]] = []
-    if result.verified:
-        data = GUIDES[output.suffix.lower()](result.folded_pattern)
-        files = [{"path": str(output), "bytes": len(data), "replaced": output.exists()}]
-        write_files({output: data}, replace=args.force)
-    made = report.make_report(result, files)
+    return _write_and_report(result, {output: content(result)} if result.verified else {}, args)
+
+
+def _write_and_report(
+    result: Result,
+    contents: dict[Path, bytes],
+    args: argparse.Namespace,
+    jobs: Sequence[Job] = (),
+    profile: Profile | None = None,
+) -> int:
+    """Write the files of a verified result and print its report."""
+    from foldcut import report
+    from foldcut.files import write_files
+
+    files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
+    write_files(contents, replace=args.force)
+    made = report.make_report(result, files, jobs, profile, getattr(args, "material", None))
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
 
