@@ -24,6 +24,7 @@ from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
     from foldcut.job import Job, Side
+    from foldcut.making import JobOptions
     from foldcut.model import Finding, FoldedPattern
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
@@ -402,43 +403,37 @@ def _contents(
     pattern: FoldedPattern, outputs: Sequence[Path], stem: str, profile: Profile | None, args: argparse.Namespace
 ) -> tuple[dict[Path, bytes], list[Job]]:
     """Return what goes into the files, and the jobs among it; ``stem``: what files in a folder are called."""
-    from foldcut.exporters import JOB_EXPORTERS, export, export_job
     from foldcut.exporters.bundle import README, readme, zipped
-    from foldcut.job import make_jobs
+    from foldcut.making import Maker
 
-    machine = profile is not None and bool(profile.operations)
-    jobs: dict[Side, Job] = {}
-
-    def written(path: Path) -> dict[Path, bytes]:
-        if profile is None or not machine or path.suffix.lower() not in JOB_EXPORTERS:
-            return {path: export(pattern, path.suffix, profile)}
-        if not jobs:
-            made = make_jobs(
-                pattern,
-                profile,
-                material=args.material,
-                treatment=args.treatment,
-                two_sided=args.two_sided,
-                registration=args.registration or "corners",
-                marks=_marks(args.marks),
-                tile=args.tile,
-            )
-            jobs.update({job.side: job for job in made})
-        return {name: export_job(jobs[side], path.suffix, profile) for side, name in _sides(path, args).items()}
-
+    maker = Maker(pattern, profile, _job_options(args))
     contents: dict[Path, bytes] = {}
     for path in outputs:
         if not _is_bundle(path):
-            contents |= written(path)
+            contents |= maker.files(path)
             continue
         members: dict[str, bytes] = {}
         sides: dict[str, Job | None] = {}
         for member in map(Path, _members(path, stem, profile)):
-            members |= {str(name): data for name, data in written(member).items()}
-            sides |= {str(name): jobs.get(side) for side, name in _sides(member, args).items()}
+            members |= {str(name): data for name, data in maker.files(member).items()}
+            sides |= {str(name): maker.jobs.get(side) for side, name in _sides(member, args).items()}
         every = {README: readme(pattern, sides, profile)} | members
         contents |= {path / name: data for name, data in every.items()} if path.is_dir() else {path: zipped(every)}
-    return contents, list(jobs.values())
+    return contents, list(maker.jobs.values())
+
+
+def _job_options(args: argparse.Namespace) -> JobOptions:
+    """Return how jobs are made."""
+    from foldcut.making import JobOptions
+
+    return JobOptions(
+        material=args.material,
+        treatment=args.treatment,
+        two_sided=args.two_sided,
+        registration=args.registration or "corners",
+        marks=_marks(args.marks),
+        tile=args.tile,
+    )
 
 
 def _is_bundle(path: Path) -> bool:
@@ -510,11 +505,7 @@ def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: S
 
 def _sides(path: Path, args: argparse.Namespace) -> dict[Side, Path]:
     """Return the files of a job: one, or one for the front and one for the back."""
-    from foldcut.exporters import JOB_EXPORTERS
-
-    if not args.two_sided or path.suffix.lower() not in JOB_EXPORTERS:
-        return {"both": path}
-    return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
+    return _job_options(args).sides(path)
 
 
 def _default_outputs(source: Path, name: str | None, profile: Profile | None) -> list[str]:
