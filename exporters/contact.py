@@ -60,9 +60,7 @@ def thumbnail(pattern: FoldedPattern) -> Thumbnail:
 
     step = math.ceil(pattern.shape.corner_count / MOST_POINTS)
     loops = (path_data(placed(loop[::step]), closed=True) for loop in pattern.shape.loops)
-    return Thumbnail(
-        round(sheet.width * scale), round(sheet.height * scale), "".join(loops), lines("M"), lines("V")
-    )
+    return Thumbnail(round(sheet.width * scale), round(sheet.height * scale), "".join(loops), lines("M"), lines("V"))
 
 
 def contact_sheet(thumbnails: Sequence[tuple[str, Thumbnail]], title: str) -> tuple[bytes, tuple[float, float]]:
@@ -95,9 +93,7 @@ def contact_sheet(thumbnails: Sequence[tuple[str, Thumbnail]], title: str) -> tu
         caption = shortened(printable(name), THUMBNAIL_MM / CAPTION_MM)
         below = (number(x), number(y + picture.height * scale + 1.4 * CAPTION_MM))
         drawing.add(
-            drawing.text(
-                caption, insert=below, font_size=number(CAPTION_MM), font_family="sans-serif", fill="#222222"
-            )
+            drawing.text(caption, insert=below, font_size=number(CAPTION_MM), font_family="sans-serif", fill="#222222")
         )
     text = ET.tostring(drawing.get_xml(), encoding="unicode")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode(), size

@@ -322,7 +322,9 @@ def _on_cluster(dask: ModuleType, address: str, items: Sequence[Item], recipe: R
     try:
         client = dask.Client(address, timeout="20s", set_as_default=False)
     except (OSError, ValueError) as error:
-        raise ClusterError(f"the scheduler {address} does not answer ({error}); start one with `dask scheduler`") from None
+        raise ClusterError(
+            f"the scheduler {address} does not answer ({error}); start one with `dask scheduler`"
+        ) from None
     with client:
         waiting = iter(items)
         known: dict[Any, tuple[Item, str]] = {}
@@ -443,7 +445,9 @@ def _lock(file: int, path: Path) -> None:
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
-        raise BadInputError(f"another batch is writing into {path.parent}; wait for it, or give another folder") from None
+        raise BadInputError(
+            f"another batch is writing into {path.parent}; wait for it, or give another folder"
+        ) from None
 
 
 def _csv(rows: Iterable[Row]) -> bytes:

@@ -1,6 +1,6 @@
 """One drawing of a batch, folded in a process of its own.
 
-A ``Task``, the bytes of a drawing and a ``Recipe`` -> an ``Outcome``: the bytes of all files, numbers about the pattern,
+A ``Task``, the bytes of a drawing, and a ``Recipe`` -> an ``Outcome``: the bytes of files, numbers about the pattern,
 or why there is none. ``work`` does it here; a ``Process`` has another interpreter do it, so that a drawing
 that takes too long, or takes the interpreter down, costs no more than itself. Nothing is written to files.
 """
@@ -106,7 +106,7 @@ def work(recipe: Recipe, task: Task) -> Outcome:
         result = pipeline.fold(drawing, **recipe.fold)
         pattern = result.require_verified()
         maker = Maker(pattern, recipe.profile, recipe.job)
-        files = {}
+        files: dict[str, bytes] = {}
         for ending in recipe.endings:
             files |= {path.as_posix(): data for path, data in maker.files(Path(task.stem + ending)).items()}
     except UnfoldableError as error:
@@ -175,7 +175,7 @@ class Process:
         if self._process is None or self._process.poll() is not None:
             self.stop()
             places = [place or os.getcwd() for place in sys.path]
-            one = {name: "1" for name in ONE_THREAD}
+            one = dict.fromkeys(ONE_THREAD, "1")
             self._process = subprocess.Popen(
                 [sys.executable, "-P", "-c", START],
                 stdin=subprocess.PIPE,
