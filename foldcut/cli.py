@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from foldcut.readers import Drawing, ReadOptions
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
-MOST_FAILURES = 10  # of a batch that are listed
+MOST_FAILURES, MOST_LETTERS = 10, 120  # of a batch: how many are listed, and how much of each error
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
 
 EPILOG = """\
@@ -154,6 +154,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status; ``argv`` is ``sys.argv[1:]`` unless given."""
     argv = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in argv
+    # Matrices are small: threads for them cost more than they save. numpy reads this when it is imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a title that the terminal has no letters for
     try:
@@ -354,7 +356,7 @@ def _batch(args: argparse.Namespace) -> int:
     counts = ", ".join(f"{count} {status}" for status, count in batch.counts.items())
     before = f"; {batch.resumed} were done before" if batch.resumed else ""
     lines = [f"{len(batch.rows)} drawings: {counts}{before}"]
-    lines += [f"  {row['status']:<10} {row['file']}: {row['error']}" for row in failed[:MOST_FAILURES]]
+    lines += [f"  {row['status']:<10} {row['file']}: {_cut_short(row['error'])}" for row in failed[:MOST_FAILURES]]
     lines += [f"  and {len(failed) - MOST_FAILURES} more, see {out / RESULTS}"] if len(failed) > MOST_FAILURES else []
     lines += [f"  written    {path}" for path in batch.written]
     if args.json or not args.quiet:
@@ -362,6 +364,11 @@ def _batch(args: argparse.Namespace) -> int:
         report = {"ok": not failed, "counts": batch.counts, "resumed": batch.resumed, "files": files}
         _print_report(report | {"rows": batch.rows}, lines, args.json)
     return FAILED if failed else DONE
+
+
+def _cut_short(text: str) -> str:
+    """Return as much of a text as fits on a line."""
+    return text if len(text) <= MOST_LETTERS else f"{text[:MOST_LETTERS]}..."
 
 
 def _serve(args: argparse.Namespace) -> int:
