@@ -20,6 +20,7 @@ import threading
 import unicodedata
 from collections import Counter
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType, TracebackType
@@ -119,10 +120,10 @@ def run_batch(
         _check_free(out, items, recipe, [f"{CONTACT_SHEET}{sheet}", RESULTS], replace=replace)
     with _Journal(out / JOURNAL, recipe.fingerprint, replace=replace) as journal:
         left = [item for item in items if not _is_done(journal.rows.get(item.stem), item, out, recipe, retry=retry)]
-        pending = {item.stem for item in left}
-        before = [journal.rows[item.stem] for item in items if item.stem not in pending]
+        undone = {item.stem for item in left}
+        before = {item.stem: journal.rows[item.stem] for item in items if item.stem not in undone}
         done = resumed = len(before)
-        failed = sum(row["status"] != MADE for row in before)
+        failed = sum(row["status"] != MADE for row in before.values())
         if dask is not None:
             outcomes = _on_cluster(dask, str(cluster), left, recipe, timeout)
         else:
@@ -131,14 +132,14 @@ def run_batch(
             for item, digest, outcome in outcomes:
                 row = _keep(item, digest, outcome, out)
                 journal.add(item.stem, row)
-                pending.discard(item.stem)
                 done += 1
                 failed += row["status"] != MADE
                 if progress is not None:
                     progress(f"{done} of {len(items)} drawings, {failed} failed", done / len(items))
         finally:
             outcomes.close()
-            records = [journal.rows[i.stem] | {"file": str(i.path)} for i in items if i.stem not in pending]
+            known = before | journal.added()  # as read from the disk: an interruption may come at any moment
+            records = [known[item.stem] | {"file": str(item.path)} for item in items if item.stem in known]
             rows = tuple({name: record[name] for name in COLUMNS} for record in records)
             write_files({out / RESULTS: _csv(rows)}, replace=True)
         pictures = [(record["stem"], Thumbnail(**record["thumbnail"])) for record in records if record["thumbnail"]]
@@ -267,7 +268,7 @@ def _check_free(out: Path, items: Sequence[Item], recipe: Recipe, names: Sequenc
     for item in items:
         for ending in recipe.endings:
             targets += [out / path for path in recipe.job.sides(Path(item.stem + ending)).values()]
-    check_targets([target for target in targets if target.exists()], replace=replace)
+    check_targets([target for target in targets if os.path.exists(target)], replace=replace)
 
 
 # --- who does the work
@@ -381,7 +382,8 @@ def _extra(name: str) -> ModuleType:
 class _Journal:
     """An append-only file of JSON lines: a head with the recipe, then a record for each drawing that is done.
 
-    ``rows`` has the last record of each stem. A line that a crash cut off is taken away when the file is opened.
+    ``rows`` has the last record of each stem when the file is opened, and a line that a crash cut off is taken away
+    then; ``added`` returns what came later.
     """
 
     def __init__(self, path: Path, recipe: str, *, replace: bool) -> None:
@@ -393,7 +395,7 @@ class _Journal:
                 data = b"" if replace else file.read()
             whole = data[: data.rfind(b"\n") + 1]
             os.ftruncate(self._file, len(whole))
-            os.lseek(self._file, 0, os.SEEK_END)
+            self._end = os.lseek(self._file, 0, os.SEEK_END)
             if not whole:
                 self._append({"foldcut_batch": 1, "recipe": recipe})
             self._read(whole.splitlines(), recipe)
@@ -402,24 +404,25 @@ class _Journal:
             raise
 
     def _read(self, lines: Sequence[bytes], recipe: str) -> None:
-        records: list[Row] = []
-        for line in lines:
-            try:
-                records.append(json.loads(line))
-            except ValueError:
-                continue  # a damaged disk: what the line said is done again
+        records = _records(lines)
         if records and records[0].get("recipe") != recipe:
             folder = self.path.parent
             raise BadInputError(
                 f"{folder} has a batch made with other options; give these, another folder, or --force to begin anew"
             )
-        self.rows.update((record["stem"], record) for record in records[1:] if "stem" in record)
+        self.rows.update((record["stem"], record) for record in records if "stem" in record)
 
     def add(self, stem: str, row: Row) -> None:
         """Append a record and return when it is on the disk."""
-        record = {"stem": stem} | row
-        self._append(record)
-        self.rows[stem] = record
+        self._append({"stem": stem} | row)
+
+    def added(self) -> dict[str, Row]:
+        """Return the records since the file was opened, by their stems."""
+        with self.path.open("rb") as file:
+            file.seek(self._end)
+            data = file.read()
+        records = _records(data[: data.rfind(b"\n") + 1].splitlines())
+        return {record["stem"]: record for record in records if "stem" in record}
 
     def _append(self, record: Row) -> None:
         line = json.dumps(record, ensure_ascii=False).encode("utf-8", "surrogateescape") + b"\n"
@@ -434,6 +437,15 @@ class _Journal:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         os.close(self._file)
+
+
+def _records(lines: Iterable[bytes]) -> list[Row]:
+    """Return the records that lines hold."""
+    records: list[Row] = []
+    for line in lines:
+        with suppress(ValueError):  # a damaged disk: what the line said is done again
+            records.append(json.loads(line))
+    return records
 
 
 def _lock(file: int, path: Path) -> None:

@@ -322,7 +322,7 @@ def _batch(args: argparse.Namespace) -> int:
     from foldcut.worker import MADE, Recipe
 
     profile = None if args.profile is None else load_profile(args.profile, args.set)
-    names = args.format.split(",") if args.format else [profile.format] if profile else ["svg", "fold"]
+    names = args.formats.split(",") if args.formats else [profile.format] if profile else ["svg", "fold"]
     endings = tuple(dict.fromkeys("." + name.strip().lower().removeprefix(".") for name in names))
     _check_machine(args, profile, [Path(f"drawing{ending}") for ending in endings])
     out = Path(args.output)
@@ -936,7 +936,9 @@ def _add_batch(commands: Any) -> None:
         "drawings", metavar="FOLDER|GLOB", nargs="+", help="a folder with all below, a pattern of names, or a drawing"
     )
     batch.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
-    batch.add_argument("--format", metavar="NAME,...", help="what to write (default: the profile's, or svg,fold)")
+    batch.add_argument(
+        "--format", dest="formats", metavar="NAME,...", help="what to write (default: the profile's, or svg,fold)"
+    )
     batch.add_argument("--jobs", metavar="N", type=int, help="how many processes (default: one for each core)")
     batch.add_argument("--dask", metavar="ADDRESS", help="use the workers of this dask scheduler (extra: batch)")
     batch.add_argument(
