@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-exporters sweep sweep-compact pictures lint tools clean
+.PHONY: demo test bench bench-compact bench-exporters bench-start sweep sweep-compact pictures lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -29,6 +29,10 @@ bench-compact: $(VENV)/installed-test
 ## Seconds that each format takes.
 bench-exporters: $(VENV)/installed-test
 	$(BIN)/python tests/bench/exporters.py
+
+## What is imported, and how long it takes, for --help and for a whole pattern.
+bench-start: $(VENV)/installed-test
+	$(BIN)/python tests/bench/start.py
 
 ## Fold 500 random polygons by the compact method; takes about three minutes.
 sweep-compact: $(VENV)/installed-test

@@ -114,7 +114,7 @@ def _legend(title: str, sheet: Sheet, look: Drawing, *, first_fold: bool) -> _Le
     if x + ruler + 4 * size <= sheet.width:
         _add_ruler(legend, ruler, x, y, size)
         x += ruler + 6 * size
-    title = _shortened(printable(title), (right - inset) / size)
+    title = shortened(printable(title), (right - inset) / size)
     if x + _text_width(title) * size > right:
         x, y = inset, y - 2 * LINE_HEIGHT * size
     if title:
@@ -145,7 +145,7 @@ def _text_width(text: str) -> float:
     return sum(1.0 if unicodedata.east_asian_width(letter) in "WF" else LETTER_WIDTH for letter in text)
 
 
-def _shortened(text: str, room: float) -> str:
+def shortened(text: str, room: float) -> str:
     """Return the text, cut off with an ellipsis if it is wider than ``room`` font sizes."""
     if _text_width(text) <= room:
         return text

@@ -1,4 +1,4 @@
-"""The command line: ``foldcut make``, ``view``, ``check``, ``coupon``, ``profiles``, ``samples``.
+"""The command line: ``foldcut make``, ``view``, ``batch``, ``check``, ``coupon``, ``profiles``, ``samples``.
 
 Only this module prints: reports on stdout, progress and one-line errors on stderr. It exits with 0 when the
 pattern was made and verified, 1 when there is none or it is not verified, 2 when the input is at fault, 130
@@ -24,12 +24,14 @@ from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
     from foldcut.job import Job, Side
+    from foldcut.making import JobOptions
     from foldcut.model import Finding, FoldedPattern
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing, ReadOptions
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
+MOST_FAILURES, MOST_LETTERS = 10, 120  # of a batch: how many are listed, and how much of each error
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
 
 EPILOG = """\
@@ -38,6 +40,7 @@ examples:
   foldcut make logo.svg -o logo.fold       your own drawing
   foldcut make fish --profile glowforge    the job for a machine, in its format
   foldcut view fish                        a page to fold and cut it on the screen
+  foldcut batch icons -o out               every drawing in a folder, on all cores
   foldcut profiles                         the machines that foldcut knows
   foldcut check logo.fold                  does this pattern fold flat?
   foldcut COMMAND --help                   all options of a command, with examples
@@ -87,6 +90,16 @@ GUIDE_EPILOG = """\
 examples:
   foldcut guide letter-a                   letter-a-guide.pdf
   foldcut guide logo.svg -o logo.html
+"""
+
+BATCH_EPILOG = """\
+examples:
+  foldcut batch icons -o out --profile laser-dxf --effort fast
+  foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --simplify 0.3mm
+  foldcut batch icons -o out --dask tcp://scheduler:8786 --parquet
+
+OUT gets the files of each drawing under its name, results.csv with a row for each, contact-sheet.svg, and
+foldcut-batch.jsonl, where what is done is written down: the same command again goes on after an interruption.
 """
 
 SERVE_EPILOG = """\
@@ -141,6 +154,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status; ``argv`` is ``sys.argv[1:]`` unless given."""
     argv = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in argv
+    # Matrices are small: threads for them cost more than they save. numpy reads this when it is imported.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a title that the terminal has no letters for
     try:
@@ -160,12 +175,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         where = f"{error.filename}: " if error.filename else ""
         return _fail(error, f"{where}{error.strerror or error}", BAD_INPUT, as_json)
     except KeyboardInterrupt as error:
-        return _fail(error, "interrupted; no file is half-written", INTERRUPTED, as_json)
+        return _fail(error, f"interrupted; {_notes(error)}no file is half-written", INTERRUPTED, as_json)
     except _TimedOut as error:
         remedy = "allow more with --timeout, or search less with --effort fast or --seconds"
         return _fail(error, f"timed out after {args.timeout:g} s, no file is half-written; {remedy}", FAILED, as_json)
     except _Terminated as error:
-        return _fail(error, "terminated; no file is half-written", TERMINATED, as_json)
+        return _fail(error, f"terminated; {_notes(error)}no file is half-written", TERMINATED, as_json)
+
+
+def _notes(error: BaseException) -> str:
+    """Return what was noted about an interruption on its way."""
+    return "".join(f"{note}; " for note in getattr(error, "__notes__", ()))
 
 
 def _make(args: argparse.Namespace) -> int:
@@ -200,34 +220,38 @@ def _make(args: argparse.Namespace) -> int:
 def _folded(source: Path, args: argparse.Namespace) -> Result:
     """Fold the drawing as the options say."""
     from foldcut import pipeline
-    from foldcut.prepare import Preparation
     from foldcut.progress import ProgressBar
-    from foldcut.sheet import parse_length, parse_sheet
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
-        return pipeline.fold(
-            _drawing(args, source),
-            parse_sheet(args.sheet),
-            margin=parse_length(args.margin),
-            scale=_parse_scale(args.scale),
-            offset=_parse_offset(args.offset),
-            rotation=args.rotate,
-            method=args.method,
-            ribbon=None if args.ribbon is None else parse_length(args.ribbon),
-            min_crease=None if args.min_crease is None else parse_length(args.min_crease),
-            simplify=parse_length(args.simplify),
-            symmetry=parse_length(args.symmetry),
-            effort=args.effort,
-            seconds=args.seconds,
-            preparation=Preparation(
-                corners=args.corners,
-                min_feature=parse_length(args.min_feature),
-                separate=parse_length(args.separate),
-                mirror=args.mirror,
-                strict=args.strict,
-            ),
-            progress=bar,
-        )
+        return pipeline.fold(_drawing(args, source), **_fold_options(args), progress=bar)
+
+
+def _fold_options(args: argparse.Namespace) -> dict[str, Any]:
+    """Return what the options say of laying and folding a drawing: keyword arguments of ``pipeline.fold``."""
+    from foldcut.prepare import Preparation
+    from foldcut.sheet import parse_length, parse_sheet
+
+    return {
+        "sheet": parse_sheet(args.sheet),
+        "margin": parse_length(args.margin),
+        "scale": _parse_scale(args.scale),
+        "offset": _parse_offset(args.offset),
+        "rotation": args.rotate,
+        "method": args.method,
+        "ribbon": None if args.ribbon is None else parse_length(args.ribbon),
+        "min_crease": None if args.min_crease is None else parse_length(args.min_crease),
+        "simplify": parse_length(args.simplify),
+        "symmetry": parse_length(args.symmetry),
+        "effort": args.effort,
+        "seconds": args.seconds,
+        "preparation": Preparation(
+            corners=args.corners,
+            min_feature=parse_length(args.min_feature),
+            separate=parse_length(args.separate),
+            mirror=args.mirror,
+            strict=args.strict,
+        ),
+    }
 
 
 def _draw(args: argparse.Namespace) -> int:
@@ -288,6 +312,63 @@ def _write_and_report(
     write_files(contents, replace=args.force)
     made = report.make_report(result, files, jobs, profile, getattr(args, "material", None))
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
+
+
+def _batch(args: argparse.Namespace) -> int:
+    """Fold many drawings."""
+    from foldcut.batch import RESULTS, run_batch
+    from foldcut.profiles import load_profile
+    from foldcut.progress import ProgressBar
+    from foldcut.worker import MADE, Recipe
+
+    profile = None if args.profile is None else load_profile(args.profile, args.set)
+    names = args.formats.split(",") if args.formats else [profile.format] if profile else ["svg", "fold"]
+    endings = tuple(dict.fromkeys("." + name.strip().lower().removeprefix(".") for name in names))
+    _check_machine(args, profile, [Path(f"drawing{ending}") for ending in endings])
+    out = Path(args.output)
+    recipe = Recipe(_fold_options(args), _read_options(args), endings, profile, _job_options(args))
+    done = ""
+    with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
+
+        def progress(text: str, part: float) -> None:
+            nonlocal done
+            done = f"{text}; "
+            bar(text, part)
+
+        try:
+            batch = run_batch(
+                args.drawings,
+                out,
+                recipe,
+                jobs=args.jobs,
+                timeout=args.file_timeout,
+                cluster=args.dask,
+                replace=args.force,
+                retry=args.retry,
+                parquet=args.parquet,
+                sheet=f".{args.contact_sheet}",
+                progress=progress,
+            )
+        except (KeyboardInterrupt, _Terminated) as error:
+            error.add_note(f"{done}the same command again goes on from there")
+            raise
+    failed = [row for row in batch.rows if row["status"] != MADE]
+    counts = ", ".join(f"{count} {status}" for status, count in batch.counts.items())
+    before = f"; {batch.resumed} were done before" if batch.resumed else ""
+    lines = [f"{len(batch.rows)} drawings: {counts}{before}"]
+    lines += [f"  {row['status']:<10} {row['file']}: {_cut_short(row['error'])}" for row in failed[:MOST_FAILURES]]
+    lines += [f"  and {len(failed) - MOST_FAILURES} more, see {out / RESULTS}"] if len(failed) > MOST_FAILURES else []
+    lines += [f"  written    {path}" for path in batch.written]
+    if args.json or not args.quiet:
+        files = list(map(str, batch.written))
+        report = {"ok": not failed, "counts": batch.counts, "resumed": batch.resumed, "files": files}
+        _print_report(report | {"rows": batch.rows}, lines, args.json)
+    return FAILED if failed else DONE
+
+
+def _cut_short(text: str) -> str:
+    """Return as much of a text as fits on a line."""
+    return text if len(text) <= MOST_LETTERS else f"{text[:MOST_LETTERS]}..."
 
 
 def _serve(args: argparse.Namespace) -> int:
@@ -402,43 +483,37 @@ def _contents(
     pattern: FoldedPattern, outputs: Sequence[Path], stem: str, profile: Profile | None, args: argparse.Namespace
 ) -> tuple[dict[Path, bytes], list[Job]]:
     """Return what goes into the files, and the jobs among it; ``stem``: what files in a folder are called."""
-    from foldcut.exporters import JOB_EXPORTERS, export, export_job
     from foldcut.exporters.bundle import README, readme, zipped
-    from foldcut.job import make_jobs
+    from foldcut.making import Maker
 
-    machine = profile is not None and bool(profile.operations)
-    jobs: dict[Side, Job] = {}
-
-    def written(path: Path) -> dict[Path, bytes]:
-        if profile is None or not machine or path.suffix.lower() not in JOB_EXPORTERS:
-            return {path: export(pattern, path.suffix, profile)}
-        if not jobs:
-            made = make_jobs(
-                pattern,
-                profile,
-                material=args.material,
-                treatment=args.treatment,
-                two_sided=args.two_sided,
-                registration=args.registration or "corners",
-                marks=_marks(args.marks),
-                tile=args.tile,
-            )
-            jobs.update({job.side: job for job in made})
-        return {name: export_job(jobs[side], path.suffix, profile) for side, name in _sides(path, args).items()}
-
+    maker = Maker(pattern, profile, _job_options(args))
     contents: dict[Path, bytes] = {}
     for path in outputs:
         if not _is_bundle(path):
-            contents |= written(path)
+            contents |= maker.files(path)
             continue
         members: dict[str, bytes] = {}
         sides: dict[str, Job | None] = {}
         for member in map(Path, _members(path, stem, profile)):
-            members |= {str(name): data for name, data in written(member).items()}
-            sides |= {str(name): jobs.get(side) for side, name in _sides(member, args).items()}
+            members |= {str(name): data for name, data in maker.files(member).items()}
+            sides |= {str(name): maker.jobs.get(side) for side, name in _sides(member, args).items()}
         every = {README: readme(pattern, sides, profile)} | members
         contents |= {path / name: data for name, data in every.items()} if path.is_dir() else {path: zipped(every)}
-    return contents, list(jobs.values())
+    return contents, list(maker.jobs.values())
+
+
+def _job_options(args: argparse.Namespace) -> JobOptions:
+    """Return how jobs are made."""
+    from foldcut.making import JobOptions
+
+    return JobOptions(
+        material=args.material,
+        treatment=args.treatment,
+        two_sided=args.two_sided,
+        registration=args.registration or "corners",
+        marks=_marks(args.marks),
+        tile=args.tile,
+    )
 
 
 def _is_bundle(path: Path) -> bool:
@@ -510,11 +585,7 @@ def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: S
 
 def _sides(path: Path, args: argparse.Namespace) -> dict[Side, Path]:
     """Return the files of a job: one, or one for the front and one for the back."""
-    from foldcut.exporters import JOB_EXPORTERS
-
-    if not args.two_sided or path.suffix.lower() not in JOB_EXPORTERS:
-        return {"both": path}
-    return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
+    return _job_options(args).sides(path)
 
 
 def _default_outputs(source: Path, name: str | None, profile: Profile | None) -> list[str]:
@@ -699,6 +770,7 @@ def _parser() -> _Parser:
     _add_view(commands)
     _add_draw(commands)
     _add_guide(commands)
+    _add_batch(commands)
     _add_serve(commands)
     _add_check(commands)
     _add_coupon(commands)
@@ -777,6 +849,11 @@ def _add_options_of_make(make: argparse.ArgumentParser) -> None:
         "--preview", metavar="FILE.svg", help="also draw the drawing before (red) and after (black) mending"
     )
     _add_options_of_fold(make)
+    _add_machine(make)
+    _add_common(make)
+
+
+def _add_machine(make: argparse.ArgumentParser) -> None:
     machine = make.add_argument_group("the machine")
     machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
     machine.add_argument(
@@ -807,7 +884,6 @@ def _add_options_of_make(make: argparse.ArgumentParser) -> None:
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
     )
-    _add_common(make)
 
 
 def _add_draw(commands: Any) -> None:
@@ -846,6 +922,44 @@ def _add_guide(commands: Any) -> None:
     _add_common(guide)
 
 
+def _add_batch(commands: Any) -> None:
+    batch = _command(
+        commands,
+        "batch",
+        _batch,
+        "compute the crease patterns of many drawings, on all cores or a cluster",
+        "Do as `foldcut make` does for every drawing in folders, and write all into one folder. No drawing ends the "
+        "batch, and an interrupted batch goes on where it was.",
+        BATCH_EPILOG,
+    )
+    batch.add_argument(
+        "drawings", metavar="FOLDER|GLOB", nargs="+", help="a folder with all below, a pattern of names, or a drawing"
+    )
+    batch.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
+    batch.add_argument(
+        "--format", dest="formats", metavar="NAME,...", help="what to write (default: the profile's, or svg,fold)"
+    )
+    batch.add_argument("--jobs", metavar="N", type=int, help="how many processes (default: one for each core)")
+    batch.add_argument("--dask", metavar="ADDRESS", help="use the workers of this dask scheduler (extra: batch)")
+    batch.add_argument(
+        "--timeout",
+        dest="file_timeout",
+        metavar="S",
+        type=float,
+        default=300.0,
+        help="give up a drawing after so many seconds (default: 300)",
+    )
+    batch.add_argument("--retry", action="store_true", help="do those again that failed before")
+    batch.add_argument("--force", action="store_true", help="begin anew, and replace files that are there already")
+    batch.add_argument("--parquet", action="store_true", help="also write results.parquet (extra: batch)")
+    batch.add_argument(
+        "--contact-sheet", choices=("svg", "png"), default="svg", help="the page with all patterns (default: svg)"
+    )
+    _add_folding(batch)
+    _add_machine(batch)
+    _add_common(batch)
+
+
 def _add_serve(commands: Any) -> None:
     serve = _command(
         commands,
@@ -876,6 +990,12 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     make.add_argument(
         "--font", default="sans", help="of --text: the path of a font file, or a family (default: %(default)s)"
     )
+    _add_timeout(make)
+    _add_folding(make)
+
+
+def _add_folding(make: argparse.ArgumentParser) -> None:
+    """Add where a drawing lies on the sheet, how it is read, and how to search."""
     make.add_argument(
         "--sheet",
         default="a4",
@@ -917,7 +1037,6 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     make.add_argument(
         "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
     )
-    _add_timeout(make)
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",

@@ -7,17 +7,20 @@ to ask.
 
 from __future__ import annotations
 
+import heapq
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
-from foldcut.model import Bools, CreasePattern, Floats, Ints
+from foldcut.model import Bools, CreasePattern, Floats, Ints, Numbers
 
 __all__ = ["FaceMaps", "fold_faces", "folded_edges"]
+
+FEW_FACES = 3000
+"""The paths between so few faces are found sooner than scipy is imported."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -88,10 +91,44 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     order = np.lexsort((cost, pair))
     pairs, first = np.unique(pair[order], return_index=True)  # the longest edge of two faces
     best = order[first]
-    graph = coo_array((cost[best], (low[best], high[best])), shape=(count, count)).tocsr()
-    distance, before = dijkstra(graph, directed=False, indices=[0], return_predecessors=True)
-    face = np.argsort(distance[0], kind="stable").astype(np.int32)
-    face = face[before[0, face] >= 0]
-    parent = before[0, face]
+    paths = _short_paths if count <= FEW_FACES else _paths
+    distance, before = paths(low[best], high[best], cost[best], count)
+    face = np.argsort(distance, kind="stable").astype(np.int32)
+    face = face[before[face] >= 0]
+    parent: Ints = before[face].astype(np.int32)
     key = np.minimum(face, parent).astype(np.int64) * count + np.maximum(face, parent)
-    return (face, parent), inner[best[np.searchsorted(pairs, key)]]
+    via: Ints = inner[best[np.searchsorted(pairs, key)]].astype(np.int32)
+    return (face, parent), via
+
+
+def _short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
+    """Return how far each of ``count`` nodes is from node 0, and the one before it, -1 for none: Dijkstra's method.
+
+    Node ``low[k]`` is joined to ``high[k]`` at ``cost[k]``.
+    """
+    beside: list[list[tuple[int, float]]] = [[] for _ in range(count)]
+    for one, other, price in zip(low.tolist(), high.tolist(), cost.tolist(), strict=True):
+        beside[one].append((other, price))
+        beside[other].append((one, price))
+    distance, before = [math.inf] * count, [-1] * count
+    distance[0] = 0.0
+    waiting = [(0.0, 0)]
+    while waiting:
+        far, node = heapq.heappop(waiting)
+        if far > distance[node]:
+            continue
+        for other, price in beside[node]:
+            if far + price < distance[other]:
+                distance[other], before[other] = far + price, node
+                heapq.heappush(waiting, (far + price, other))
+    return np.array(distance), np.array(before, dtype=np.intp)
+
+
+def _paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
+    """Return the same as ``_short_paths`` of many nodes, but for the choice of two ways that are as long."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import dijkstra
+
+    graph = coo_array((cost, (low, high)), shape=(count, count)).tocsr()
+    distance, before = dijkstra(graph, directed=False, indices=[0], return_predecessors=True)
+    return distance[0], before[0]

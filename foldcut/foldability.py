@@ -10,8 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from foldcut.flatfold import folded_edges
 from foldcut.model import CreasePattern, Floats, FoldedPattern, FoldedState, Ragged, Shape, Sheet
@@ -211,9 +209,9 @@ class _Spokes:
         """Return the number of creases when those that go straight on through a vertex count once."""
         opposite = self._opposite()
         going_on = np.flatnonzero(opposite >= 0)
-        pairs = (self.edge[going_on], self.edge[opposite[going_on]])
-        graph = coo_array((np.ones(len(going_on)), pairs), shape=(self.edge_count, self.edge_count))
-        return int(connected_components(graph, directed=False)[0]) if self.edge_count else 0
+        pairs = np.sort(np.stack([self.edge[going_on], self.edge[opposite[going_on]]], axis=1), axis=1)
+        # Chains of edges do not close, so each pair joins two of them.
+        return self.edge_count - len(np.unique(pairs, axis=0))
 
     def _opposite(self) -> Keys:
         """Return the spoke that goes straight on from each, -1 where none does."""

@@ -14,8 +14,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sparse
-from scipy.sparse.linalg import splu
 
 from foldcut.compact import Molecules
 from foldcut.model import Bools, Floats, Numbers
@@ -24,6 +22,11 @@ from foldcut.universal import Molecule
 
 SOFT = 1e-13
 """What is added to the diagonal, for vertices that no facet has."""
+
+MOST_DENSE = 500
+"""So many unknowns are found sooner by a full matrix than scipy's sparse ones are imported."""
+
+Entries = tuple[Numbers, Numbers, Floats]
 
 
 def vertex_slopes(molecules: Molecules, places: Floats, images: Floats) -> Floats:
@@ -156,10 +159,33 @@ class _System:
     def solve(self, known: Floats) -> Floats:
         """Return the derivatives of all vertices' places; ``known`` ``(n, 4, m)``: of the first n, and landings."""
         rows, columns, values = (np.concatenate(part) for part in zip(*self.entries, strict=True))
-        matrix = sparse.csc_matrix((values, (rows, columns)), shape=(self.height, self.width))
         given = known.reshape(-1, known.shape[2])
-        sought, right = matrix[:, len(given) :], -(matrix[:, : len(given)] @ given)
-        solver = splu((sought.T @ sought + SOFT * sparse.eye(sought.shape[1])).tocsc())
-        found = solver.solve(sought.T @ right)
-        found += solver.solve(sought.T @ (right - sought @ found))
+        solve = _dense if self.width <= MOST_DENSE else _sparse
+        found: Floats = solve((rows, columns, values), (self.height, self.width), given)
         return np.concatenate([given, found])[: 4 * len(self.flat)].reshape(len(self.flat), 4, -1)[:, :2]
+
+
+def _dense(entries: Entries, shape: tuple[int, int], given: Floats) -> Floats:
+    """Return the least squares solution for the columns after those ``given``, by a full matrix."""
+    rows, columns, values = entries
+    matrix = np.zeros(shape)
+    np.add.at(matrix, (rows, columns), values)
+    sought, right = matrix[:, len(given) :], -(matrix[:, : len(given)] @ given)
+    normal = sought.T @ sought + SOFT * np.eye(sought.shape[1])
+    found = np.linalg.solve(normal, sought.T @ right)
+    better: Floats = found + np.linalg.solve(normal, sought.T @ (right - sought @ found))
+    return better
+
+
+def _sparse(entries: Entries, shape: tuple[int, int], given: Floats) -> Floats:
+    """Return the same by sparse matrices."""
+    from scipy import sparse
+    from scipy.sparse.linalg import splu
+
+    rows, columns, values = entries
+    matrix = sparse.csc_matrix((values, (rows, columns)), shape=shape)
+    sought, right = matrix[:, len(given) :], -np.asarray(matrix[:, : len(given)] @ given)
+    solver = splu((sought.T @ sought + SOFT * sparse.eye(sought.shape[1])).tocsc())
+    found = solver.solve(np.asarray(sought.T @ right))
+    better: Floats = found + solver.solve(np.asarray(sought.T @ (right - sought @ found)))
+    return better

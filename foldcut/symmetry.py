@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import cKDTree
+import shapely
 
 from foldcut.model import Floats, Numbers, Shape, points_array
 
@@ -91,7 +91,7 @@ def symmetric(shape: Shape, middle: Floats, axes: Iterable[int]) -> tuple[Shape,
     points = drawn
     for axis in axes:
         sign = np.where(np.arange(2) == axis, -1.0, 1.0)
-        _, partner = cKDTree(points).query(points * sign)
+        partner = _nearest(points, points * sign)
         points = (points + points[partner] * sign) / 2
         points[partner == np.arange(len(points)), axis] = 0.0
     ends = np.cumsum([len(loop) for loop in shape.loops])[:-1]
@@ -112,13 +112,18 @@ def _best_angle(points: Floats, partners: Floats, angle: float) -> float:
     return best if abs(math.remainder(best - angle, math.pi)) < 0.1 else angle
 
 
+def _nearest(points: Floats, places: Floats) -> Numbers:
+    """Return for each of ``places`` the number of the point that is nearest to it."""
+    return np.asarray(shapely.STRtree(shapely.points(points)).nearest(shapely.points(places)), dtype=np.intp)
+
+
 def _partners(shape: Shape, reflected: Floats, points: Floats) -> tuple[Numbers | None, float]:
     """Return for each corner the one nearest to its mirror image, and the largest distance between them.
 
     None if these do not make up the same loops, walked backwards.
     """
-    found = cKDTree(points).query(reflected)
-    distance, partner = np.asarray(found[0]), np.asarray(found[1])
+    partner = _nearest(points, reflected)
+    distance = np.hypot(*(points[partner] - reflected).T)
     if len(np.unique(partner)) < len(points):
         return None, math.inf
     first = 0

@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import null_space
 
 from foldcut.compact import Molecules
 from foldcut.model import Bools, CreasePattern, Floats, Numbers
@@ -71,7 +70,7 @@ class Mover:
         self._program = Program(outline, solution.turns, careful=careful)
         count = len(solution.turns)
         rows = [self._program.ends[:, :count], np.eye(1, count), _levels(outline, solution)]
-        self._basis = null_space(np.vstack(rows))
+        self._basis = _null_space(np.vstack(rows))
         self._kept = np.zeros((0, self._basis.shape[1]))
         self._trust = TRUST * outline.size
         self._folded = fold(solution)
@@ -221,6 +220,14 @@ class Mover:
         solver.add(wide(rows[:, : len(self._basis)] @ self._basis, 0.0), np.full(len(rows), -np.inf), bounds)
         found = solver.run()
         return None if found is None else (float(found[width]), found[:width])
+
+
+def _null_space(matrix: Floats) -> Floats:
+    """Return orthonormal columns that span what ``matrix`` takes to zero, as ``scipy.linalg.null_space`` does."""
+    _, singular, right = np.linalg.svd(matrix)
+    rank = int((singular > np.finfo(np.float64).eps * max(matrix.shape) * singular.max(initial=0.0)).sum())
+    basis: Floats = right[rank:].T
+    return basis
 
 
 def _levels(outline: Outline, solution: Solution) -> Floats:

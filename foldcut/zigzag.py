@@ -26,7 +26,6 @@ from typing import Any
 import highspy
 import numpy as np
 import shapely
-from scipy.spatial import ConvexHull
 
 from foldcut.compact import Walk
 from foldcut.model import Bools, Floats, Numbers
@@ -160,7 +159,8 @@ class Outline:
     def pockets(self) -> Numbers:
         """The pocket of the convex hull that each side is beside, as a bit, or 0."""
         count = len(self.loop)
-        hull = np.sort(ConvexHull(self.loop).vertices)
+        corners = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(self.loop)))
+        hull = np.flatnonzero((self.loop[:, None] == corners).all(axis=2).any(axis=1))
         pockets = np.zeros(count, dtype=np.int64)
         number = 0
         for a, b in zip(hull.tolist(), [*hull[1:].tolist(), int(hull[0]) + count], strict=True):

@@ -40,13 +40,16 @@ BINARY = (".wkb", ".pdf", ".png", ".jpg", ".jpeg")
 STANDARD_INPUT = "-"
 
 
-def read_shape(path: str | Path, options: ReadOptions | None = None) -> Drawing:
-    """Return the drawing in the file ``path``; raises ``FileFormatError`` with the path and the remedy."""
+def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes | None = None) -> Drawing:
+    """Return the drawing in the file ``path``; raises ``FileFormatError`` with the path and the remedy.
+
+    ``data``: the file's bytes where they are at hand; nothing is opened then.
+    """
     options = options or ReadOptions()
     path = Path(path)
     try:
         suffix = _suffix(path, options)
-        source = _source(path, options)
+        source = _source(path, options, data)
         if suffix not in BINARY:
             options.limits.check_numbers(source.data)
         drawing: Drawing = import_module(f"foldcut.readers.{READERS[suffix]}").read(source, options)
@@ -82,10 +85,13 @@ def _suffix(path: Path, options: ReadOptions) -> str:
     return path.suffix.lower()
 
 
-def _source(path: Path, options: ReadOptions) -> Source:
+def _source(path: Path, options: ReadOptions, data: bytes | None) -> Source:
     """Return the bytes of a file, or of standard input; no more than the limit are read."""
     most = options.limits.bytes
-    if str(path) == STANDARD_INPUT:
+    size = None if data is None else len(data)
+    if data is not None:
+        name = path.stem
+    elif str(path) == STANDARD_INPUT:
         data, name = sys.stdin.buffer.read(most + 1), "drawing"
     elif not path.exists():
         raise FileFormatError("there is no such file; check the path")
@@ -94,7 +100,9 @@ def _source(path: Path, options: ReadOptions) -> Source:
     else:
         with path.open("rb") as file:
             data, name = file.read(most + 1), path.stem
-    options.limits.check_size(len(data) if str(path) == STANDARD_INPUT else path.stat().st_size)
+    if size is None:
+        size = len(data) if str(path) == STANDARD_INPUT else path.stat().st_size
+    options.limits.check_size(size)
     if not data.strip():
         raise FileFormatError("the file is empty; give a file with at least one closed loop")
     return Source(data, name)

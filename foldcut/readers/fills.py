@@ -10,9 +10,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
@@ -52,6 +49,9 @@ def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
         return loops, 0
     lines = np.array([shapely.multilinestrings(_rings(part)) for part in parts])
     one, other = shapely.STRtree(lines).query(lines, predicate="intersects")
+    from scipy.sparse import coo_array  # a quarter of a second to import
+    from scipy.sparse.csgraph import connected_components
+
     count, group = connected_components(coo_array((np.ones(len(one)), (one, other)), shape=(len(parts), len(parts))))
     united: list[Floats] = []
     touched = 0
@@ -76,6 +76,10 @@ def join(chains: Sequence[Floats], gap: float) -> list[Floats]:
     ends = np.array([end for chain in chains for end in (chain[0], chain[-1])])
     if not np.isfinite(ends).all():
         raise FileFormatError("a line ends at a place that is not finite; give finite numbers")
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import KDTree
+
     pairs = KDTree(ends).query_pairs(gap, output_type="ndarray")
     links = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(ends), len(ends)))
     _, node = connected_components(links, directed=False)
