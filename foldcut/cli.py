@@ -19,7 +19,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from foldcut.errors import BadInputError, FoldcutError, UnfoldableError
+from foldcut.errors import BadInputError, FileFormatError, FoldcutError, UnfoldableError
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
@@ -28,8 +28,10 @@ if TYPE_CHECKING:
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing, ReadOptions
+    from foldcut.reopen import Reopened
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
+FOLD = ".fold"
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
 
 EPILOG = """\
@@ -74,6 +76,7 @@ VIEW_EPILOG = """\
 examples:
   foldcut view fish                        fish.html; open it in a browser
   foldcut view logo.svg --sheet a5 -o out/logo.html
+  foldcut view logo.fold                   a pattern that foldcut made before
 """
 
 DRAW_EPILOG = """\
@@ -173,6 +176,7 @@ def _make(args: argparse.Namespace) -> int:
     from foldcut.files import check_targets
     from foldcut.prepare import preview
     from foldcut.profiles import load_profile
+    from foldcut.reopen import Reopened
 
     source = _source(args)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
@@ -192,13 +196,15 @@ def _make(args: argparse.Namespace) -> int:
     jobs: list[Job] = []
     if result.verified:
         contents, jobs = _contents(result.folded_pattern, outputs, stem, profile, args)
-        if args.preview and result.prepared is not None:
+        if args.preview and not isinstance(result, Reopened) and result.prepared is not None:
             contents[Path(args.preview)] = preview(result.prepared.drawn, result.prepared.loops)
     return _write_and_report(result, contents, args, jobs, profile)
 
 
-def _folded(source: Path, args: argparse.Namespace) -> Result:
-    """Fold the drawing as the options say."""
+def _folded(source: Path, args: argparse.Namespace) -> Result | Reopened:
+    """Fold the drawing as the options say, or open a pattern that is folded already."""
+    if source.suffix.lower() == FOLD and args.text is None:
+        return _reopened(source, args)
     from foldcut import pipeline
     from foldcut.prepare import Preparation
     from foldcut.progress import ProgressBar
@@ -230,11 +236,31 @@ def _folded(source: Path, args: argparse.Namespace) -> Result:
         )
 
 
+def _reopened(source: Path, args: argparse.Namespace) -> Reopened:
+    """Open a FOLD file of foldcut's; options that say how to read, lay and fold a drawing are errors."""
+    from foldcut.readers.fold import read_fold
+    from foldcut.reopen import reopen
+
+    of_drawings = _Parser(add_help=False)
+    _add_options_of_fold(of_drawings)
+    of_drawings.add_argument("--preview")
+    options = [action for action in of_drawings._actions if action.dest not in ("shape", "force", "timeout")]
+    given = [option.option_strings[-1] for option in options if getattr(args, option.dest, None) != option.default]
+    if given:
+        raise BadInputError(f"{', '.join(given)}: for drawings; {source} has its sheet and creases already")
+    try:
+        return reopen(read_fold(source))
+    except FileFormatError:
+        raise
+    except BadInputError as error:
+        raise BadInputError(f"{source}: {error}") from None
+
+
 def _draw(args: argparse.Namespace) -> int:
     """Fold a shape and draw pictures of it."""
     from foldcut.exporters import pictures
     from foldcut.exporters.png import rendered
-    from foldcut.pipeline import PaperStages
+    from foldcut.pipeline import PaperStages, Result
     from foldcut.profiles import load_profile
 
     source = _source(args)
@@ -244,8 +270,8 @@ def _draw(args: argparse.Namespace) -> int:
     show = tuple(name.strip() for name in args.show.split(","))
     pictures.check(show, construction=args.method == "paper")
 
-    def drawn(result: Result) -> bytes:
-        stages = result.stages if isinstance(result.stages, PaperStages) else None
+    def drawn(result: Result | Reopened) -> bytes:
+        stages = result.stages if isinstance(result, Result) and isinstance(result.stages, PaperStages) else None
         svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
         return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
 
@@ -264,7 +290,9 @@ def _guide(args: argparse.Namespace) -> int:
     return _fold_and_write(source, output, lambda result: guide(result.folded_pattern), args)
 
 
-def _fold_and_write(source: Path, output: Path, content: Callable[[Result], bytes], args: argparse.Namespace) -> int:
+def _fold_and_write(
+    source: Path, output: Path, content: Callable[[Result | Reopened], bytes], args: argparse.Namespace
+) -> int:
     """Fold a shape and write one file about it."""
     from foldcut.files import check_targets
 
@@ -274,7 +302,7 @@ def _fold_and_write(source: Path, output: Path, content: Callable[[Result], byte
 
 
 def _write_and_report(
-    result: Result,
+    result: Result | Reopened,
     contents: dict[Path, bytes],
     args: argparse.Namespace,
     jobs: Sequence[Job] = (),
@@ -283,9 +311,13 @@ def _write_and_report(
     """Write the files of a verified result and print its report."""
     from foldcut import report
     from foldcut.files import write_files
+    from foldcut.reopen import Reopened
 
     files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
     write_files(contents, replace=args.force)
+    if isinstance(result, Reopened):
+        made = report.reopened_report(result, files, jobs, profile)
+        return _finish(made, report.reopened_lines(made), result.findings, "nothing is written", args)
     made = report.make_report(result, files, jobs, profile, getattr(args, "material", None))
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
@@ -869,8 +901,8 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
         "shape",
         metavar="SHAPE",
         nargs="?",
-        help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, or - "
-        "for standard input",
+        help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, a "
+        "pattern that foldcut wrote (.fold), or - for standard input",
     )
     make.add_argument("--text", help="draw this text instead of a SHAPE")
     make.add_argument(
