@@ -207,7 +207,7 @@ def _folded(source: Path, args: argparse.Namespace) -> Result | Reopened:
         return _reopened(source, args)
     from foldcut import pipeline
     from foldcut.prepare import Preparation
-    from foldcut.progress import ProgressBar
+    from foldcut.progress import ProgressBar, progress_lines
     from foldcut.sheet import parse_length, parse_sheet
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
@@ -232,7 +232,7 @@ def _folded(source: Path, args: argparse.Namespace) -> Result | Reopened:
                 mirror=args.mirror,
                 strict=args.strict,
             ),
-            progress=bar,
+            progress=progress_lines(sys.stderr) if args.progress else bar,
         )
 
 
@@ -244,7 +244,7 @@ def _reopened(source: Path, args: argparse.Namespace) -> Reopened:
     of_drawings = _Parser(add_help=False)
     _add_options_of_fold(of_drawings)
     of_drawings.add_argument("--preview")
-    options = [action for action in of_drawings._actions if action.dest not in ("shape", "force", "timeout")]
+    options = [action for action in of_drawings._actions if action.dest not in ("shape", "force", "timeout", "progress")]
     given = [option.option_strings[-1] for option in options if getattr(args, option.dest, None) != option.default]
     if given:
         raise BadInputError(f"{', '.join(given)}: for drawings; {source} has its sheet and creases already")
@@ -950,6 +950,9 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
         "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
     )
     _add_timeout(make)
+    make.add_argument(
+        "--progress", action="store_true", help="print how far it is on stderr, as lines of JSON for programs"
+    )
     make.add_argument(
         "--ribbon",
         metavar="WIDTH",
