@@ -244,7 +244,9 @@ def _reopened(source: Path, args: argparse.Namespace) -> Reopened:
     of_drawings = _Parser(add_help=False)
     _add_options_of_fold(of_drawings)
     of_drawings.add_argument("--preview")
-    options = [action for action in of_drawings._actions if action.dest not in ("shape", "force", "timeout", "progress")]
+    options = [
+        action for action in of_drawings._actions if action.dest not in ("shape", "force", "timeout", "progress")
+    ]
     given = [option.option_strings[-1] for option in options if getattr(args, option.dest, None) != option.default]
     if given:
         raise BadInputError(f"{', '.join(given)}: for drawings; {source} has its sheet and creases already")
@@ -335,10 +337,18 @@ def _serve(args: argparse.Namespace) -> int:
     here = Settings().hosts
     open_to_all = args.host not in ("127.0.0.1", "localhost", "::1")
     settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if open_to_all else here)
-    print(f"http://{args.host}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
+    name = f"[{args.host}]" if ":" in args.host else args.host
+    print(f"http://{name}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
     if open_to_all:
         print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
-    uvicorn.run(make_app(settings), host=args.host, port=args.port, log_level="warning")
+    uvicorn.run(
+        make_app(settings),
+        host=args.host,
+        port=args.port,
+        log_level="warning",
+        server_header=False,
+        limit_concurrency=200,
+    )
     return DONE
 
 

@@ -28,10 +28,15 @@ OWN = {"X-Foldcut": "1"}
 SQUARE = json.dumps({"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "units": "mm"}).encode()
 
 
+def running_app(settings: Settings | None = None) -> TestClient:
+    """Return an app to use in a ``with`` statement, under the name that browsers on this machine use."""
+    return TestClient(make_app(settings), base_url="http://127.0.0.1")
+
+
 @pytest.fixture
 def client() -> Iterator[TestClient]:
     """Give a running app with a short temper."""
-    with TestClient(make_app(Settings(upload_bytes=100_000, job_seconds=50))) as running:
+    with running_app(Settings(upload_bytes=100_000, job_seconds=50)) as running:
         yield running
 
 
@@ -64,13 +69,82 @@ def test_a_sample_becomes_the_files_of_the_command_line(client: TestClient, tmp_
     state = outcome(client, token)
     assert state["error"] == ""
     assert state["report"]["ok"]
-    assert set(state["files"]) == {"job.zip", "pattern.svg", "pattern.fold", "pattern.html", "pattern.png"}
+    assert set(state["files"]) == {"job.zip", "pattern.fold", "pattern.html", "pattern.png"}
     archive = zipfile.ZipFile(io.BytesIO(client.get(f"/jobs/{token}/job.zip").content))
     (dxf,) = [name for name in archive.namelist() if name.endswith(".dxf")]
     ours = tmp_path / "job.dxf"
     command = ["make", str(sample_path("triangle")), "--effort", "fast", "--profile", "laser-dxf", "-o", str(ours)]
     assert main([*command, "--quiet"]) == 0
     assert archive.read(dxf) == ours.read_bytes()
+
+
+def test_any_format_is_made_when_it_is_asked_for(client: TestClient, tmp_path: Path) -> None:
+    token = send(client, sample="triangle", profile="laser-dxf")
+    more = outcome(client, token)["more"]
+    assert {"job.dxf", "job.svg", "pattern.svg", "pattern.cp", "pattern.stl", "guide.pdf", "pictures.svg"} <= set(more)
+    for name in ("job.dxf", "pattern.svg", "pattern.zip", "guide.pdf", "pictures.svg"):
+        assert client.get(f"/jobs/{token}/{name}").status_code == 404
+        assert client.post(f"/jobs/{token}/{name}").status_code == 403
+        assert client.post(f"/jobs/{token}/{name}", headers=OWN).status_code == 204, name
+        assert client.get(f"/jobs/{token}/{name}").status_code == 200
+    assert set(zipfile.ZipFile(io.BytesIO(client.get(f"/jobs/{token}/pattern.zip").content)).namelist()) == {
+        "README.txt",
+        "pattern.svg",
+        "pattern.fold",
+        "pattern.png",
+    }
+    ours = {ending: tmp_path / f"ours.{ending}" for ending in ("dxf", "svg")}
+    assert main(["make", "triangle", "--effort", "fast", "--quiet", "-o", str(ours["svg"])]) == 0
+    machine = ["--profile", "laser-dxf", "-o", str(ours["dxf"])]
+    assert main(["make", "triangle", "--effort", "fast", "--quiet", *machine]) == 0
+    assert client.get(f"/jobs/{token}/job.dxf").content == ours["dxf"].read_bytes()
+    assert client.get(f"/jobs/{token}/pattern.svg").content == ours["svg"].read_bytes()
+
+
+@pytest.mark.parametrize("name", ["job.exe", "..%2fx.svg", "pattern.html", "drawing.json"])
+def test_no_other_files_are_made(client: TestClient, name: str) -> None:
+    token = send(client, SQUARE, ending=".json")
+    assert outcome(client, token)["state"] == "done"
+    before = set(jobs_of(client).root.rglob("*"))
+    answer = client.post(f"/jobs/{token}/{name}", headers=OWN)
+    assert answer.status_code == (204 if name == "pattern.html" else 404 if "%2f" in name else 400)
+    assert set(jobs_of(client).root.rglob("*")) == before
+
+
+def test_files_are_made_of_finished_jobs_only(client: TestClient) -> None:
+    token = send(client, b"{not json", ending=".json")
+    assert outcome(client, token)["more"] == []
+    assert client.post(f"/jobs/{token}/pattern.cp", headers=OWN).status_code == 409
+
+
+def test_a_quick_look_makes_the_page_only(client: TestClient) -> None:
+    state = outcome(client, send(client, SQUARE, ending=".json", quick="1", profile="laser-dxf"))
+    assert state["files"] == ["pattern.html"]
+    assert state["report"]["warnings"] is not None
+
+
+def test_a_text_is_folded(client: TestClient) -> None:
+    if "sans" not in client.get("/choices").json()["fonts"]:
+        pytest.skip("fontconfig: not installed")
+    state = outcome(client, send(client, text="I", font="sans"))
+    assert (state["state"], state["report"]["corners"]) == ("done", 4)
+
+
+def test_progress_is_told_in_stages(client: TestClient) -> None:
+    token = send(client, sample="swan", effort="normal")
+    seen: dict[str, float] = {}
+    while (state := client.get(f"/jobs/{token}").json())["state"] != "done":
+        assert state["state"] in ("waiting", "folding"), state
+        seen[state["stage"].partition(":")[0]] = state["fraction"]
+        time.sleep(0.05)
+    assert "searching" in seen
+    assert 0 < seen["searching"] <= 1
+    assert client.get(f"/jobs/{token}").json()["stage"] == "verify"
+
+
+def test_what_needs_too_much_memory_is_stopped() -> None:
+    with running_app(Settings(job_bytes=50_000_000)) as running:
+        assert "memory" in outcome(running, send(running, SQUARE, ending=".json"))["error"]
 
 
 def test_an_upload_is_folded_and_forgotten(client: TestClient) -> None:
@@ -84,7 +158,7 @@ def test_an_upload_is_folded_and_forgotten(client: TestClient) -> None:
 
 
 def test_nothing_is_left_when_the_server_stops() -> None:
-    with TestClient(make_app()) as running:
+    with running_app() as running:
         send(running, SQUARE, ending=".json")
         root = jobs_of(running).root
         assert root.is_dir()
@@ -97,6 +171,12 @@ def test_nothing_is_left_when_the_server_stops() -> None:
         (b"{", {"ending": ".exe"}, 400, "drawings end in"),
         (b"{", {"ending": "/../../x.svg"}, 400, "drawings end in"),
         (b"", {"sample": "../../etc/passwd"}, 400, "no sample"),
+        (b"", {}, 400, "give a drawing"),
+        (b"", {"text": ""}, 400, "give a text"),
+        (b"", {"text": "A" * 101}, 400, "give a text"),
+        (b"", {"text": "A\0"}, 400, "give a text"),
+        (b"", {"text": "A", "font": "/etc/passwd"}, 400, "no font"),
+        (SQUARE, {"ending": ".json", "margin": "--force"}, 400, "is not a length"),
         (b" " * 100_001, {"ending": ".json"}, 413, "larger than"),
         (SQUARE, {"ending": ".json", "sheet": "nonsense"}, 400, "nonsense"),
         (SQUARE, {"ending": ".json", "profile": "/etc/x.toml"}, 400, "no machine"),
@@ -126,7 +206,31 @@ def test_other_sites_and_other_names_are_refused(client: TestClient) -> None:
     token = send(client, SQUARE, ending=".json")
     assert client.delete(f"/jobs/{token}").status_code == 403
     assert client.get("/", headers={"Host": "evil.example"}).status_code == 400
+    for path in ("/", "/choices", f"/jobs/{token}", "/jobs/none"):
+        headers = client.get(path).headers
+        assert headers["x-content-type-options"] == "nosniff"
+        assert headers["cache-control"] == "no-store"
+        assert headers["cross-origin-resource-policy"] == "same-origin"
+        assert "access-control-allow-origin" not in headers
     assert client.get("/").headers["content-security-policy"].startswith("default-src 'none'")
+    outcome(client, token)
+    assert client.get(f"/jobs/{token}/pattern.svg").headers["content-security-policy"].startswith("sandbox")
+
+
+@pytest.mark.parametrize(
+    ("host", "status"),
+    [
+        ("127.0.0.1:8000", 200),
+        ("localhost:8000", 200),
+        ("[::1]:8000", 200),
+        ("evil.example", 400),
+        ("localhost.evil.example", 400),
+        ("", 400),
+        ("127.0.0.1@evil.example", 400),
+    ],
+)
+def test_only_names_of_this_machine_are_served(client: TestClient, host: str, status: int) -> None:
+    assert client.get("/", headers={"Host": host}).status_code == status
 
 
 @pytest.mark.parametrize("name", ["..%2f..%2fetc%2fpasswd", "%2e%2e", "drawing.json", "pattern.dxf"])
@@ -138,7 +242,7 @@ def test_only_what_a_job_made_can_be_taken(client: TestClient, name: str) -> Non
 
 
 def test_what_takes_too_long_is_stopped() -> None:
-    with TestClient(make_app(Settings(job_seconds=0.2))) as running:
+    with running_app(Settings(job_seconds=0.2)) as running:
         state = outcome(running, send(running, sample="swan", effort="normal"))
         assert "took more than 0.2 s" in state["error"]
 
