@@ -25,6 +25,7 @@ from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
+from mimetypes import guess_type
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,7 @@ from starlette.applications import Starlette
 from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
@@ -183,8 +184,8 @@ class Jobs:
             try:
                 _bound_memory(process.pid, self.settings.job_bytes)
                 assert process.stdout is not None
-                reading = asyncio.gather(process.stdout.read(), _follow(process, job), process.wait())
-                out, _, status = await asyncio.wait_for(reading, seconds)
+                async with asyncio.timeout(seconds):
+                    out, _, status = await asyncio.gather(process.stdout.read(), _follow(process, job), process.wait())
             except TimeoutError:
                 remedy = "press Fold to let it search longer" if job.quick else "simplify the drawing"
                 return {}, f"it took more than {seconds:g} s; {remedy}"
@@ -425,11 +426,11 @@ async def download(request: Request) -> Response:
     known, name = _job(request).files(), request.path_params["name"]
     if name not in known:
         raise RefusedError(404, "there is no such file")
+    data = known[name].read_bytes()  # at once: the job may be dropped while the file is on its way
     inline = name.endswith((".html", ".png", ".svg")) and "download" not in request.query_params
     disposition = "inline" if inline else "attachment"
-    response = FileResponse(known[name], filename=name, content_disposition_type=disposition)
-    response.headers["Content-Security-Policy"] = FILE_POLICY
-    return response
+    headers = {"Content-Security-Policy": FILE_POLICY, "Content-Disposition": f'{disposition}; filename="{name}"'}
+    return Response(data, headers=headers, media_type=guess_type(name)[0] or "application/octet-stream")
 
 
 async def _refused(request: Request, error: Exception) -> Response:
