@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-exporters sweep sweep-compact pictures lint tools clean
+.PHONY: demo test bench bench-compact bench-exporters bench-page sweep sweep-compact pictures lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -29,6 +29,10 @@ bench-compact: $(VENV)/installed-test
 ## Seconds that each format takes.
 bench-exporters: $(VENV)/installed-test
 	$(BIN)/python tests/bench/exporters.py
+
+## The page of a pattern of a thousand creases in Chromium: bytes, first picture, frames a second.
+bench-page: $(VENV)/installed-test tools
+	$(BIN)/python tests/bench/page.py
 
 ## Fold 500 random polygons by the compact method; takes about three minutes.
 sweep-compact: $(VENV)/installed-test
