@@ -150,10 +150,12 @@ class Jobs:
         job = Job(folder, "quick" in options, machine)
         drawing = folder / f"drawing{ending}"
         command = ["make", *_source(drawing, data, options), *_options(options), "--progress", "--json"]
-        for name in QUICK_FILES if job.quick else MACHINE_FILES if machine else FILES:
-            command += ["-o", str(job.made / name)]
+        names: tuple[str, ...] = QUICK_FILES if job.quick else FILES
         if machine and not job.quick:
+            names = (*MACHINE_FILES, f"job.{load_profile(options['profile']).format}")
             command += machine
+        for name in names:
+            command += ["-o", str(job.made / name)]
         job.made.mkdir(parents=True)
         if data is not None:
             drawing.write_bytes(data)
