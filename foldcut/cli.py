@@ -334,12 +334,12 @@ def _serve(args: argparse.Namespace) -> int:
         raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
     if not 0 < args.port < 65536:
         raise BadInputError(f"--port {args.port} is none; give one from 1 to 65535")
-    here = Settings().hosts
-    open_to_all = args.host not in ("127.0.0.1", "localhost", "::1")
-    settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if open_to_all else here)
     name = f"[{args.host}]" if ":" in args.host else args.host
+    own = Settings().hosts
+    everywhere = args.host in ("0.0.0.0", "::")
+    settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if everywhere else (*own, name))
     print(f"http://{name}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
-    if open_to_all:
+    if name not in own:
         print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
     uvicorn.run(
         make_app(settings),

@@ -241,6 +241,35 @@ def test_only_what_a_job_made_can_be_taken(client: TestClient, name: str) -> Non
     assert client.get(f"/jobs/{token[:-1]}/pattern.svg").status_code == 404
 
 
+def test_no_more_drawings_than_there_is_room_for_and_old_ones_make_room() -> None:
+    with running_app(Settings(most_jobs=1)) as running:
+        token = send(running, SQUARE, ending=".json", quick="1")
+        answer = running.post("/jobs", params={"sample": "triangle"}, headers=OWN)
+        assert (answer.status_code, "too many" in answer.json()["error"]) == (503, True)
+        outcome(running, token)
+        jobs_of(running).get(token).started -= Settings().keep_seconds + 1
+        other = send(running, SQUARE, ending=".json", quick="1")
+        assert running.get(f"/jobs/{token}").status_code == 404
+        assert [path.name for path in jobs_of(running).root.iterdir()] == [other]
+
+
+@pytest.mark.parametrize(("host", "hosts"), [("192.0.2.1", ("192.0.2.1",)), ("0.0.0.0", ("*",)), ("::1", ("[::1]",))])
+def test_the_server_answers_to_the_address_it_listens_at(
+    host: str, hosts: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    apps: list[Any] = []
+    monkeypatch.setattr("uvicorn.run", lambda app, **options: apps.append((app, options["host"])))
+    assert main(["serve", "--host", host]) == 0
+    ((app, listens),) = apps
+    (middleware,) = [one for one in app.user_middleware if "allowed_hosts" in one.kwargs]
+    assert listens == host
+    assert set(hosts) <= set(middleware.kwargs["allowed_hosts"])
+    assert ("*" in middleware.kwargs["allowed_hosts"]) == (host == "0.0.0.0")
+    out, err = capsys.readouterr()
+    assert out.startswith(f"http://{'[::1]' if host == '::1' else host}:8000/")
+    assert ("no password" in err) == (host != "::1")
+
+
 def test_what_takes_too_long_is_stopped() -> None:
     with running_app(Settings(job_seconds=0.2)) as running:
         state = outcome(running, send(running, sample="swan", effort="normal"))
