@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-exporters bench-page sweep sweep-compact pictures lint tools clean
+.PHONY: demo test bench bench-compact bench-exporters bench-page sweep sweep-compact pictures screenshots lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -54,6 +54,10 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make star -o docs/star.svg --force
 	$(BIN)/foldcut make marlin -o docs/marlin.svg --force
 	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
+
+## Take the pictures of the page and of foldcut serve in docs/ anew.
+screenshots: $(VENV)/installed-test tools
+	$(BIN)/python tests/screenshots.py
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:
