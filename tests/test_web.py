@@ -371,6 +371,9 @@ def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
     assert seen["foreign"] == []
     assert seen["serious"] == []
     assert seen["wide"] <= 390
+    assert [name for name in seen["reached"] if name not in ("text", "font")] == [
+        *("file", "sample", "summary", "sheet", "margin", "effort", "summary", "profile", "material", "live", "go"),
+    ]
     assert seen["cancelled"]
     assert 0 < seen["bar"] < 1
     for name in ("quick", "chosen", "dropped", "typed", "sketched"):
