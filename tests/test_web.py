@@ -388,6 +388,7 @@ def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
     assert seen["left"] == ""
     assert "mountains" in seen["shown"]
     assert "nonsense" in seen["bad"]
+    assert not seen["stale"]
     assert corners(seen["corners"]) == pytest.approx([20, 20, 80, 20, 40, 80], abs=0.6)
     assert corners(seen["moved"]) == pytest.approx([20, 20, 80, 20, 50, 70], abs=0.6)
     ours = tmp_path / "job.dxf"

@@ -104,6 +104,7 @@ const fs = require("fs");
   await page.fill("#sheet", "nonsense");
   await page.click("#go");
   seen.bad = (await ended("Verified")).said;
+  seen.stale = await page.isVisible("#result") || await page.locator("iframe").count();
   await page.fill("#sheet", "a4");
   await page.selectOption("#sample", "swan");
   await page.selectOption("#effort", "normal");
