@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-exporters bench-start sweep sweep-compact pictures lint tools clean
+.PHONY: demo test bench bench-compact bench-exporters bench-start bench-page sweep sweep-compact pictures screenshots lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -34,6 +34,10 @@ bench-exporters: $(VENV)/installed-test
 bench-start: $(VENV)/installed-test
 	$(BIN)/python tests/bench/start.py
 
+## The page of a pattern of a thousand creases in Chromium: bytes, first picture, frames a second.
+bench-page: $(VENV)/installed-test tools
+	$(BIN)/python tests/bench/page.py
+
 ## Fold 500 random polygons by the compact method; takes about three minutes.
 sweep-compact: $(VENV)/installed-test
 	FOLDCUT_RANDOM_COMPACT=500 $(BIN)/python -m pytest -n 2 -k random_polygons_are_folded tests/test_search.py
@@ -54,6 +58,10 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make star -o docs/star.svg --force
 	$(BIN)/foldcut make marlin -o docs/marlin.svg --force
 	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
+
+## Take the pictures of the page and of foldcut serve in docs/ anew.
+screenshots: $(VENV)/installed-test tools
+	$(BIN)/python tests/screenshots.py
 
 ## Install the programs that are not ours and that read our files in the tests.
 tools:

@@ -5,7 +5,8 @@ millimetres, frame 1 the folded form, which inherits everything but the coordina
 with all digits of a float64, because layer solvers give no verdict on lines that nearly coincide.
 
 Own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
-drawing's own coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:faceOrders`` =
+drawing's own coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:shape``, the loops on the sheet that
+the cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:faceOrders`` =
 "adjacent" where only faces that share a crease are ordered (see ``face_orders``).
 """
 
@@ -58,6 +59,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
         ],
         "foldcut:placement": pattern.placement.matrix.tolist(),
         "foldcut:layers": pattern.folded.layers.tolist(),
+        "foldcut:shape": [loop.tolist() for loop in pattern.shape.loops],
+        "foldcut:firstFolds": [line.tolist() for line in pattern.first_folds],
     }
     if adjacent_only:
         fold["foldcut:faceOrders"] = "adjacent"

@@ -19,7 +19,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from foldcut.errors import BadInputError, FoldcutError, UnfoldableError
+from foldcut.errors import BadInputError, FileFormatError, FoldcutError, UnfoldableError
 from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
@@ -29,8 +29,10 @@ if TYPE_CHECKING:
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing, ReadOptions
+    from foldcut.reopen import Reopened
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
+FOLD = ".fold"
 MOST_FAILURES, MOST_LETTERS = 10, 120  # of a batch: how many are listed, and how much of each error
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
 
@@ -77,6 +79,7 @@ VIEW_EPILOG = """\
 examples:
   foldcut view fish                        fish.html; open it in a browser
   foldcut view logo.svg --sheet a5 -o out/logo.html
+  foldcut view logo.fold                   a pattern that foldcut made before
 """
 
 DRAW_EPILOG = """\
@@ -193,6 +196,7 @@ def _make(args: argparse.Namespace) -> int:
     from foldcut.files import check_targets
     from foldcut.prepare import preview
     from foldcut.profiles import load_profile
+    from foldcut.reopen import Reopened
 
     source = _source(args)
     profile = None if args.profile is None else load_profile(args.profile, args.set)
@@ -212,18 +216,21 @@ def _make(args: argparse.Namespace) -> int:
     jobs: list[Job] = []
     if result.verified:
         contents, jobs = _contents(result.folded_pattern, outputs, stem, profile, args)
-        if args.preview and result.prepared is not None:
+        if args.preview and not isinstance(result, Reopened) and result.prepared is not None:
             contents[Path(args.preview)] = preview(result.prepared.drawn, result.prepared.loops)
     return _write_and_report(result, contents, args, jobs, profile)
 
 
-def _folded(source: Path, args: argparse.Namespace) -> Result:
-    """Fold the drawing as the options say."""
+def _folded(source: Path, args: argparse.Namespace) -> Result | Reopened:
+    """Fold the drawing as the options say, or open a pattern that is folded already."""
+    if source.suffix.lower() == FOLD and args.text is None:
+        return _reopened(source, args)
     from foldcut import pipeline
-    from foldcut.progress import ProgressBar
+    from foldcut.progress import ProgressBar, progress_lines
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
-        return pipeline.fold(_drawing(args, source), **_fold_options(args), progress=bar)
+        progress = progress_lines(sys.stderr) if args.progress else bar
+        return pipeline.fold(_drawing(args, source), **_fold_options(args), progress=progress)
 
 
 def _fold_options(args: argparse.Namespace) -> dict[str, Any]:
@@ -254,11 +261,33 @@ def _fold_options(args: argparse.Namespace) -> dict[str, Any]:
     }
 
 
+def _reopened(source: Path, args: argparse.Namespace) -> Reopened:
+    """Open a FOLD file of foldcut's; options that say how to read, lay and fold a drawing are errors."""
+    from foldcut.readers.fold import read_fold
+    from foldcut.reopen import reopen
+
+    of_drawings = _Parser(add_help=False)
+    _add_options_of_fold(of_drawings)
+    of_drawings.add_argument("--preview")
+    options = [
+        action for action in of_drawings._actions if action.dest not in ("shape", "force", "timeout", "progress")
+    ]
+    given = [option.option_strings[-1] for option in options if getattr(args, option.dest, None) != option.default]
+    if given:
+        raise BadInputError(f"{', '.join(given)}: for drawings; {source} has its sheet and creases already")
+    try:
+        return reopen(read_fold(source))
+    except FileFormatError:
+        raise
+    except BadInputError as error:
+        raise BadInputError(f"{source}: {error}") from None
+
+
 def _draw(args: argparse.Namespace) -> int:
     """Fold a shape and draw pictures of it."""
     from foldcut.exporters import pictures
     from foldcut.exporters.png import rendered
-    from foldcut.pipeline import PaperStages
+    from foldcut.pipeline import PaperStages, Result
     from foldcut.profiles import load_profile
 
     source = _source(args)
@@ -268,8 +297,8 @@ def _draw(args: argparse.Namespace) -> int:
     show = tuple(name.strip() for name in args.show.split(","))
     pictures.check(show, construction=args.method == "paper")
 
-    def drawn(result: Result) -> bytes:
-        stages = result.stages if isinstance(result.stages, PaperStages) else None
+    def drawn(result: Result | Reopened) -> bytes:
+        stages = result.stages if isinstance(result, Result) and isinstance(result.stages, PaperStages) else None
         svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
         return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
 
@@ -288,7 +317,9 @@ def _guide(args: argparse.Namespace) -> int:
     return _fold_and_write(source, output, lambda result: guide(result.folded_pattern), args)
 
 
-def _fold_and_write(source: Path, output: Path, content: Callable[[Result], bytes], args: argparse.Namespace) -> int:
+def _fold_and_write(
+    source: Path, output: Path, content: Callable[[Result | Reopened], bytes], args: argparse.Namespace
+) -> int:
     """Fold a shape and write one file about it."""
     from foldcut.files import check_targets
 
@@ -298,7 +329,7 @@ def _fold_and_write(source: Path, output: Path, content: Callable[[Result], byte
 
 
 def _write_and_report(
-    result: Result,
+    result: Result | Reopened,
     contents: dict[Path, bytes],
     args: argparse.Namespace,
     jobs: Sequence[Job] = (),
@@ -307,9 +338,13 @@ def _write_and_report(
     """Write the files of a verified result and print its report."""
     from foldcut import report
     from foldcut.files import write_files
+    from foldcut.reopen import Reopened
 
     files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
     write_files(contents, replace=args.force)
+    if isinstance(result, Reopened):
+        made = report.reopened_report(result, files, jobs, profile)
+        return _finish(made, report.reopened_lines(made), result.findings, "nothing is written", args)
     made = report.make_report(result, files, jobs, profile, getattr(args, "material", None))
     return _finish(made, report.make_lines(made), result.findings, "nothing is written", args)
 
@@ -381,13 +416,21 @@ def _serve(args: argparse.Namespace) -> int:
         raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
     if not 0 < args.port < 65536:
         raise BadInputError(f"--port {args.port} is none; give one from 1 to 65535")
-    here = Settings().hosts
-    open_to_all = args.host not in ("127.0.0.1", "localhost", "::1")
-    settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if open_to_all else here)
-    print(f"http://{args.host}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
-    if open_to_all:
+    name = f"[{args.host}]" if ":" in args.host else args.host
+    own = Settings().hosts
+    everywhere = args.host in ("0.0.0.0", "::")
+    settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if everywhere else (*own, name))
+    print(f"http://{name}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
+    if name not in own:
         print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
-    uvicorn.run(make_app(settings), host=args.host, port=args.port, log_level="warning")
+    uvicorn.run(
+        make_app(settings),
+        host=args.host,
+        port=args.port,
+        log_level="warning",
+        server_header=False,
+        limit_concurrency=200,
+    )
     return DONE
 
 
@@ -983,8 +1026,8 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
         "shape",
         metavar="SHAPE",
         nargs="?",
-        help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, or - "
-        "for standard input",
+        help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, a "
+        "pattern that foldcut wrote (.fold), or - for standard input",
     )
     make.add_argument("--text", help="draw this text instead of a SHAPE")
     make.add_argument(
@@ -1036,6 +1079,9 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
     )
     make.add_argument(
         "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
+    )
+    make.add_argument(
+        "--progress", action="store_true", help="print how far it is on stderr, as lines of JSON for programs"
     )
     make.add_argument(
         "--ribbon",

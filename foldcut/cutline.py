@@ -21,7 +21,7 @@ from foldcut.flatfold import FaceMaps, folded_edges
 from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
 from foldcut.stacking import collinear_overlap
 
-__all__ = ["check_cut", "fold_boundary"]
+__all__ = ["check_cut", "contains", "fold_boundary"]
 
 Indices = NDArray[np.intp]
 
@@ -169,7 +169,7 @@ def _check_heights(
 
 def _check_sides(coords: Floats, height: Floats, shape: Shape, tolerance: float) -> list[Finding]:
     """Find vertices that fold to the wrong side of the cut line."""
-    inside = _contains(shape, coords)
+    inside = contains(shape, coords)
     # Which side is the inside? Ask the vertex that is surest.
     surest = np.abs(height).argmax()
     if (height[surest] > 0) != inside[surest]:
@@ -190,7 +190,7 @@ def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list
     crease = np.flatnonzero(folded_edges(pattern) & level.all(axis=1))
     ends = pattern.vertices_coords[pattern.edges_vertices[crease]]
     length, middle = np.hypot(*(ends[:, 1] - ends[:, 0]).T), ends.mean(axis=1)
-    inside = _contains(shape, middle)
+    inside = contains(shape, middle)
     findings = []
     for at in np.flatnonzero(length > SEVERED * diagonal).tolist():
         where = "inside" if inside[at] else "outside"
@@ -202,7 +202,7 @@ def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list
     return findings
 
 
-def _contains(shape: Shape, points: Floats) -> Bools:
+def contains(shape: Shape, points: Floats) -> Bools:
     """Return whether points are inside: in an odd number of loops."""
     depth = np.zeros(len(points), dtype=np.intp)
     for loop in shape.loops:

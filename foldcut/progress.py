@@ -1,20 +1,41 @@
-"""A progress bar on stderr for work that takes longer than a second.
+"""Progress on stderr: a bar for people, for work that takes longer than a second, or lines of JSON for programs.
 
-Only for people: the command line shows it when stderr is a terminal, and clears it when the work is done.
+The command line shows the bar when stderr is a terminal, and clears it when the work is done; ``--progress`` asks for
+the lines.
 """
 
 from __future__ import annotations
 
+import json
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
 PATIENCE_S = 1.0
 """Work that is done sooner shows no bar."""
+BETWEEN_LINES_S = 0.1
+
+
+def progress_lines(out: TextIO) -> Callable[[str, float], None]:
+    """Return a callback that writes ``{"stage": "searching: 8 creases", "fraction": 0.5}`` as a line.
+
+    Of what one stage tells (the text up to a colon) no more than a line every ``BETWEEN_LINES_S`` is written.
+    """
+    last, told = "", 0.0
+
+    def tell(stage: str, fraction: float) -> None:
+        nonlocal last, told
+        name, now = stage.partition(":")[0], time.monotonic()
+        if name != last or now - told >= BETWEEN_LINES_S:
+            last, told = name, now
+            print(json.dumps({"stage": stage, "fraction": round(fraction, 4)}), file=out, flush=True)
+
+    return tell
 
 
 class ProgressBar:

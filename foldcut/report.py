@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing
+    from foldcut.reopen import Reopened
 
 Report = dict[str, Any]
 
@@ -132,8 +133,7 @@ def make_lines(report: Report) -> list[str]:
         *[("warning", warning) for warning in report["warnings"]],
         *_verdict_rows(report),
         *_job_rows(report),
-        *[("written", _file_text(file)) for file in report["files"]],
-        *[("next", line) for line in report["next"] if report["files"]],
+        *_file_rows(report),
     ]
     return [report["title"] or "untitled", *_aligned(rows)]
 
@@ -234,6 +234,33 @@ def check_lines(report: Report) -> list[str]:
     """Return the report of ``foldcut check`` as text."""
     notes = [("note", note) for note in report["notes"]]
     return _aligned([*_pattern_rows(report), *notes, *_verdict_rows(report)])
+
+
+def reopened_report(
+    result: Reopened, files: Sequence[Report], jobs: Sequence[Job] = (), profile: Profile | None = None
+) -> Report:
+    """Return the report of a pattern that was opened, not made; ``files`` as of ``make_report``."""
+    pattern = result.folded_pattern
+    return {
+        **check_report(pattern.creases, result.findings, True, result.notes),
+        "title": pattern.title,
+        "jobs": [_job_report(job) for job in jobs],
+        "machine": profile.title if profile else None,
+        "next": _next(files, profile),
+        "files": list(files),
+    }
+
+
+def reopened_lines(report: Report) -> list[str]:
+    """Return the report of a pattern that was opened as text."""
+    rows = [*_job_rows(report), *_file_rows(report)]
+    return [report["title"] or "untitled", *check_lines(report), *_aligned(rows)]
+
+
+def _file_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines on what was written, and what to do with it."""
+    written = [("written", _file_text(file)) for file in report["files"]]
+    return [*written, *[("next", line) for line in report["next"] if written]]
 
 
 def _pattern_rows(report: Report) -> list[tuple[str, str]]:

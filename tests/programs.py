@@ -27,17 +27,17 @@ def missing(name: str, reason: str) -> NoReturn:
     pytest.skip(message)
 
 
-def run_node(script: str, *arguments: object) -> Any:
-    """Run a script of tests/node and return the JSON that it prints."""
+def run_node(script: str, *arguments: object, timeout: float = 120) -> Any:
+    """Run a script of tests/node and return the JSON that it prints; ``timeout`` in seconds."""
     node = require_program("node")
     if not (NODE_FOLDER / "node_modules" / "rabbit-ear").is_dir():
         missing("rabbit-ear", "tests/node/node_modules is not there")
-    return json.loads(run_program(node, NODE_FOLDER / script, *arguments))
+    return json.loads(run_program(node, NODE_FOLDER / script, *arguments, timeout=timeout))
 
 
-def run_program(program: str, *arguments: object) -> str:
+def run_program(program: str, *arguments: object, timeout: float = 120) -> str:
     """Run a program and return what it prints; its standard error is shown if it fails."""
     command = [program, *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
     assert done.returncode == 0, f"{' '.join(command)} exited with {done.returncode}:\n{done.stderr}"
     return done.stdout

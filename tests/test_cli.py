@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import signal
@@ -20,7 +21,7 @@ from foldcut import pipeline
 from foldcut.cli import main
 from foldcut.exporters import export
 from foldcut.model import Finding, Sheet
-from foldcut.progress import ProgressBar
+from foldcut.progress import ProgressBar, progress_lines
 from foldcut.verify import CHECKS
 
 SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
@@ -513,6 +514,27 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
     out, error = capsys.readouterr()
     assert out == ""
     assert "layers" in error
+
+
+def test_progress_for_programs_is_lines_of_json_with_every_stage(
+    folder: Path, drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["make", drawing, *SMALL, "--progress", "--quiet", "-o", "a.fold"]) == 0
+    told = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
+    stages = [line["stage"].partition(":")[0] for line in told]
+    assert (stages[0], stages[-1]) == ("reading", "verify")
+    assert {"mirror axes", "searching"} <= set(stages)
+    assert all(0 <= line["fraction"] <= 1 for line in told)
+
+
+def test_progress_for_programs_tells_a_stage_once_in_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("foldcut.progress.BETWEEN_LINES_S", 1e6)
+    out = io.StringIO()
+    tell = progress_lines(out)
+    for step in range(1000):
+        tell(f"searching: {step} creases", step / 1000)
+    tell("verify", 0.0)
+    assert [json.loads(line)["stage"] for line in out.getvalue().splitlines()] == ["searching: 0 creases", "verify"]
 
 
 @pytest.mark.parametrize(

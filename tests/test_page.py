@@ -10,13 +10,24 @@ from pathlib import Path
 
 import pytest
 from numpy.testing import assert_allclose
-from patterns import square_out_of_square
+from patterns import book_fold, square_out_of_square
 from programs import require_program, run_node
 
 from foldcut.exporters import export
 from foldcut.model import Finding, FoldedPattern
 from foldcut.pipeline import fold
 from foldcut.samples import sample_names, sample_path
+
+KINDS = ("mountain", "valley")
+CONTROLS = (
+    *("pattern-held", "M", "V", "shape", "first", "before", "after", "larger", "smaller", "whole"),
+    *("folded-held", "fold", "play", "layers", "apart", "cut", "front", "side"),
+)
+
+
+def counted(count: int, kind: str) -> str:
+    """Return a number of mountains or valleys in words."""
+    return f"{count} {kind}" if count == 1 else f"{count} {'valleys' if kind == 'valley' else 'mountains'}"
 
 
 def folded(sample: str, method: str = "auto") -> FoldedPattern:
@@ -63,16 +74,18 @@ def test_a_page_with_a_thousand_creases_is_under_3_mb() -> None:
 
 def test_pages_work_in_a_browser(tmp_path: Path) -> None:
     chromium = require_program("chromium")
-    patterns = {name: folded(name) for name in sample_names()} | {"markup": square_out_of_square()}
+    patterns = {name: folded(name) for name in sample_names()} | {"book": book_fold(), "markup": square_out_of_square()}
     for name, pattern in patterns.items():
         (tmp_path / f"{name}.html").write_bytes(export(pattern, ".html"))
-    seen = run_node("page.cjs", chromium, *(tmp_path / f"{name}.html" for name in patterns))
+    seen = run_node("page.cjs", chromium, *(tmp_path / f"{name}.html" for name in patterns), timeout=400)
     for (name, pattern), page in zip(patterns.items(), seen, strict=True):
         letters = pattern.creases.edges_assignment.tolist()
         assert page["complaints"] == [], name
         assert page["requests"] == [], name
         assert page["serious"] == [], name
-        assert page["facts"].startswith(f"{letters.count('M')} mountains and {letters.count('V')} valleys"), name
+        assert page["facts"].startswith(
+            " and ".join(counted(letters.count(kind[0].upper()), kind) for kind in KINDS)
+        ), name
         assert page["mountains"] == letters.count("M"), name
         assert page["mountainsShown"] == 0, name
         assert page["crease"].startswith(f"Crease 1 of {pattern.creases.crease_count}: "), name
@@ -82,6 +95,15 @@ def test_pages_work_in_a_browser(tmp_path: Path) -> None:
         assert page["folded"].startswith("Folded flat"), name
         assert page["pictures"] == 4, name
         assert page["wide"] <= 390, name  # a phone need not scroll sideways
+        assert page["zoomed"] == pytest.approx(1 / 1.4), name
+        assert page["panned"], name
+        assert page["dragged"], name
+        assert page["turned"], name
+        assert page["hovered"], name
+        assert len({dash for dash in page["dashes"] if dash}) == len(
+            {letter for letter in letters if letter in "MV"}
+        ), name
+        assert page["reached"] == [control for control in CONTROLS if control != "first" or pattern.first_folds], name
 
 
 @pytest.mark.parametrize("place", ["flat", "folded"])

@@ -22,7 +22,7 @@ from foldcut import fold
 from foldcut.cli import main
 from foldcut.errors import BadInputError, FileFormatError
 from foldcut.readers import Drawing, ReadOptions, read_shape
-from foldcut.readers.text import draw_text
+from foldcut.readers.text import draw_text, find_font, font_families
 from foldcut.shape import make_shape
 
 MM = 25.4 / 72
@@ -273,3 +273,13 @@ def test_a_missing_library_is_told_with_its_extra(
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(FileFormatError, match=rf"need the extra '{extra}'; install it with pip install"):
         read(tmp_path, name, b"x")
+
+
+@pytest.mark.skipif(shutil.which("fc-list") is None, reason="fontconfig: not installed")
+def test_families_that_are_listed_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    families = font_families()
+    assert families == tuple(sorted(set(families), key=str.casefold))
+    for family in families[:3]:
+        assert find_font(family).is_file()
+    monkeypatch.setenv("PATH", "")
+    assert font_families() == ()

@@ -13,9 +13,11 @@ import time
 import zipfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import httpx2
 import pytest
 from programs import require_program, run_node
 from starlette.testclient import TestClient
@@ -28,10 +30,15 @@ OWN = {"X-Foldcut": "1"}
 SQUARE = json.dumps({"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "units": "mm"}).encode()
 
 
+def running_app(settings: Settings | None = None) -> TestClient:
+    """Return an app to use in a ``with`` statement, under the name that browsers on this machine use."""
+    return TestClient(make_app(settings), base_url="http://127.0.0.1")
+
+
 @pytest.fixture
 def client() -> Iterator[TestClient]:
     """Give a running app with a short temper."""
-    with TestClient(make_app(Settings(upload_bytes=100_000, job_seconds=50))) as running:
+    with running_app(Settings(upload_bytes=100_000, job_seconds=50)) as running:
         yield running
 
 
@@ -64,13 +71,80 @@ def test_a_sample_becomes_the_files_of_the_command_line(client: TestClient, tmp_
     state = outcome(client, token)
     assert state["error"] == ""
     assert state["report"]["ok"]
-    assert set(state["files"]) == {"job.zip", "pattern.svg", "pattern.fold", "pattern.html", "pattern.png"}
+    assert set(state["files"]) == {"job.dxf", "job.zip", "pattern.fold", "pattern.html", "pattern.png"}
     archive = zipfile.ZipFile(io.BytesIO(client.get(f"/jobs/{token}/job.zip").content))
     (dxf,) = [name for name in archive.namelist() if name.endswith(".dxf")]
     ours = tmp_path / "job.dxf"
     command = ["make", str(sample_path("triangle")), "--effort", "fast", "--profile", "laser-dxf", "-o", str(ours)]
     assert main([*command, "--quiet"]) == 0
     assert archive.read(dxf) == ours.read_bytes()
+
+
+def test_any_format_is_made_when_it_is_asked_for(client: TestClient, tmp_path: Path) -> None:
+    token = send(client, sample="triangle", profile="laser-dxf")
+    more = outcome(client, token)["more"]
+    assert {"job.svg", "job.pdf", "pattern.svg", "pattern.cp", "pattern.stl", "guide.pdf", "pictures.svg"} <= set(more)
+    for name in ("job.svg", "pattern.svg", "pattern.zip", "guide.pdf", "pictures.svg"):
+        assert client.get(f"/jobs/{token}/{name}").status_code == 404
+        assert client.post(f"/jobs/{token}/{name}").status_code == 403
+        assert client.post(f"/jobs/{token}/{name}", headers=OWN).status_code == 204, name
+        assert client.get(f"/jobs/{token}/{name}").status_code == 200
+    assert set(zipfile.ZipFile(io.BytesIO(client.get(f"/jobs/{token}/pattern.zip").content)).namelist()) == {
+        "README.txt",
+        "pattern.svg",
+        "pattern.fold",
+        "pattern.png",
+    }
+    for name, machine in (("pattern.svg", []), ("job.svg", ["--profile", "laser-dxf"])):
+        command = ["make", "triangle", "--effort", "fast", "--quiet", *machine, "-o", str(tmp_path / name)]
+        assert main(command) == 0
+        assert client.get(f"/jobs/{token}/{name}").content == (tmp_path / name).read_bytes()
+
+
+@pytest.mark.parametrize("name", ["job.exe", "..%2fx.svg", "pattern.html", "drawing.json"])
+def test_no_other_files_are_made(client: TestClient, name: str) -> None:
+    token = send(client, SQUARE, ending=".json")
+    assert outcome(client, token)["state"] == "done"
+    before = set(jobs_of(client).root.rglob("*"))
+    answer = client.post(f"/jobs/{token}/{name}", headers=OWN)
+    assert answer.status_code == (204 if name == "pattern.html" else 404 if "%2f" in name else 400)
+    assert set(jobs_of(client).root.rglob("*")) == before
+
+
+def test_files_are_made_of_finished_jobs_only(client: TestClient) -> None:
+    token = send(client, b"{not json", ending=".json")
+    assert outcome(client, token)["more"] == []
+    assert client.post(f"/jobs/{token}/pattern.cp", headers=OWN).status_code == 409
+
+
+def test_a_quick_look_makes_the_page_only(client: TestClient) -> None:
+    state = outcome(client, send(client, SQUARE, ending=".json", quick="1", profile="laser-dxf"))
+    assert state["files"] == ["pattern.html"]
+    assert state["report"]["warnings"] is not None
+
+
+def test_a_text_is_folded(client: TestClient) -> None:
+    if "sans" not in client.get("/choices").json()["fonts"]:
+        pytest.skip("fontconfig: not installed")
+    state = outcome(client, send(client, text="I", font="sans"))
+    assert (state["state"], state["report"]["corners"]) == ("done", 4)
+
+
+def test_progress_is_told_in_stages(client: TestClient) -> None:
+    token = send(client, sample="swan", effort="normal")
+    seen: dict[str, float] = {}
+    while (state := client.get(f"/jobs/{token}").json())["state"] != "done":
+        assert state["state"] in ("waiting", "folding"), state
+        seen[state["stage"].partition(":")[0]] = state["fraction"]
+        time.sleep(0.05)
+    assert "searching" in seen
+    assert 0 < seen["searching"] <= 1
+    assert client.get(f"/jobs/{token}").json()["stage"] == "verify"
+
+
+def test_what_needs_too_much_memory_is_stopped() -> None:
+    with running_app(Settings(job_bytes=50_000_000)) as running:
+        assert "memory" in outcome(running, send(running, SQUARE, ending=".json"))["error"]
 
 
 def test_an_upload_is_folded_and_forgotten(client: TestClient) -> None:
@@ -84,7 +158,7 @@ def test_an_upload_is_folded_and_forgotten(client: TestClient) -> None:
 
 
 def test_nothing_is_left_when_the_server_stops() -> None:
-    with TestClient(make_app()) as running:
+    with running_app() as running:
         send(running, SQUARE, ending=".json")
         root = jobs_of(running).root
         assert root.is_dir()
@@ -97,6 +171,12 @@ def test_nothing_is_left_when_the_server_stops() -> None:
         (b"{", {"ending": ".exe"}, 400, "drawings end in"),
         (b"{", {"ending": "/../../x.svg"}, 400, "drawings end in"),
         (b"", {"sample": "../../etc/passwd"}, 400, "no sample"),
+        (b"", {}, 400, "give a drawing"),
+        (b"", {"text": ""}, 400, "give a text"),
+        (b"", {"text": "A" * 101}, 400, "give a text"),
+        (b"", {"text": "A\0"}, 400, "give a text"),
+        (b"", {"text": "A", "font": "/etc/passwd"}, 400, "no font"),
+        (SQUARE, {"ending": ".json", "margin": "--force"}, 400, "is not a length"),
         (b" " * 100_001, {"ending": ".json"}, 413, "larger than"),
         (SQUARE, {"ending": ".json", "sheet": "nonsense"}, 400, "nonsense"),
         (SQUARE, {"ending": ".json", "profile": "/etc/x.toml"}, 400, "no machine"),
@@ -126,7 +206,31 @@ def test_other_sites_and_other_names_are_refused(client: TestClient) -> None:
     token = send(client, SQUARE, ending=".json")
     assert client.delete(f"/jobs/{token}").status_code == 403
     assert client.get("/", headers={"Host": "evil.example"}).status_code == 400
+    for path in ("/", "/choices", f"/jobs/{token}", "/jobs/none"):
+        headers = client.get(path).headers
+        assert headers["x-content-type-options"] == "nosniff"
+        assert headers["cache-control"] == "no-store"
+        assert headers["cross-origin-resource-policy"] == "same-origin"
+        assert "access-control-allow-origin" not in headers
     assert client.get("/").headers["content-security-policy"].startswith("default-src 'none'")
+    outcome(client, token)
+    assert client.get(f"/jobs/{token}/pattern.svg").headers["content-security-policy"].startswith("sandbox")
+
+
+@pytest.mark.parametrize(
+    ("host", "status"),
+    [
+        ("127.0.0.1:8000", 200),
+        ("localhost:8000", 200),
+        ("[::1]:8000", 200),
+        ("evil.example", 400),
+        ("localhost.evil.example", 400),
+        ("", 400),
+        ("127.0.0.1@evil.example", 400),
+    ],
+)
+def test_only_names_of_this_machine_are_served(client: TestClient, host: str, status: int) -> None:
+    assert client.get("/", headers={"Host": host}).status_code == status
 
 
 @pytest.mark.parametrize("name", ["..%2f..%2fetc%2fpasswd", "%2e%2e", "drawing.json", "pattern.dxf"])
@@ -137,8 +241,37 @@ def test_only_what_a_job_made_can_be_taken(client: TestClient, name: str) -> Non
     assert client.get(f"/jobs/{token[:-1]}/pattern.svg").status_code == 404
 
 
+def test_no_more_drawings_than_there_is_room_for_and_old_ones_make_room() -> None:
+    with running_app(Settings(most_jobs=1)) as running:
+        token = send(running, SQUARE, ending=".json", quick="1")
+        answer = running.post("/jobs", params={"sample": "triangle"}, headers=OWN)
+        assert (answer.status_code, "too many" in answer.json()["error"]) == (503, True)
+        outcome(running, token)
+        jobs_of(running).get(token).started -= Settings().keep_seconds + 1
+        other = send(running, SQUARE, ending=".json", quick="1")
+        assert running.get(f"/jobs/{token}").status_code == 404
+        assert [path.name for path in jobs_of(running).root.iterdir()] == [other]
+
+
+@pytest.mark.parametrize(("host", "hosts"), [("192.0.2.1", ("192.0.2.1",)), ("0.0.0.0", ("*",)), ("::1", ("[::1]",))])
+def test_the_server_answers_to_the_address_it_listens_at(
+    host: str, hosts: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    apps: list[Any] = []
+    monkeypatch.setattr("uvicorn.run", lambda app, **options: apps.append((app, options["host"])))
+    assert main(["serve", "--host", host]) == 0
+    ((app, listens),) = apps
+    (middleware,) = [one for one in app.user_middleware if "allowed_hosts" in one.kwargs]
+    assert listens == host
+    assert set(hosts) <= set(middleware.kwargs["allowed_hosts"])
+    assert ("*" in middleware.kwargs["allowed_hosts"]) == (host == "0.0.0.0")
+    out, err = capsys.readouterr()
+    assert out.startswith(f"http://{'[::1]' if host == '::1' else host}:8000/")
+    assert ("no password" in err) == (host != "::1")
+
+
 def test_what_takes_too_long_is_stopped() -> None:
-    with TestClient(make_app(Settings(job_seconds=0.2))) as running:
+    with running_app(Settings(job_seconds=0.2)) as running:
         state = outcome(running, send(running, sample="swan", effort="normal"))
         assert "took more than 0.2 s" in state["error"]
 
@@ -155,66 +288,119 @@ def test_cancelling_kills_the_process(client: TestClient) -> None:
     assert job.process.returncode is not None
 
 
-def test_fifty_uploads_at_once_five_of_them_hostile(client: TestClient) -> None:
-    hostile = [
-        b"{",
-        b"[" * 50_000,
-        b'{"loops": [[[0,0],[1e999,0],[0,1]]]}',
-        b"\xff\xfe",
-        b'{"loops": "../../etc/passwd"}',
-    ]
-    drawings = [SQUARE] * 45 + hostile
-    with ThreadPoolExecutor(10) as pool:
-        tokens = list(pool.map(lambda data: send(client, data, ending=".json"), drawings))
-    assert len(set(tokens)) == 50
-    states = [outcome(client, token) for token in tokens]
-    assert [state["state"] for state in states] == ["done"] * 45 + ["failed"] * 5
-    for state in states[45:]:
-        assert state["error"]
-        assert "Traceback" not in state["error"]
-    for token in tokens:
-        client.delete(f"/jobs/{token}", headers=OWN)
-    assert not jobs_of(client).jobs
-    assert not list(jobs_of(client).root.iterdir())
+@dataclass(frozen=True)
+class Server:
+    """A server in a process of its own."""
+
+    address: str
+    pid: int
 
 
 @pytest.fixture
-def address() -> Iterator[str]:
-    """Give the address of a server started by the command line; Ctrl-C ends it."""
+def server() -> Iterator[Server]:
+    """Give a server started by the command line; Ctrl-C ends it."""
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     command = [sys.executable, "-m", "foldcut.cli", "serve", "--port", str(port)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
-        assert server.stdout is not None
-        assert server.stdout.readline().startswith(f"http://127.0.0.1:{port}/ ")
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as started:
+        assert started.stdout is not None
+        assert started.stdout.readline().startswith(f"http://127.0.0.1:{port}/ ")
         for _ in range(200):
             with socket.socket() as tried:
                 if tried.connect_ex(("127.0.0.1", port)) == 0:
                     break
             time.sleep(0.05)
-        yield f"http://127.0.0.1:{port}/"
-        server.send_signal(signal.SIGINT)
-        assert server.wait(20) in (0, 130)
+        yield Server(f"http://127.0.0.1:{port}/", started.pid)
+        started.send_signal(signal.SIGINT)
+        assert started.wait(20) in (0, 130)
 
 
-def test_the_page_works_in_a_browser(address: str, tmp_path: Path) -> None:
+RETURNS_WITHIN = 16 * 2**20
+"""Bytes that the server may hold more after fifty drawings than before: what Python's allocator keeps of them."""
+
+
+def memory(pid: int) -> int:
+    """Return the bytes that a process has in memory (Linux)."""
+    status = Path(f"/proc/{pid}/status").read_text()
+    return int(status.partition("VmRSS:")[2].split()[0]) * 1024
+
+
+def test_fifty_uploads_at_once_five_of_them_hostile(server: Server) -> None:
+    padded = SQUARE + b" " * 4_000_000
+    hostile = [
+        b"[" * 4_000_000,
+        b'{"loops": [[[0,0],[1e999,0],[0,1]]]}',
+        b"\xff\xfe" * 1_000_000,
+        b'{"loops": "../../etc/passwd"}',
+        b" " * 5_000_001,
+    ]
+    drawings = [padded] * 45 + hostile
+
+    with httpx2.Client(base_url=server.address, headers=OWN, timeout=300) as client, ThreadPoolExecutor(50) as pool:
+
+        def outcome_of(data: bytes) -> tuple[str, str]:
+            answer = client.post("/jobs", params={"ending": ".json", "effort": "fast"}, content=data)
+            if answer.status_code != 201:
+                return "refused", answer.json()["error"]
+            token = answer.json()["job"]
+            while (state := client.get(f"/jobs/{token}").json())["state"] in ("waiting", "folding"):
+                time.sleep(0.5)
+            if state["state"] == "done":
+                assert client.get(f"/jobs/{token}/pattern.svg").content.startswith(b"<?xml")
+            assert client.delete(f"/jobs/{token}").status_code == 204
+            return state["state"], state["error"]
+
+        list(pool.map(outcome_of, [padded, *hostile]))  # what is loaded once is loaded now
+        before = memory(server.pid)
+        outcomes = list(pool.map(outcome_of, drawings))
+        after = memory(server.pid)
+    assert [state for state, _ in outcomes] == ["done"] * 45 + ["failed"] * 4 + ["refused"]
+    for _, error in outcomes[45:]:
+        assert error
+        assert "Traceback" not in error
+    assert after - before < RETURNS_WITHIN, f"{before / 2**20:.1f} MiB before, {after / 2**20:.1f} MiB after"
+
+
+def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
     drawing = tmp_path / "square.json"
     drawing.write_bytes(SQUARE)
-    chromium = require_program("chromium")
-    seen = run_node("serve.cjs", chromium, address, drawing, tmp_path / "page.png")
+    seen = run_node("serve.cjs", require_program("chromium"), server.address, drawing, timeout=300)
     assert seen["complaints"] == []
+    assert seen["refused"] == 1
     assert seen["foreign"] == []
     assert seen["serious"] == []
+    assert seen["wide"] <= 390
+    assert [name for name in seen["reached"] if name not in ("text", "font")] == [
+        *("file", "sample", "summary", "sheet", "margin", "effort", "summary", "profile", "material", "live", "go"),
+    ]
     assert seen["cancelled"]
-    for name in ("sample", "file", "drawn"):
-        assert "verified" in seen[name]["said"], name
-        assert {"pattern.svg", "pattern.fold", "job.zip"} <= set(seen[name]["files"]), name
+    assert 0 < seen["bar"] < 1
+    for name in ("quick", "chosen", "dropped", "typed", "sketched"):
+        if name in seen:  # nothing can be typed where there are no fonts
+            assert "press Fold" in seen[name]["said"], name
+            assert "to cut through" in seen[name]["report"], name
+            assert not seen[name]["taking"], name
+    for name in ("sample", "file", "drop", "drawn"):
+        assert seen[name]["said"].startswith("Verified"), name
+        assert {"pattern.fold", "job.zip"} <= set(seen[name]["files"]), name
+    assert seen["over"] == 1
+    assert seen["left"] == ""
     assert "mountains" in seen["shown"]
-    corners = [float(number) for pair in seen["corners"].split() for number in pair.split(",")]
-    assert corners == pytest.approx([20, 20, 80, 20, 40, 80], abs=0.6)
-    archive = zipfile.ZipFile(io.BytesIO(base64.b64decode(seen["zip"])))
-    (dxf,) = [name for name in archive.namelist() if name.endswith(".dxf")]
+    assert "nonsense" in seen["bad"]
+    assert not seen["stale"]
+    assert corners(seen["corners"]) == pytest.approx([20, 20, 80, 20, 40, 80], abs=0.6)
+    assert corners(seen["moved"]) == pytest.approx([20, 20, 80, 20, 50, 70], abs=0.6)
     ours = tmp_path / "job.dxf"
     assert main(["make", "triangle", "--effort", "fast", "--profile", "laser-dxf", "-o", str(ours), "--quiet"]) == 0
+    assert base64.b64decode(seen["dxf"]) == ours.read_bytes()
+    assert main(["make", "triangle", "--effort", "fast", "-o", str(tmp_path / "made.svg"), "--quiet"]) == 0
+    assert base64.b64decode(seen["svg"]) == (tmp_path / "made.svg").read_bytes()
+    archive = zipfile.ZipFile(io.BytesIO(base64.b64decode(seen["zip"])))
+    (dxf,) = [name for name in archive.namelist() if name.endswith(".dxf")]
     assert archive.read(dxf) == ours.read_bytes()
+
+
+def corners(text: str) -> list[float]:
+    """Return the numbers of the corners in the page's field."""
+    return [float(number) for pair in text.split() for number in pair.split(",")]

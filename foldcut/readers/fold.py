@@ -1,7 +1,8 @@
 """Read anybody's FOLD file: its crease pattern, and its layer order if it has one.
 
 FOLD file -> ``FoldFile``, lengths in mm. Of several frames the first, the key frame, is the crease pattern;
-a folded frame is read only for its layer order. Faces are traced from the edges where the file has none.
+a folded frame is read for its layer order, and for its places where it has the same vertices. Faces are traced from the
+edges where the file has none. foldcut's own keys (see ``exporters/fold.py``) are read where they are there.
 Nothing but the form is checked: whether it folds is for ``verify`` to say. (FOLD specification 1.1 and 1.2.)
 """
 
@@ -11,6 +12,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
+from itertools import islice
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -51,8 +53,10 @@ ASSIGNMENTS = ("B", "M", "V", "F", "U")
 class FoldFile:
     """What a FOLD file says, in mm.
 
-    ``layers`` ``(f,)`` are face numbers from bottom to top, or None; ``placement`` is foldcut's own entry, or
-    None; ``unit_mm`` is what the file's unit was taken for; ``notes`` say what was left out or assumed.
+    ``layers`` ``(f,)`` are face numbers from bottom to top, or None; ``folded`` ``(v, 2)`` is where the first folded
+    frame has the vertices, or None; ``placement``, ``loops`` of the shape on the sheet and ``first_folds`` are
+    foldcut's own entries, or None; ``unit_mm`` is what the file's unit was taken for; ``notes`` say what was left out
+    or assumed.
     """
 
     pattern: CreasePattern
@@ -60,6 +64,10 @@ class FoldFile:
     placement: Placement | None
     unit_mm: float
     notes: tuple[str, ...] = ()
+    title: str = ""
+    folded: Floats | None = None
+    loops: tuple[Floats, ...] | None = None
+    first_folds: tuple[Floats, ...] | None = None
 
 
 def read_fold(path: Path | str) -> FoldFile:
@@ -125,7 +133,17 @@ class _Reader:
         else:
             layers = None
             self.notes.append("faces_vertices is missing: faces traced from the edges, any layer order left out")
-        return FoldFile(pattern, layers, self.placement(), unit_mm, tuple(self.notes))
+        return FoldFile(
+            pattern,
+            layers,
+            self.placement(),
+            unit_mm,
+            tuple(self.notes),
+            self.title(),
+            self.folded(len(coords), unit_mm),
+            self.point_lists("foldcut:shape", unit_mm, least=3),
+            self.point_lists("foldcut:firstFolds", unit_mm, least=2),
+        )
 
     def fail(self, place: str, problem: str) -> NoReturn:
         raise FileFormatError(f"{place}: {problem}")
@@ -139,8 +157,14 @@ class _Reader:
             self.notes.append("no unit of length is given; one unit is taken as 1 mm")
         return UNITS_MM[unit]
 
+    def title(self) -> str:
+        title = self.data.get("file_title", "")
+        return title if isinstance(title, str) else ""
+
     def vertices(self, unit_mm: float) -> Floats:
-        rows = self.rows("vertices_coords")
+        return self.points(self.rows("vertices_coords"), unit_mm)
+
+    def points(self, rows: Iterator[tuple[str, list[Any]]], unit_mm: float) -> Floats:
         points = []
         for place, row in rows:
             numbers = self.numbers(place, row)
@@ -150,6 +174,27 @@ class _Reader:
                 self.fail(f"{place}[2]", f"z is {numbers[2]:g}; a crease pattern lies flat, with z = 0")
             points.append(numbers[:2])
         return points_array(np.array(points, dtype=np.float64).reshape(-1, 2) * unit_mm)
+
+    def folded(self, vertex_count: int, unit_mm: float) -> Floats | None:
+        """Return the places of the first folded frame that has the key frame's vertices, lying flat."""
+        for place, frame in islice(self.frames(), 1, None):
+            rows = frame.get("vertices_coords")
+            if isinstance(rows, list) and len(rows) == vertex_count:
+                try:
+                    return self.points(self.rows_of(f"{place}vertices_coords", rows), unit_mm)
+                except FileFormatError as error:
+                    self.notes.append(f"{error}: that folded frame is left out")
+        return None
+
+    def point_lists(self, name: str, unit_mm: float, least: int) -> tuple[Floats, ...] | None:
+        """Return lists of points of at least so many each, or None where the file has none."""
+        if name not in self.data:
+            return None
+        lists = tuple(self.points(self.rows_of(place, row), unit_mm) for place, row in self.rows(name))
+        for at, points in enumerate(lists):
+            if len(points) < least:
+                self.fail(f"{name}[{at}]", f"{len(points)} points; give at least {least}")
+        return lists
 
     def edges(self, vertex_count: int) -> Ints:
         edges = []
@@ -272,6 +317,10 @@ class _Reader:
         rows = self.data.get(name)
         if not isinstance(rows, list):
             self.fail(name, "missing" if rows is None else "must be a list of lists")
+        return self.rows_of(name, rows)
+
+    def rows_of(self, name: str, rows: list[Any]) -> Iterator[tuple[str, list[Any]]]:
+        """Yield (place, list) for each of these rows."""
         for at, row in enumerate(rows):
             if not isinstance(row, list):
                 self.fail(f"{name}[{at}]", "must be a list")

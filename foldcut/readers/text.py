@@ -44,6 +44,20 @@ def draw_text(text: str, font: str = "sans", options: ReadOptions | None = None)
     return replace(drawing, unit_mm=None, y_down=False)
 
 
+def font_families() -> tuple[str, ...]:
+    """Return the families that ``draw_text`` takes, by fontconfig's names; none without fontconfig."""
+    command = shutil.which("fc-list")
+    if command is None:
+        return ()
+    words = [command, "--format", "%{family[0]}\n", ":fontformat=TrueType"]
+    words_cff = [*words[:-1], ":fontformat=CFF"]
+    try:
+        found = [subprocess.run(w, capture_output=True, text=True, timeout=20, check=True) for w in (words, words_cff)]
+    except (subprocess.SubprocessError, OSError, ValueError):
+        return ()
+    return tuple(sorted({line for one in found for line in one.stdout.splitlines() if line}, key=str.casefold))
+
+
 def find_font(font: str) -> Path:
     """Return the file of a font, given as a path or as the name of a family."""
     path = Path(font)

@@ -2,7 +2,8 @@
 
 Each job runs the real command line in its own temporary folder, so a bad drawing meets the same limits as on the
 command line, cannot reach another job's files, and cannot take the server down: it is killed after
-``Settings.job_seconds``. Folders go away when a job is deleted or old, and all of them when the server stops.
+``Settings.job_seconds``, and may use no more than ``Settings.job_bytes``. Other formats are made from the job's FOLD
+file when they are asked for. Folders go away when a job is deleted or old, and all of them when the server stops.
 
 Requests that change something need the header ``X-Foldcut``, which no other site's form or script may send, and every
 request must name this machine in ``Host``, against names that others make point here (DNS rebinding).
@@ -13,32 +14,53 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
+import os
 import secrets
 import shutil
+import signal
 import sys
 import tempfile
 import time
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.resources import files
+from mimetypes import guess_type
 from pathlib import Path
 from typing import Any
 
 from starlette.applications import Starlette
+from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from foldcut.errors import BadInputError
-from foldcut.exporters import JOB_EXPORTERS
+from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS
 from foldcut.profiles import load_profile, profile_names
 from foldcut.readers import READERS
-from foldcut.samples import sample_names, sample_path
-from foldcut.sheet import parse_sheet
+from foldcut.readers.text import font_families
+from foldcut.samples import sample_names
+from foldcut.sheet import parse_length, parse_sheet
 
-PATTERN_FILES = ("svg", "fold", "html", "png")
+QUICK_FILES = ("pattern.html",)
+FILES = ("pattern.svg", "pattern.fold", "pattern.html", "pattern.png", "pattern.zip")
+MACHINE_FILES = ("pattern.fold", "pattern.html", "pattern.png", "job.zip")
+"""What a job makes at once; the rest is made when it is asked for."""
+GUIDES = {"guide.pdf": "guide", "guide.html": "guide", "pictures.svg": "draw", "pictures.png": "draw"}
+"""Files that commands other than ``make`` write."""
+EFFORTS = ("fast", "normal")
+LENGTHS = ("margin", "simplify", "min-crease", "symmetry", "ribbon")
+LONGEST_TEXT = 100
 TOKEN_BYTES = 16
+HEADERS = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
 PAGE_POLICY = (
     "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; connect-src 'self'; "
     "frame-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -51,28 +73,47 @@ FILE_POLICY = (
 
 @dataclass(frozen=True)
 class Settings:
-    """What the server allows: bytes of an upload, seconds of a job, jobs at once and in all, age of a result."""
+    """What the server allows.
+
+    ``upload_bytes`` of a drawing; ``job_seconds`` and ``job_bytes`` of memory for a job, ``quick_seconds`` for one
+    while the drawing is being changed; ``workers``: jobs at once; ``most_jobs`` in all; ``keep_seconds``: the age of a
+    result; ``hosts``: the names of this machine.
+    """
 
     upload_bytes: int = 5_000_000
     job_seconds: float = 60.0
+    job_bytes: int = 4 * 2**30
+    quick_seconds: float = 10.0
     workers: int = 2
     most_jobs: int = 200
     keep_seconds: float = 1800.0
-    hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]", "testserver")
+    hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")
 
 
 @dataclass
 class Job:
-    """One drawing on its way: its folder, its process, and what came of it."""
+    """One drawing on its way: its folder, and what came of it."""
 
     folder: Path
-    command: list[str]
+    quick: bool = False
+    machine: tuple[str, ...] = ()
     state: str = "waiting"
+    stage: str = ""
+    fraction: float = 0.0
     error: str = ""
     report: dict[str, Any] = field(default_factory=dict)
     started: float = field(default_factory=time.monotonic)
     process: asyncio.subprocess.Process | None = None
     task: asyncio.Task[None] | None = None
+
+    @property
+    def made(self) -> Path:
+        """The folder of the files that are there to take."""
+        return self.folder / "made"
+
+    def files(self) -> dict[str, Path]:
+        """Return the files that are there to take, by name."""
+        return {path.name: path for path in sorted(self.made.iterdir())} if self.state == "done" else {}
 
 
 class RefusedError(Exception):
@@ -92,44 +133,88 @@ class Jobs:
         self.jobs: dict[str, Job] = {}
         self.free = asyncio.Semaphore(settings.workers)
 
-    def add(self, data: bytes | None, suffix: str, sample: str, options: dict[str, str]) -> str:
-        """Start a job with a drawing's bytes, or a sample, and return its token."""
-        self._forget_old()
+    def require_room(self) -> None:
+        """Forget old jobs; raises ``RefusedError`` where there is no room for another."""
+        oldest = time.monotonic() - self.settings.keep_seconds
+        for token in [t for t, job in self.jobs.items() if job.started < oldest and job.state in ("done", "failed")]:
+            shutil.rmtree(self.jobs.pop(token).folder, ignore_errors=True)
         if len(self.jobs) >= self.settings.most_jobs:
             raise RefusedError(503, "the server has too many drawings; try again in a while")
+
+    def add(self, data: bytes | None, ending: str, options: Mapping[str, str]) -> str:
+        """Start a job with a drawing's bytes, or a sample or a text among the options, and return its token."""
+        self.require_room()
         token = secrets.token_urlsafe(TOKEN_BYTES)
         folder = self.root / token
-        drawing = sample_path(sample) if data is None else folder / f"drawing{suffix}"
-        job = Job(folder, _command(drawing, folder, options))
-        folder.mkdir()
+        machine = _machine(options)
+        job = Job(folder, "quick" in options, machine)
+        drawing = folder / f"drawing{ending}"
+        command = ["make", *_source(drawing, data, options), *_options(options), "--progress", "--json"]
+        names: tuple[str, ...] = QUICK_FILES if job.quick else FILES
+        if machine and not job.quick:
+            names = (*MACHINE_FILES, f"job.{load_profile(options['profile']).format}")
+            command += machine
+        for name in names:
+            command += ["-o", str(job.made / name)]
+        job.made.mkdir(parents=True)
         if data is not None:
             drawing.write_bytes(data)
         self.jobs[token] = job
-        job.task = asyncio.create_task(self._run(job))
+        job.task = asyncio.create_task(self._run(job, command))
         return token
 
-    async def _run(self, job: Job) -> None:
+    async def _run(self, job: Job, command: list[str]) -> None:
+        seconds = self.settings.quick_seconds if job.quick else self.settings.job_seconds
+        job.report, job.error = await self._command(job, command, seconds)
+        job.state = "failed" if job.error else "done"
+
+    async def _command(self, job: Job, command: list[str], seconds: float) -> tuple[dict[str, Any], str]:
+        """Run one command of the command line for a job, when its turn comes; return its report and error."""
         async with self.free:
-            job.state = "folding"
+            if not job.folder.is_dir():
+                raise RefusedError(404, "this drawing is gone; send it again")
+            job.state = "folding" if job.state == "waiting" else job.state
             pipe = asyncio.subprocess.PIPE
-            job.process = await asyncio.create_subprocess_exec(
-                *job.command, stdin=asyncio.subprocess.DEVNULL, stdout=pipe, stderr=pipe, cwd=job.folder
+            process = job.process = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-m", "foldcut.cli", *command),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=pipe,
+                stderr=pipe,
+                cwd=job.folder,
+                start_new_session=True,
             )
             try:
-                out, _ = await asyncio.wait_for(job.process.communicate(), self.settings.job_seconds)
+                _bound_memory(process.pid, self.settings.job_bytes)
+                assert process.stdout is not None
+                async with asyncio.timeout(seconds):
+                    out, _, status = await asyncio.gather(process.stdout.read(), _follow(process, job), process.wait())
             except TimeoutError:
-                job.state = "failed"
-                job.error = f"it took more than {self.settings.job_seconds:g} s; simplify the drawing"
-                return
+                remedy = "press Fold to let it search longer" if job.quick else "simplify the drawing"
+                return {}, f"it took more than {seconds:g} s; {remedy}"
             finally:
-                await _kill(job.process)
+                await _kill(process)
+        report: dict[str, Any] = {}
         with contextlib.suppress(ValueError):
-            job.report = json.loads(out.replace(f"{job.folder}/".encode(), b""))
-        done = job.process.returncode == 0
-        message = str(job.report.get("error", "")) or "no pattern was made"
-        findings = job.report.get("findings") or []
-        job.error = "" if done else message or "; ".join(str(finding.get("message")) for finding in findings)
-        job.state = "done" if done else "failed"
+            report = json.loads(out.replace(f"{job.made}/".encode(), b"").replace(f"{job.folder}/".encode(), b""))
+        error = report.pop("error", None) or {"message": "no pattern was made; it needs too much memory, or is broken"}
+        return report, "" if status == 0 else str(error["message"])
+
+    async def export(self, job: Job, name: str) -> None:
+        """Make one more file of a finished job, of its FOLD file; raises ``RefusedError`` where that fails."""
+        if "pattern.fold" not in job.files():
+            raise RefusedError(409, "there is no pattern yet to make files of")
+        if name in job.files():
+            return
+        making = job.folder / secrets.token_hex(4)
+        making.mkdir()
+        machine = job.machine if name.startswith("job.") else ()
+        verb = GUIDES.get(name, "make")
+        command = [verb, str(job.made / "pattern.fold"), "--json", *machine, "-o", str(making / name)]
+        _, error = await self._command(job, command, self.settings.job_seconds)
+        if error:
+            raise RefusedError(400, error)
+        with contextlib.suppress(FileNotFoundError):  # the job may have been dropped meanwhile
+            (making / name).replace(job.made / name)
 
     def get(self, token: str) -> Job:
         """Return a job; raises ``RefusedError`` for a token that is none."""
@@ -145,12 +230,9 @@ class Jobs:
             job.task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await job.task
+        if job.process is not None:
+            await _kill(job.process)
         shutil.rmtree(job.folder, ignore_errors=True)
-
-    def _forget_old(self) -> None:
-        oldest = time.monotonic() - self.settings.keep_seconds
-        for token in [t for t, job in self.jobs.items() if job.started < oldest and job.state in ("done", "failed")]:
-            shutil.rmtree(self.jobs.pop(token).folder, ignore_errors=True)
 
     async def close(self) -> None:
         """Stop everything and leave nothing behind."""
@@ -159,53 +241,105 @@ class Jobs:
         shutil.rmtree(self.root, ignore_errors=True)
 
 
+async def _follow(process: asyncio.subprocess.Process, job: Job) -> None:
+    """Read what the command says on standard error to the end, and keep how far it is."""
+    assert process.stderr is not None
+    while True:
+        try:
+            line = await process.stderr.readline()
+        except ValueError:  # longer than any line of ours
+            continue
+        if not line:
+            return
+        with contextlib.suppress(ValueError, KeyError, TypeError):
+            told = json.loads(line)
+            job.stage, job.fraction = str(told["stage"]), float(told["fraction"])
+
+
 async def _kill(process: asyncio.subprocess.Process) -> None:
+    """End a process and all that it started."""
     if process.returncode is None:
         with contextlib.suppress(ProcessLookupError):
-            process.kill()
+            os.killpg(process.pid, signal.SIGKILL)
         await process.wait()
 
 
-def _command(drawing: Path, folder: Path, options: dict[str, str]) -> list[str]:
-    """Return the command line of a job; every option is one of a known list, or a sheet that parses."""
+def _bound_memory(pid: int, most: int) -> None:
+    """Let a process have no more memory than this, where the system can do that."""
+    with contextlib.suppress(ImportError, AttributeError, OSError):
+        import resource
+
+        resource.prlimit(pid, resource.RLIMIT_AS, (most, most))
+
+
+def _source(drawing: Path, data: bytes | None, options: Mapping[str, str]) -> list[str]:
+    """Return the words that name what is folded."""
+    if data is not None:
+        return [str(drawing)]
+    if sample := options.get("sample"):
+        return [_known(sample, "sample", sample_names())]
+    text, font = options.get("text", ""), options.get("font", "")
+    if not text.isprintable() or not 0 < len(text.strip()) <= LONGEST_TEXT:
+        raise RefusedError(400, f"give a text of 1 to {LONGEST_TEXT} letters")
+    return [f"--text={text}", f"--font={_known(font, 'font', fonts())}"]
+
+
+def _options(options: Mapping[str, str]) -> list[str]:
+    """Return the options of the command line; each is one of a known list, or a sheet or length that parses."""
     sheet, effort = options.get("sheet", "a4"), options.get("effort", "normal")
     parse_sheet(sheet)
-    if effort not in ("fast", "normal"):
-        raise RefusedError(400, f"there is no effort {effort!r}; choose fast or normal")
-    command = [
-        sys.executable,
-        "-m",
-        "foldcut.cli",
-        "make",
-        str(drawing),
-        "--json",
-        "--sheet",
-        sheet,
-        "--effort",
-        effort,
+    lengths = {name: options[name] for name in LENGTHS if options.get(name)}
+    return [
+        *("--sheet", sheet, "--effort", "fast" if "quick" in options else _known(effort, "effort", EFFORTS)),
+        *(f"--{name}={parse_length(length)!r}mm" for name, length in lengths.items()),
     ]
-    for ending in PATTERN_FILES:
-        command += ["-o", str(folder / f"pattern.{ending}")]
-    name = options.get("profile", "")
-    if name:
-        if name not in profile_names():
-            raise RefusedError(400, f"there is no machine {name!r}; choose one of the list")
-        profile = load_profile(name)
-        if f".{profile.format}" in JOB_EXPORTERS:
-            command += ["--profile", name, "-o", str(folder / "job.zip")]
-            material = options.get("material", "")
-            if material:
-                if material not in profile.materials:
-                    raise RefusedError(
-                        400, f"{name} has no material {material!r}; choose of {', '.join(profile.materials)}"
-                    )
-                command += ["--material", material]
-    return command
+
+
+def _machine(options: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the options that choose a machine and its material, none for no machine."""
+    name, material = options.get("profile", ""), options.get("material", "")
+    if not name:
+        return ()
+    _known(name, "machine", machines())
+    words = ("--profile", name)
+    materials = load_profile(name).materials
+    return (*words, "--material", _known(material, "material", tuple(materials))) if material else words
+
+
+def _known(name: str, what: str, names: tuple[str, ...]) -> str:
+    """Return a name that is one of a list; raises ``RefusedError``."""
+    if name not in names:
+        raise RefusedError(400, f"there is no {what} {name!r}; choose one of the list")
+    return name
+
+
+@cache
+def machines() -> tuple[str, ...]:
+    """Return the names of the profiles that jobs are made for."""
+    profiles = {name: load_profile(name) for name in profile_names()}
+    return tuple(name for name, p in profiles.items() if p.operations and f".{p.format}" in JOB_EXPORTERS)
+
+
+@cache
+def fonts() -> tuple[str, ...]:
+    """Return the fonts that a text may have."""
+    families = font_families()
+    return ("sans", "serif", "monospace", *families) if families else ()
+
+
+def more_files(machine: bool) -> list[str]:
+    """Return the names of the files that are made when they are asked for."""
+    patterns = ["pattern.zip", *(f"pattern{ending}" for ending in PATTERN_EXPORTERS)]
+    return [*GUIDES, *patterns, *([f"job{ending}" for ending in JOB_EXPORTERS] if machine else [])]
 
 
 def _jobs(request: Request) -> Jobs:
     jobs: Jobs = request.app.state.jobs
     return jobs
+
+
+def _job(request: Request) -> Job:
+    return _jobs(request).get(request.path_params["job"])
 
 
 def _require_own_page(request: Request) -> None:
@@ -218,7 +352,7 @@ async def _body(request: Request, most: int) -> bytes:
     async for piece in request.stream():
         data += piece
         if len(data) > most:
-            raise RefusedError(413, f"the drawing is larger than {most // 1_000_000} MB; simplify it")
+            raise RefusedError(413, f"the drawing is larger than {most / 1e6:g} MB; simplify it")
     return bytes(data)
 
 
@@ -230,35 +364,56 @@ async def index(request: Request) -> Response:
 
 async def choices(request: Request) -> Response:
     """What there is to choose from."""
-    machines = {}
-    for name in profile_names():
-        profile = load_profile(name)
-        if profile.operations and f".{profile.format}" in JOB_EXPORTERS:
-            machines[name] = {"title": profile.title, "materials": list(profile.materials)}
-    return JSONResponse({"samples": sample_names(), "machines": machines, "endings": list(READERS)})
+    known = {name: load_profile(name) for name in machines()}
+    return JSONResponse(
+        {
+            "samples": sample_names(),
+            "machines": {name: {"title": p.title, "materials": list(p.materials)} for name, p in known.items()},
+            "endings": list(READERS),
+            "fonts": fonts(),
+        }
+    )
 
 
 async def create(request: Request) -> Response:
-    """Take a drawing as the body, its ending in ``?ending=``, or ``?sample=``; answer with the job's token."""
+    """Take a drawing as the body, its ending in ``?ending=``, or ``?sample=`` or ``?text=``; answer with a token."""
     _require_own_page(request)
     jobs, options = _jobs(request), dict(request.query_params)
-    sample, ending = options.pop("sample", ""), options.pop("ending", "")
-    data = None if sample else await _body(request, jobs.settings.upload_bytes)
-    if sample and sample not in sample_names():
-        raise RefusedError(400, f"there is no sample {sample!r}")
-    if not sample and ending not in READERS:
+    ending = options.pop("ending", "")
+    if ending and ending not in READERS:
         raise RefusedError(400, f"drawings end in {', '.join(READERS)}")
-    return JSONResponse({"job": jobs.add(data, ending, sample, options)}, status_code=201)
+    if not (ending or "sample" in options or "text" in options):
+        raise RefusedError(400, "give a drawing with its ending, a sample or a text")
+    jobs.require_room()
+    data = await _body(request, jobs.settings.upload_bytes) if ending else None
+    return JSONResponse({"job": jobs.add(data, ending, options)}, status_code=201)
 
 
 async def state(request: Request) -> Response:
     """How far a job is."""
-    job = _jobs(request).get(request.path_params["job"])
-    names = sorted(path.name for path in job.folder.glob("[pj]*.*")) if job.state == "done" else []
-    seconds = time.monotonic() - job.started
+    job = _job(request)
+    names = list(job.files())
     return JSONResponse(
-        {"state": job.state, "error": job.error, "seconds": seconds, "report": job.report, "files": names}
+        {
+            "state": job.state,
+            "stage": job.stage,
+            "fraction": job.fraction,
+            "seconds": time.monotonic() - job.started,
+            "error": job.error,
+            "report": job.report,
+            "files": names,
+            "more": [name for name in more_files(bool(job.machine)) if name not in names] if names else [],
+        }
     )
+
+
+async def make_file(request: Request) -> Response:
+    """Make one more file of a finished job."""
+    _require_own_page(request)
+    job = _job(request)
+    name = _known(request.path_params["name"], "file", tuple(more_files(bool(job.machine))))
+    await _jobs(request).export(job, name)
+    return Response(status_code=204)
 
 
 async def cancel(request: Request) -> Response:
@@ -270,16 +425,14 @@ async def cancel(request: Request) -> Response:
 
 async def download(request: Request) -> Response:
     """One of a finished job's files; the name must be one that the job made."""
-    job, name = _jobs(request).get(request.path_params["job"]), request.path_params["name"]
-    known = {path.name: path for path in job.folder.glob("[pj]*.*")} if job.state == "done" else {}
+    known, name = _job(request).files(), request.path_params["name"]
     if name not in known:
         raise RefusedError(404, "there is no such file")
+    data = known[name].read_bytes()  # at once: the job may be dropped while the file is on its way
     inline = name.endswith((".html", ".png", ".svg")) and "download" not in request.query_params
     disposition = "inline" if inline else "attachment"
-    response = FileResponse(known[name], filename=name, content_disposition_type=disposition)
-    if inline:
-        response.headers["Content-Security-Policy"] = FILE_POLICY
-    return response
+    headers = {"Content-Security-Policy": FILE_POLICY, "Content-Disposition": f'{disposition}; filename="{name}"'}
+    return Response(data, headers=headers, media_type=guess_type(name)[0] or "application/octet-stream")
 
 
 async def _refused(request: Request, error: Exception) -> Response:
@@ -289,6 +442,23 @@ async def _refused(request: Request, error: Exception) -> Response:
 
 async def _bad_input(request: Request, error: Exception) -> Response:
     return JSONResponse({"error": str(error)}, status_code=400)
+
+
+class SafeHeaders:
+    """Middleware that gives every answer the headers that keep other sites out."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self.app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+
+        async def with_headers(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(HEADERS)
+            await send(message)
+
+        await self.app(scope, receive, with_headers)
 
 
 def make_app(settings: Settings | None = None) -> Starlette:
@@ -303,6 +473,7 @@ def make_app(settings: Settings | None = None) -> Starlette:
         finally:
             await app.state.jobs.close()
 
+    handlers: dict[Any, Callable[[Request, Exception], Any]] = {RefusedError: _refused, BadInputError: _bad_input}
     app = Starlette(
         routes=[
             Route("/", index),
@@ -311,9 +482,11 @@ def make_app(settings: Settings | None = None) -> Starlette:
             Route("/jobs/{job}", state),
             Route("/jobs/{job}", cancel, methods=["DELETE"]),
             Route("/jobs/{job}/{name}", download),
+            Route("/jobs/{job}/{name}", make_file, methods=["POST"]),
         ],
-        exception_handlers={RefusedError: _refused, BadInputError: _bad_input},
+        exception_handlers=handlers,
         lifespan=lifespan,
     )
-    app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(settings.hosts))
+    app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(settings.hosts), www_redirect=False)
+    app.add_middleware(SafeHeaders)
     return app

@@ -36,14 +36,47 @@ const look = async (browser, file) => {
   await page.check("[data-layer=M]");
   await page.click("#after");
   seen.crease = await page.textContent("#tip");
+  const box = () => page.getAttribute("#pattern", "viewBox").then((text) => text.split(" ").map(Number));
+  const before = await box();
+  await page.focus("#pattern-held");
+  await page.keyboard.press("+");
+  seen.zoomed = (await box())[2] / before[2];
+  await page.keyboard.press("ArrowLeft");
+  seen.panned = (await box())[0] < before[0] + (before[2] - (await box())[2]) / 2;
+  await page.click("#whole");
+  await page.evaluate(() => document.querySelector("#pattern").scrollIntoView());
+  const middle = await page.evaluate(() => {
+    const line = document.querySelector("[data-name=V] line") || document.querySelector("[data-name=M] line");
+    const p = new DOMPoint((line.x1.baseVal.value + line.x2.baseVal.value) / 2, (line.y1.baseVal.value + line.y2.baseVal.value) / 2);
+    const {x, y} = p.matrixTransform(line.getScreenCTM());
+    return {x, y, kind: line.parentNode.dataset.name === "V" ? "valley" : "mountain"};
+  });
+  await page.mouse.move(middle.x, middle.y);
+  seen.hovered = (await page.textContent("#tip")).includes(middle.kind);
+  seen.dashes = await page.evaluate(() => ["M", "V"].map((name) => document.querySelector(`[data-name=${name}] line`)?.getAttribute("stroke-dasharray")));
+  const wheel = await box();
+  await page.mouse.wheel(0, -100);
+  await page.waitForFunction((old) => document.getElementById("pattern").getAttribute("viewBox") !== old, wheel.join(" "));
+  const grip = await box();
+  await page.mouse.down();
+  await page.mouse.move(60, (await page.locator("#pattern").boundingBox()).y + 60);
+  await page.mouse.up();
+  seen.dragged = (await box())[0] > grip[0] === 60 < middle.x;
+  await page.focus("#folded-held");
+  const still = await picture();
+  await page.keyboard.press("ArrowRight");
+  seen.turned = (await picture()) !== still;
+  await page.evaluate(() => { const title = document.getElementById("title"); title.tabIndex = -1; title.focus(); });
+  seen.reached = [];
+  for (let tab = 0; tab < 40; tab++) {
+    await page.keyboard.press("Tab");
+    const id = await page.evaluate(() => document.activeElement.id || document.activeElement.dataset.layer || "");
+    if (!id || seen.reached.includes(id)) break;
+    seen.reached.push(id);
+  }
   await page.evaluate(axe.source);
   const found = await page.evaluate(() => axe.run());
   seen.serious = found.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id);
-  seen.frame = await page.evaluate(() => {
-    const start = performance.now();
-    for (let at = 20; at < 50; at++) foldcut.frame(at);
-    return (performance.now() - start) / 30;
-  });
   await page.close();
   return {...seen, complaints, requests: requests.filter((url) => !url.startsWith("file://") && !url.startsWith("data:"))};
 };
