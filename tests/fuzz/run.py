@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import random
 import re
 import subprocess
 import sys
@@ -62,7 +61,6 @@ def fuzz(reader: str, corpus: Path, out: Path, seconds: int) -> None:
     words = HERE.parent / "words" / f"{reader}.dict"
     if words.exists():
         options.insert(0, f"-dict={words}")
-    random.seed(1)
     atheris.Setup([sys.argv[0], *options], one_input, custom_mutator=mutated)
     atheris.Fuzz()
 

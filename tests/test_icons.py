@@ -1,0 +1,41 @@
+"""Real drawings: silhouettes of icon sets become verified patterns, simplified to 20, 40 or 60 corners."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+from icons import SETS, fold_icon, icon_folders, silhouettes
+from programs import missing
+
+ICONS = 200
+CHUNK = 10
+BUDGETS = (20, 40, 60)
+
+KNOWN: dict[str, str] = {}
+"""Icons that do not become a verified pattern, and why."""
+
+
+@cache
+def chosen() -> list[Path]:
+    folders = icon_folders()
+    if len(folders) < len(SETS):
+        missing(", ".join(SETS), "not all in tests/node/node_modules")
+    return silhouettes(folders)[:ICONS]
+
+
+@pytest.mark.parametrize("first", range(0, ICONS, CHUNK))
+def test_silhouettes_of_icons_become_verified_patterns(first: int) -> None:
+    icons = chosen()[first : first + CHUNK]
+    assert len(icons) == CHUNK
+    failed = {}
+    for number, icon in enumerate(icons):
+        budget = BUDGETS[number % len(BUDGETS)]
+        row = fold_icon(icon, budget)
+        assert row["loops"] == 1, icon.name
+        if not row["failure"]:
+            assert 3 <= row["corners"] <= budget, icon.name
+            continue
+        failed[icon.stem] = row["failure"]
+    assert failed == {icon.stem: KNOWN[icon.stem] for icon in icons if icon.stem in KNOWN}
