@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -56,7 +57,7 @@ def fuzz(reader: str, corpus: Path, out: Path, seconds: int) -> None:
 
     options = [
         f"-max_total_time={seconds}", f"-max_len={MAX_BYTES}", f"-rss_limit_mb={MEMORY_MB}", "-timeout=60",
-        f"-artifact_prefix={out}/", "-seed=1", str(corpus),
+        f"-artifact_prefix={out}/", "-report_slow_units=60", str(corpus),
     ]  # fmt: skip
     words = HERE.parent / "words" / f"{reader}.dict"
     if words.exists():
@@ -109,10 +110,12 @@ def supervise(reader: str, out: Path, seconds: int) -> tuple[str, bool]:
                 for artifact in set(out.iterdir()) - before:  # it would end the next run, too
                     (corpus / hashlib.sha1(artifact.read_bytes()).hexdigest()).unlink(missing_ok=True)
     found = sorted(file.name for file in out.iterdir() if file.suffix != ".txt")
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
     line = (
-        f"{reader}: {tried:,} inputs in {seconds} s, {branches:,} branches, at most {peak_mb} MB, killed {killed} times"
+        f"{reader}: {tried:,} inputs in {seconds} s, {used.ru_utime + used.ru_stime:.0f} s of processor time, "
+        f"{branches:,} branches, at most {peak_mb} MB, killed {killed} times, {len(found)} findings {' '.join(found)}"
     )
-    return f"{line}, {len(found)} findings {' '.join(found)}".rstrip(), not found and not killed
+    return line.rstrip(), not found and not killed
 
 
 def last_number(pattern: str, text: str) -> int:
