@@ -164,6 +164,11 @@ taken(
     "almost-straight.json",
     loops([[0, 0], [21, 8e-6], [27, 4e-6], [38, 1.2e-5], [40, 0], [40, 40], [0, 40]]),
 )
+taken(
+    "hairline.json",
+    loops([[0, 0], [40, 0], [40, 20], [47, 27], [40, 20.00000000000001], [40, 40], [0, 40]]),
+    "dropped 1 point of spikes without width",
+)
 taken("repeated-loop.json", loops(SQUARE, SQUARE), "dropped loop 2: it repeats loop 1")
 refused("overlapping.json", loops(SQUARE, [[20, -10], [60, -10], [60, 50], [20, 50]]), "loop 2 touches loop 1")
 taken("common-side.json", loops(SQUARE, [[40, 0], [60, 0], [60, 40], [40, 40]]), "2 -> 1 loops")
