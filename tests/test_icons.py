@@ -9,12 +9,15 @@ import pytest
 from icons import SETS, fold_icon, icon_folders, silhouettes
 from programs import missing
 
-ICONS = 200
+ICONS = 210
 CHUNK = 10
 BUDGETS = (20, 40, 60)
 
-KNOWN: dict[str, str] = {}
-"""Icons that do not become a verified pattern, and why."""
+KNOWN = {
+    "paperclip-16": "no compact pattern was found",  # with 20 corners; with 60 one is
+    "snow": "2 loops",  # its one subpath crosses itself
+}
+"""Icons that do not become a verified pattern of one loop, and why; 200 others do."""
 
 
 @cache
@@ -33,9 +36,11 @@ def test_silhouettes_of_icons_become_verified_patterns(first: int) -> None:
     for number, icon in enumerate(icons):
         budget = BUDGETS[number % len(BUDGETS)]
         row = fold_icon(icon, budget)
-        assert row["loops"] == 1, icon.name
-        if not row["failure"]:
+        if row["loops"] != 1:
+            row["failure"] = f"{row['loops']} loops"
+        if row["failure"]:
+            failed[icon.stem] = row["failure"]
+        else:
             assert 3 <= row["corners"] <= budget, icon.name
-            continue
-        failed[icon.stem] = row["failure"]
-    assert failed == {icon.stem: KNOWN[icon.stem] for icon in icons if icon.stem in KNOWN}
+    assert set(failed) == {icon.stem for icon in icons} & set(KNOWN), failed
+    assert all(KNOWN[icon] in failure for icon, failure in failed.items())
