@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-exporters bench-start bench-page sweep sweep-compact pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-exporters bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -46,6 +46,17 @@ sweep-compact: $(VENV)/installed-test
 sweep: $(VENV)/installed-test
 	FOLDCUT_RANDOM=300 $(BIN)/python -m pytest -n 2 -k random_polygons_are_verified tests/test_pipeline.py
 
+## Fold 200 silhouettes out of icon sets with at most 60 corners each; takes about four minutes.
+sweep-icons: $(VENV)/installed-test tools
+	$(BIN)/python tests/bench/icons.py
+
+## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz.
+READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold
+SECONDS ?= 300
+fuzz: $(VENV)/installed-fuzz
+	@found=0; for reader in $(READERS); do \
+		$(BIN)/python tests/fuzz/run.py $$reader --seconds $(SECONDS) || found=1; done; exit $$found
+
 ## Check style and types.
 lint: $(VENV)/installed-dev
 	$(BIN)/ruff check $(CODE)
@@ -83,6 +94,10 @@ $(VENV)/installed: $(VENV)/python-ok pyproject.toml
 
 $(VENV)/installed-test: $(VENV)/python-ok pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
+
+$(VENV)/installed-fuzz: $(VENV)/python-ok pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fuzz]'
 	@touch $@
 
 $(VENV)/installed-dev: $(VENV)/python-ok pyproject.toml

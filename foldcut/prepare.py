@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from foldcut.errors import BadInputError, ShapeError
 from foldcut.model import Floats, Shape, points_array
-from foldcut.shape import make_shape, polygon_loops
+from foldcut.shape import SHARPEST_CORNER, make_shape, polygon_loops
 from foldcut.simplify import simplify
 
 __all__ = ["Preparation", "Prepared", "prepare", "preview"]
@@ -159,7 +159,26 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
             f"outlines that cross or overlap were made one by the even-odd rule: {len(kept)} -> {len(outlines)} loops, "
             f"{before} -> {after} corners"
         )
+    if _shape(outlines) is None:
+        outlines = _noted(changes, *_without_spikes(outlines))
     return outlines, changes
+
+
+def _without_spikes(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], str]:
+    """Return loops without corners too sharp for a shape: hairlines that go out, and back where they came from."""
+    left: list[Floats] = []
+    for loop in loops:
+        points = loop
+        while len(points) > 3:
+            back, ahead = np.roll(points, 1, axis=0) - points, np.roll(points, -1, axis=0) - points
+            sine = np.abs(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0])
+            angles = np.degrees(np.arctan2(sine, (back * ahead).sum(axis=1)))
+            if angles.min() >= SHARPEST_CORNER:
+                break
+            points = np.delete(points, angles.argmin(), axis=0)
+        left.append(points_array(points))
+    dropped = sum(map(len, loops)) - sum(map(len, left))
+    return tuple(left), f"dropped {dropped} point{'s' * (dropped > 1)} of spikes without width" if dropped else ""
 
 
 def _areas(geometry: shapely.Geometry) -> list[shapely.Polygon]:

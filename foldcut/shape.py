@@ -211,7 +211,10 @@ def _number_pairs(loop: ArrayLike, number: int) -> Floats:
 
 
 def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
-    """Return which points are corners: every other one is within the tolerance of an edge between corners."""
+    """Return which points are corners: every other one is near an edge between corners, and no corner straight.
+
+    Near is within the tolerance; where a corner between others left out is straight itself, within a few of it.
+    """
     points = [complex(x, y) for x, y in unit.tolist()]
     start = int(np.hypot(*unit.T).argmax())  # the outermost point is a corner, unless all coincide
     kept, slack = [start], [0.0]  # slack[k]: how far the points left out before corner k are from their edge
@@ -226,6 +229,12 @@ def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
         kept.append(index)
         slack.append(edge_slack)
     corners = sorted(set(kept))
+    while len(corners) > 2:  # one may have been kept only because of points left out beside it
+        ring = unit[corners]
+        off = _distance_to_segment(ring, np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0))
+        if off.min() > COLLINEAR_TOLERANCE:
+            break
+        del corners[int(off.argmin())]
     if len(corners) < 3:
         raise ShapeError(
             f"loop {number} encloses no area near {frame.at(unit[start])}: its points lie on one line; "

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Install the programs that read our files in the tests: node with rabbit-ear and fold, rsvg-convert, inkscape,
+# Install the programs that read our files in the tests: node with rabbit-ear, fold and icon sets, rsvg-convert, inkscape,
 # hp2xx, qpdf, mutool, admesh, librecad, freecad, chromium, and what Inkscape's DXF importer needs.
 # What is there already is left alone. What cannot be installed is no error: the tests that need it skip and say so.
 set -uo pipefail
@@ -39,7 +39,7 @@ if have npm && ! cmp -s node/package-lock.json node/node_modules/.installed; the
     if (cd node && timeout 300 npm ci --silent --no-audit --no-fund); then
         cp node/package-lock.json node/node_modules/.installed
     else
-        echo "tests/tools.sh: npm ci failed; the tests with rabbit-ear and fold will skip"
+        echo "tests/tools.sh: npm ci failed; the tests with rabbit-ear, fold and icons will skip"
     fi
 fi
 exit 0

@@ -287,7 +287,8 @@ class _Page:
                 elif seen.layer and seen.chosen:
                     filled = tag != "line" and style.get("fill") not in ("none", "transparent")
                     even_odd = style.get("fill-rule") == "evenodd" or not filled
-                    self.numbers += len(re.findall(_NUMBER, element.get("points", element.get("d", ""))))
+                    drawn = element.get("points", element.get("d", ""))
+                    self.numbers += len(re.findall(_NUMBER, drawn)) + len(re.findall("[Zz]", drawn))
                     if self.numbers > 4 * self.options.limits.points:
                         raise _too_many(self.options)
                     if path := _path(element, name):
@@ -434,7 +435,8 @@ def _path(element: ET.Element, name: str) -> list[Any]:
 
 def _segments(data: str, name: str) -> list[Any]:
     try:
-        return list(PathData(data))
+        # A move to where a Z ends anyway: svgelements looks for the last move again at each Z.
+        return list(PathData(re.sub("[Zz]", "Zm0 0", data)))
     except (ValueError, ArithmeticError, AttributeError, TypeError):  # an arc of senseless numbers
         raise FileFormatError(f"{name} has path data that cannot be drawn; correct its numbers") from None
 

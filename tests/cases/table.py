@@ -91,6 +91,9 @@ taken("tiny-scale.svg", svg('<g transform="scale(1e-6)"><path d="M0 0H40V40H0Z"/
 taken("huge-scale.svg", svg('<g transform="scale(1e6)"><path d="M0 0H40V40H0Z"/></g>'))
 taken("mirrored.svg", svg(f'<g transform="scale(-1 1)"><path d="{BOX}"/></g>'))
 taken("many-close.svg", path(BOX + "Z" * 1000))
+taken("many-more-close.svg", path(BOX + "Z" * 40_000))
+refused("close-without-end.svg", path(BOX + "Z" * 500_000), "has more than 100,000 points")
+refused("lines-in-one-place.svg", path(BOX + "L9 9Z" * 10_000), "has 10,001 loops, and at most 1,000")
 taken("many-moves.svg", path("M1 1" * 1000 + BOX))
 taken("relative.svg", path("m0 0h40v40h-40z"))
 taken("repeated-points.svg", path("M0 0" + "L40 0" * 50 + "L40 40L40 40L0 40Z"))
@@ -157,6 +160,15 @@ taken("title-of-signs.json", loops(SQUARE, title="\u202e\x00\x1b[2J<&\"'>"))
 taken("small.json", loops([[x * 1e-6, y * 1e-6] for x, y in SQUARE]))
 taken("large.json", loops([[x * 1e6, y * 1e6] for x, y in SQUARE]))
 taken("key-twice.json", '{"loops": 1, "loops": [[[0, 0], [40, 0], [0, 40]]]}')
+taken(
+    "almost-straight.json",
+    loops([[0, 0], [21, 8e-6], [27, 4e-6], [38, 1.2e-5], [40, 0], [40, 40], [0, 40]]),
+)
+taken(
+    "hairline.json",
+    loops([[0, 0], [40, 0], [40, 20], [47, 27], [40, 20.00000000000001], [40, 40], [0, 40]]),
+    "dropped 1 point of spikes without width",
+)
 taken("repeated-loop.json", loops(SQUARE, SQUARE), "dropped loop 2: it repeats loop 1")
 refused("overlapping.json", loops(SQUARE, [[20, -10], [60, -10], [60, 50], [20, 50]]), "loop 2 touches loop 1")
 taken("common-side.json", loops(SQUARE, [[40, 0], [60, 0], [60, 40], [40, 40]]), "2 -> 1 loops")
