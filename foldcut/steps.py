@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +29,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from foldcut.flatfold import fold_faces, folded_edges
-from foldcut.model import Bools, Floats, FoldedPattern, FoldedState, Ints, index_array, points_array
+from foldcut.model import Bools, Floats, FoldedPattern, FoldedState, Ints, Region, index_array, points_array
 from foldcut.planar import edge_faces, signed_areas
 from foldcut.plane import cross
 from foldcut.verify import verify
@@ -43,6 +43,12 @@ STRAIGHT = 1e-7
 MOST_CREASES, MOST_SPOKES, MOST_TRIES = 1000, 12, 40
 """Larger patterns, and vertices of more creases, are folded at once; so many states between are tried."""
 
+LEAST_GROUP, MOST_GROUPS = 12, 8
+"""Groups of creases that collapse are joined until there are no more, each of at least so many."""
+
+ALONG = (0.02, 0.5, 0.98)
+"""A crease reaches into a region when one of these places on it is there."""
+
 Indices = NDArray[np.intp]
 
 
@@ -52,7 +58,8 @@ class Step:
 
     ``edges``: the creases that it folds, edge numbers; ``state``: the sheet after it. A fold has its ``line``,
     ``(2, 2)`` mm, where it lies on the sheet as folded before, the faces that move, and whether these go ``over`` the
-    others, as seen from where the layers are counted to, or under them. A collapse has no line.
+    others, as seen from where the layers are counted to, or under them. A collapse has no line; its ``groups`` divide
+    its creases by the molecules, what is inside others first.
     """
 
     edges: Ints
@@ -60,6 +67,7 @@ class Step:
     line: Floats | None = None
     moved: Ints | None = None
     over: bool = True
+    groups: tuple[Ints, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +217,8 @@ def folding_steps(pattern: FoldedPattern) -> tuple[Step, ...]:
     """Return the steps from the flat sheet to ``pattern.folded``."""
     sheet = _Sheet(pattern)
     if sheet.creased.sum() > MOST_CREASES:
-        return (Step(index_array(np.flatnonzero(sheet.creased)), pattern.folded),)
+        every = np.flatnonzero(sheet.creased)
+        return (Step(index_array(every), pattern.folded, groups=_groups(pattern, every)),)
     count = len(sheet.rings)
     rank = np.argsort(pattern.folded.layers)
     end = _State(sheet, pattern.folded.vertices_coords, rank, sheet.creased)
@@ -228,11 +237,11 @@ def folding_steps(pattern: FoldedPattern) -> tuple[Step, ...]:
         before = target.turned(turn)
         last.append(_step(before, target, turn))
         target = before
-    steps += _collapses(sheet, state, target)
+    steps += _collapses(pattern, sheet, state, target)
     return (*steps, *reversed(last))
 
 
-def _collapses(sheet: _Sheet, state: _State, target: _State) -> list[Step]:
+def _collapses(pattern: FoldedPattern, sheet: _Sheet, state: _State, target: _State) -> list[Step]:
     """Return the steps between two states: as many as there are sets of creases that fold flat by themselves.
 
     Whether the sheet can lie flat with only some of the creases folded is left to the verifier.
@@ -250,11 +259,15 @@ def _collapses(sheet: _Sheet, state: _State, target: _State) -> list[Step]:
             if part is not None and _is_one_sheet(part, target):
                 after = part
                 break
-        turn = next((turn for turn in state.folds(after.folded) if np.array_equal(turn.edges, after.folded & ~state.folded)), None)
+        turn = next(
+            (turn for turn in state.folds(after.folded) if np.array_equal(turn.edges, after.folded & ~state.folded)),
+            None,
+        )
         if turn is not None and after is not target:
             steps.append(_step(state, after, turn))
         else:
-            steps.append(Step(index_array(np.flatnonzero(after.folded & ~state.folded)), after.public))
+            edges = np.flatnonzero(after.folded & ~state.folded)
+            steps.append(Step(index_array(edges), after.public, groups=_groups(pattern, edges)))
         state = after
     return steps
 
@@ -331,6 +344,48 @@ def _flat_subsets(angles: Floats, valley: Bools, fixed: Bools) -> Bools:
     size = place[:, -1]
     good = (size == 0) | ((size % 2 == 0) & (surplus == 2) & (np.abs(turned - math.pi) < STRAIGHT))
     return subsets[good]
+
+
+def _groups(pattern: FoldedPattern, edges: Indices) -> tuple[Ints, ...]:
+    """Divide creases by the regions that they are in or reach into, what is in or hangs on a region before it.
+
+    Where nothing is known of regions, the longest creases are first. Groups are joined until there are few.
+    """
+    ends = pattern.creases.vertices_coords[pattern.creases.edges_vertices[edges]]
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    key = _places_in_tree(pattern.regions, ends) if pattern.regions else np.argsort(np.argsort(-length, kind="stable"))
+    order = np.lexsort((-length, key))
+    size = max(LEAST_GROUP, math.ceil(len(edges) / MOST_GROUPS))
+    groups: list[list[int]] = []
+    for at, before in zip(order.tolist(), [-1, *order.tolist()], strict=False):
+        if not groups or (len(groups[-1]) >= size and key[at] != key[before]):
+            groups.append([])
+        groups[-1].append(int(edges[at]))
+    return tuple(index_array(sorted(group)) for group in groups)
+
+
+def _places_in_tree(regions: Sequence[Region], ends: Floats) -> Indices:
+    """Return for each crease its smallest region's place in the tree, children first, ``(n,)``."""
+    rings = [(outline, number) for number, region in enumerate(regions) for outline in region.outlines]
+    rings = [(outline, number) for outline, number in rings if len(outline) > 2]
+    polygons = np.array([shapely.Polygon(outline) for outline, _ in rings])
+    largest_first = np.argsort(-shapely.area(polygons), kind="stable")
+    owner = np.array([number for _, number in rings])[largest_first]
+    places = np.concatenate([ends[:, 0] * (1 - share) + ends[:, 1] * share for share in ALONG])
+    polygon, place = shapely.STRtree(shapely.points(places)).query(polygons[largest_first], predicate="intersects")
+    children: list[list[int]] = [[] for _ in regions]
+    todo = []
+    for number, region in enumerate(regions):
+        (children[region.parent] if region.parent >= 0 else todo).append(number)
+    preorder = []
+    while todo:
+        preorder.append(todo.pop())
+        todo += children[preorder[-1]]
+    rank = np.empty(len(regions), dtype=np.intp)
+    rank[preorder[::-1]] = np.arange(len(regions))
+    found = np.full(len(ends), -1)
+    np.maximum.at(found, place % len(ends), polygon)
+    return np.where(found < 0, len(regions), rank[owner[found]])
 
 
 def _between(sheet: _Sheet, folded: Bools, end: _State) -> _State | None:
