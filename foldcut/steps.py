@@ -12,7 +12,8 @@ under), and what moves hangs on the rest only along the line.
 
 What is between them *collapses*: all its creases close together.
 
-Invariants: each crease is in one step; after the last the sheet is the pattern's folded state.
+Invariants: each crease is in one step; the first begins with the flat sheet, its front up; after the last the sheet is
+the pattern's folded state, moved or turned over.
 """
 
 from __future__ import annotations
@@ -56,10 +57,10 @@ Indices = NDArray[np.intp]
 class Step:
     """One movement.
 
-    ``edges``: the creases that it folds, edge numbers; ``state``: the sheet after it. A fold has its ``line``,
-    ``(2, 2)`` mm, where it lies on the sheet as folded before, the faces that move, and whether these go ``over`` the
-    others, as seen from where the layers are counted to, or under them. A collapse has no line; its ``groups`` divide
-    its creases by the molecules, what is inside others first.
+    ``edges``: the creases that it folds, edge numbers; ``state``: the sheet after it, layers from bottom to top. A fold
+    has its ``line``, ``(2, 2)`` mm, where it lies on the sheet as folded before, the faces that are ``moved``, and
+    whether these go ``over`` the others, as seen from the top, or under them. A collapse has no line; its ``groups``
+    divide its creases by the molecules, what is inside others first.
     """
 
     edges: Ints
@@ -140,6 +141,15 @@ class _State:
         order[np.argsort(rank)] = np.arange(most)
         return _State(sheet, at, order, self.folded ^ turn.edges)
 
+    def laid_on(self, other: _State) -> _State:
+        """Return this state, moved and turned over so that its largest face lies where it lies in another."""
+        face = int(self.sheet.areas.argmax())
+        turn, shift, same = (value[face] for value in _motion(self, other))
+        z = self.at[:, 0] + 1j * self.at[:, 1]
+        moved = turn * (z if same else z.conj()) + shift
+        rank = self.rank if same else len(self.rank) - 1 - self.rank
+        return _State(self.sheet, np.stack([moved.real, moved.imag], axis=1), rank, self.folded, self.meet)
+
     def folds(self, allowed: Bools) -> Iterator[_Turn]:
         """Yield the straight folds of creases that are allowed."""
         open_creases = allowed & ~self.folded
@@ -154,7 +164,7 @@ class _State:
 
     def _turns(self, movable: Bools, over: bool, glued: Bools | None) -> Iterator[_Turn]:
         for edges, origin, along in self._lines(movable):
-            sides = self._sides(origin, along)
+            sides = self.sides(origin, along)
             count, part = self._parts(edges, glued)
             if count == 1:
                 continue
@@ -193,7 +203,7 @@ class _State:
             left &= ~on_line
             yield on_line, origin, along
 
-    def _sides(self, origin: Floats, along: Floats) -> NDArray[np.signedinteger]:
+    def sides(self, origin: Floats, along: Floats) -> NDArray[np.signedinteger]:
         """Return how far each face reaches to the right, -1 or 0, and to the left, 0 or 1, of a line, ``(f, 2)``."""
         off = (self.at - origin) @ np.array([-along[1], along[0]])
         side = np.where(np.abs(off) < self.sheet.tolerance, 0, np.sign(off)).astype(np.int64)
@@ -222,31 +232,37 @@ def folding_steps(pattern: FoldedPattern) -> tuple[Step, ...]:
     count = len(sheet.rings)
     rank = np.argsort(pattern.folded.layers)
     end = _State(sheet, pattern.folded.vertices_coords, rank, sheet.creased)
-    state = _State(sheet, sheet.flat, np.arange(count), np.zeros_like(sheet.creased), np.zeros((count, count), bool))
-    steps = []
+    flat = _State(sheet, sheet.flat, np.arange(count), np.zeros_like(sheet.creased), np.zeros((count, count), bool))
+    state = flat
+    moves: list[_Move] = []
     while found := _best(
         (turn for turn in state.folds(sheet.creased) if _is_one_sheet(state.turned(turn), end)), sheet.first
     ):
-        turn, before = found, state
-        state = before.turned(turn)
-        steps.append(_step(before, state, turn))
-    last = []
+        moves.append(_Move(state, state.turned(found), found))
+        state = moves[-1].after
+    last: list[_Move] = []
     target = end
     while (target.folded != state.folded).any() and (found := _best(target.unfolds(state.meet))):
-        turn = found
-        before = target.turned(turn)
-        last.append(_step(before, target, turn))
-        target = before
-    steps += _collapses(pattern, sheet, state, target)
-    return (*steps, *reversed(last))
+        last.append(_Move(target.turned(found), target, found))
+        target = last[-1].before
+    moves += [*_collapses(sheet, state, target), *reversed(last)]
+    return tuple(_replayed(pattern, flat, moves))
 
 
-def _collapses(pattern: FoldedPattern, sheet: _Sheet, state: _State, target: _State) -> list[Step]:
-    """Return the steps between two states: as many as there are sets of creases that fold flat by themselves.
+@dataclass(frozen=True, eq=False)
+class _Move:
+    """What happens between two states, straight over a line or not; they may lie anywhere, front or back up."""
+
+    before: _State
+    after: _State
+    turn: _Turn | None
+
+
+def _collapses(sheet: _Sheet, state: _State, target: _State) -> Iterator[_Move]:
+    """Yield what happens between two states: as often as there are sets of creases that fold flat by themselves.
 
     Whether the sheet can lie flat with only some of the creases folded is left to the verifier.
     """
-    steps: list[Step] = []
     wholes = _Closures(sheet, state.folded, target.folded)
     tries = MOST_TRIES
     while (target.folded != state.folded).any():
@@ -259,17 +275,31 @@ def _collapses(pattern: FoldedPattern, sheet: _Sheet, state: _State, target: _St
             if part is not None and _is_one_sheet(part, target):
                 after = part
                 break
-        turn = next(
-            (turn for turn in state.folds(after.folded) if np.array_equal(turn.edges, after.folded & ~state.folded)),
-            None,
-        )
-        if turn is not None and after is not target:
-            steps.append(_step(state, after, turn))
-        else:
-            edges = np.flatnonzero(after.folded & ~state.folded)
-            steps.append(Step(index_array(edges), after.public, groups=_groups(pattern, edges)))
+        yield _Move(state, after, None)
         state = after
-    return steps
+
+
+def _replayed(pattern: FoldedPattern, state: _State, moves: Sequence[_Move]) -> Iterator[Step]:
+    """Yield the moves as steps, each where the last has left the sheet: the larger part of it stays in place."""
+    sheet = state.sheet
+    for move in moves:
+        edges = np.flatnonzero(move.after.folded & ~move.before.folded)
+        if move.turn is None:
+            state = move.after.laid_on(state)
+            yield Step(index_array(edges), state.public, groups=_groups(pattern, edges))
+            continue
+        hinge = state.at[sheet.ends[edges[sheet.lengths[edges].argmax()]]]
+        along = (hinge[1] - hinge[0]) / math.dist(*hinge)
+        faces = move.turn.faces
+        rest = state.sides(hinge[0], along)[~faces]
+        if sheet.areas[faces].sum() > sheet.areas[~faces].sum() and (rest.min() >= 0 or rest.max() <= 0):
+            faces = ~faces
+        over = bool(sheet.valley[edges[0]] == state.up[sheet.beside[edges[0], 0]])
+        places = (state.at[sheet.ends[edges]].reshape(-1, 2) - hinge[0]) @ along
+        line = hinge[0] + np.array([[places.min()], [places.max()]]) * along
+        state = state.turned(_Turn(faces, hinge[0], along, over, move.turn.edges))
+        moved = index_array(np.flatnonzero(faces))
+        yield Step(index_array(edges), state.public, points_array(line), moved, over)
 
 
 class _Closures:
@@ -343,7 +373,8 @@ def _flat_subsets(angles: Floats, valley: Bools, fixed: Bools) -> Bools:
     turned = np.where(subsets, np.where(place % 2, -angles, angles), 0.0).sum(axis=1)
     size = place[:, -1]
     good = (size == 0) | ((size % 2 == 0) & (surplus == 2) & (np.abs(turned - math.pi) < STRAIGHT))
-    return subsets[good]
+    flat: Bools = subsets[good]
+    return flat
 
 
 def _groups(pattern: FoldedPattern, edges: Indices) -> tuple[Ints, ...]:
@@ -374,7 +405,7 @@ def _places_in_tree(regions: Sequence[Region], ends: Floats) -> Indices:
     places = np.concatenate([ends[:, 0] * (1 - share) + ends[:, 1] * share for share in ALONG])
     polygon, place = shapely.STRtree(shapely.points(places)).query(polygons[largest_first], predicate="intersects")
     children: list[list[int]] = [[] for _ in regions]
-    todo = []
+    todo: list[int] = []
     for number, region in enumerate(regions):
         (children[region.parent] if region.parent >= 0 else todo).append(number)
     preorder = []
@@ -459,18 +490,6 @@ def _best(turns: Iterator[_Turn], first: Bools | None = None) -> _Turn | None:
         return first is not None and bool(first[turn.edges].all()), int(turn.edges.sum()), -int(turn.faces.sum())
 
     return max(turns, key=key, default=None)
-
-
-def _step(before: _State, after: _State, turn: _Turn) -> Step:
-    places = (before.at[before.sheet.ends[turn.edges]].reshape(-1, 2) - turn.origin) @ turn.along
-    line = turn.origin + np.array([[places.min()], [places.max()]]) * turn.along
-    return Step(
-        index_array(np.flatnonzero(turn.edges)),
-        after.public,
-        points_array(line),
-        index_array(np.flatnonzero(turn.faces)),
-        turn.over,
-    )
 
 
 def _is_one_sheet(state: _State, end: _State) -> bool:
