@@ -67,8 +67,9 @@ def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
         ),
         _shown(
             "Cut",
-            f"Turn the folded sheet {'over, and round' if over else 'round'} until it lies as in the picture. Cut once, straight, along the outline of the shape: level, {heights.max():.1f} mm under the highest "
-            f"point of the folded sheet and {-heights.min():.1f} mm over its lowest, as in the picture.",
+            f"Turn the folded sheet {'over, and round' if over else 'round'} until it lies as in the picture. Cut "
+            f"once, straight, along the outline of the shape: level, {heights.max():.1f} mm under the highest point and "
+            f"{-heights.min():.1f} mm over the lowest.",
             pictures.front(pattern, look),
         ),
         _shown("Unfold", "One part is the shape, the other the sheet around it.", pictures.after(pattern, look)),

@@ -16,6 +16,7 @@ from foldcut.cli import main
 from foldcut.errors import BadInputError
 from foldcut.exporters.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
 from foldcut.model import Floats, FoldedPattern
+from foldcut.molecules import Kind
 from foldcut.pipeline import PaperStages, fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
@@ -116,9 +117,23 @@ def test_the_construction_is_drawn_with_every_disk_molecule_and_tree() -> None:
         for panel, paths in groups.items()
     }
     strip = int((stages.molecules.facet_molecule < 0).sum())
-    assert filled == {"packing": count, "molecules": count, "trees": count, "ribbon": count + strip}
+    dots = len(stages.assignment.roots)
+    assert filled == {
+        "packing": count,
+        "molecules": count,
+        "rabbit-ear": 1 + 1 + 6,  # the triangle, the plane, the facets
+        "gusset": 2 + 2 + 1 + 12,  # and the gusset and its two perpendicular points
+        "inset": 2 + 1 + 4,
+        "trees": count + dots,
+        "matching": count,
+        "ribbon": count + strip,
+    }
     assert pieces("packing", "#1b5e9e") + pieces("packing", "#888888") == len(stages.packing.radii)
-    assert pieces("trees", "#0b4f9e") == count - 2  # two roots
+    four = sum(len(gap) == 4 for gap in stages.packing.gaps)
+    assert pieces("packing", "#e08a4a") >= four > 0  # those that reach over the edge are cut off there
+    reversed_sides = (stages.molecules.crease_kind == Kind.SIDE) & (stages.assignment.crease_assignment == "M")
+    assert pieces("matching", "#c00000") == reversed_sides.sum() == len(stages.assignment.corner_tree)
+    assert pieces("trees", "#0b4f9e") == count - dots  # two roots
     assert pieces("trees", "#c00000") == 2 * len(stages.assignment.corner_tree)
 
 
