@@ -13,6 +13,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from reportlab.lib.pagesizes import A4
+from reportlab.lib.styles import getSampleStyleSheet
+from reportlab.lib.units import mm
+from reportlab.platypus import Flowable, KeepTogether, Paragraph, SimpleDocTemplate, Spacer
 
 from foldcut.foldability import foldability, most_layers
 from foldcut.lines import straight_lines
@@ -36,12 +40,16 @@ PICTURE_MM = 90
 
 @dataclass(frozen=True)
 class Instruction:
-    """What to do, in words, with a picture as SVG and its width and height in mm."""
+    """What to do, in words and as a picture."""
 
     title: str
     text: str
-    picture: bytes
-    size: tuple[float, float]
+    panel: Panel
+
+    @property
+    def picture(self) -> bytes:
+        """The picture as SVG."""
+        return panels.laid_out([("", self.panel)], "")[0]
 
 
 def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
@@ -50,7 +58,9 @@ def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
     advice = [f"{numbers.layers_at_cut} layers will lie on the cut, {numbers.layers} at the thickest place"]
     advice += [f"the shortest crease is {numbers.shortest_crease_mm:.1f} mm long"] if numbers.shortest_crease_mm else []
     text = f"Print or score the pattern in true size, on a sheet of {pattern.sheet}. For office paper: "
-    made = [_shown("The sheet", text + "; ".join([*advice, *numbers.warnings]) + ".", pictures.creases(pattern, look))]
+    made = [
+        Instruction("The sheet", text + "; ".join([*advice, *numbers.warnings]) + ".", pictures.creases(pattern, look))
+    ]
     sheet = _Sheet(pattern)
     for step in folding_steps(pattern):
         made += [sheet.fold(step, look)] if step.line is not None else sheet.collapse(step)
@@ -59,26 +69,22 @@ def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
     over = np.prod([signed_area(state.vertices_coords[ring]) for state in (sheet.state, pattern.folded)]) < 0
     heights = pattern.folded.vertices_coords[:, 1]
     made += [
-        _shown(
+        Instruction(
             "Check the layers",
             "Turned so that the spine is on the left, and drawn apart, from the lowest on the left to the highest on "
             "the right, the layers follow each other so. The red line is where the shape begins.",
             pictures.apart(pattern, look),
         ),
-        _shown(
+        Instruction(
             "Cut",
             f"Turn the folded sheet {'over, and round' if over else 'round'} until it lies as in the picture. Cut "
-            f"once, straight, along the outline of the shape: level, {heights.max():.1f} mm under the highest point and "
-            f"{-heights.min():.1f} mm over the lowest.",
+            f"once, straight, along the outline of the shape: level, {heights.max():.1f} mm under the highest point "
+            f"and {-heights.min():.1f} mm over the lowest.",
             pictures.front(pattern, look),
         ),
-        _shown("Unfold", "One part is the shape, the other the sheet around it.", pictures.after(pattern, look)),
+        Instruction("Unfold", "One part is the shape, the other the sheet around it.", pictures.after(pattern, look)),
     ]
     return made
-
-
-def _shown(title: str, text: str, panel: Panel) -> Instruction:
-    return Instruction(title, text, *panels.laid_out([("", panel)], ""))
 
 
 class _Sheet:
@@ -155,7 +161,7 @@ class _Sheet:
             ],
         )
         way = "toward you, over the line" if step.over else "away from you, behind the rest"
-        return _shown(
+        return Instruction(
             f"Fold {self.count}",
             f"Fold {which} along the marked line: the coloured part goes {way}. Leave it folded.",
             panel,
@@ -181,7 +187,7 @@ class _Sheet:
                 "what is inside other parts of the pattern comes first" if self.pattern.regions else "long lines first"
             )
             made.append(
-                _shown(
+                Instruction(
                     "The groups",
                     f"The creases that come next are pressed in {len(groups)} groups: {order}. "
                     "The picture has the numbers of the groups on the longer lines.",
@@ -202,7 +208,7 @@ class _Sheet:
                 f"Crease the {len(lines)} marked lines{through}, sharply and both ways, and open them again. "
                 f"The shortest is {shortest:.1f} mm long."
             )
-            made.append(_shown(title, text, Panel([*paper, *items], keys)))
+            made.append(Instruction(title, text, Panel([*paper, *items], keys)))
         folded = self.folded.copy()
         folded[step.edges] = True
         ends = "lies flat like this" if not self.folded.any() else "lies flat again, like this"
@@ -216,7 +222,7 @@ class _Sheet:
                 " Shape group 1 first, then 2, and so on; the flaps come to lie on each other like the pages of a book."
             )
         keys = [Key("the printed side", fill=FRONT), *self.back(step.state)]
-        made.append(_shown("Collapse", text, Panel(self.paper(step.state, folded), keys)))
+        made.append(Instruction("Collapse", text, Panel(self.paper(step.state, folded), keys)))
         return made
 
     def _lines(self, edges: Ints) -> list[Floats]:
@@ -282,29 +288,56 @@ def _bare(picture: bytes) -> str:
 
 def export_pdf(pattern: FoldedPattern, profile: Profile | None = None) -> bytes:
     """Return the guide as a PDF on A4; the same pattern gives the same bytes."""
-    from reportlab.lib.pagesizes import A4
-    from reportlab.lib.styles import getSampleStyleSheet
-    from reportlab.lib.units import mm
-    from reportlab.platypus import Image, KeepTogether, Paragraph, SimpleDocTemplate, Spacer
-
-    from .png import rendered
-
     title = printable(pattern.title) or "foldcut"
     look, flow = getSampleStyleSheet(), []
     flow.append(Paragraph(f"{html.escape(title)}: how to fold it", look["Title"]))
     for number, step in enumerate(instructions(pattern, (profile or load_profile()).drawing), start=1):
-        picture = io.BytesIO(rendered(step.picture, step.size))
-        scale = PICTURE_MM / max(step.size)
         block = [
             Paragraph(f"{number}. {html.escape(step.title)}", look["Heading2"]),
             Paragraph(html.escape(step.text), look["BodyText"]),
             Spacer(1, 3 * mm),
-            Image(picture, scale * step.size[0] * mm, scale * step.size[1] * mm),
+            _Picture(step.panel),
         ]
         flow.append(KeepTogether(block))
     out = io.BytesIO()
     SimpleDocTemplate(out, pagesize=A4, title=f"{title}: how to fold it", creator="foldcut", invariant=1).build(flow)
     return out.getvalue()
+
+
+class _Picture(Flowable):  # type: ignore[misc]
+    """A panel as reportlab puts it on a page."""
+
+    def __init__(self, panel: Panel) -> None:
+        super().__init__()
+        self.marks, size = panels.flat(panel)
+        self.scale = PICTURE_MM / max(size) * mm
+        self.width, self.height = (side * self.scale for side in size)
+
+    def draw(self) -> None:
+        """Draw the panel; called by reportlab, with the origin in the lower left corner."""
+        canvas = self.canv
+        canvas.translate(0, self.height)
+        canvas.scale(self.scale, self.scale)
+        canvas.setLineJoin(1)
+        for mark in self.marks:
+            if isinstance(mark, panels.Text):
+                canvas.setFillColor(mark.colour)
+                canvas.setFont("Helvetica", panels.TEXT_MM)
+                (canvas.drawCentredString if mark.centred else canvas.drawString)(mark.x, -mark.y, mark.words)
+                continue
+            path = canvas.beginPath()
+            first, *rest = mark.points.tolist()
+            path.moveTo(first[0], -first[1])
+            for x, y in rest:
+                path.lineTo(x, -y)
+            if mark.closed:
+                path.close()
+            if mark.fill:
+                canvas.setFillColor(mark.fill)
+            if mark.stroke:
+                canvas.setStrokeColor(mark.stroke)
+                canvas.setLineWidth(mark.width)
+            canvas.drawPath(path, fill=int(bool(mark.fill)), stroke=int(bool(mark.stroke)))
 
 
 GUIDES = {".html": export_html, ".pdf": export_pdf}

@@ -8,7 +8,7 @@ the size of what is shown, so that a panel can be read at 100 mm; all grows with
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -103,6 +103,28 @@ def fine(lines: Floats, extent: float, most: float = STROKE) -> float:
     return float(np.clip(SHARE * np.quantile(lengths, 0.2), LIGHTEST, most))
 
 
+@dataclass(frozen=True, eq=False)
+class Outline:
+    """A polyline, or closed, a polygon, of a laid-out drawing: ``(n, 2)`` mm, y down."""
+
+    points: Floats
+    closed: bool
+    fill: str
+    stroke: str
+    width: float
+
+
+@dataclass(frozen=True)
+class Text:
+    """Words of a laid-out drawing: where their baseline begins, or its middle is, mm, y down."""
+
+    words: str
+    x: float
+    y: float
+    colour: str
+    centred: bool
+
+
 def laid_out(panels: Sequence[tuple[str, Panel]], title: str) -> tuple[bytes, tuple[float, float]]:
     """Return panels with their names side by side, in rows of two, as SVG, and its size in mm."""
     columns = min(2, len(panels))
@@ -119,9 +141,35 @@ def laid_out(panels: Sequence[tuple[str, Panel]], title: str) -> tuple[bytes, tu
     drawing.set_desc(title=printable(title) or "foldcut")
     for (name, panel), (left, top, height) in zip(panels, places, strict=True):
         group = drawing.add(drawing.g(id=name) if name else drawing.g())
-        _draw(drawing, group, panel, left, top, height)
+        for marks in _drawn(panel, left, top, height):
+            _add(drawing, group, marks)
     text = ET.tostring(drawing.get_xml(), encoding="unicode")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode(), (width, y)
+
+
+def flat(panel: Panel) -> tuple[list[Outline | Text], tuple[float, float]]:
+    """Return all that one panel is drawn with, in drawing order, and its width and height in mm."""
+    height = _Frame(panel).height
+    marks = [mark for some in _drawn(panel, 0.0, 0.0, height) for mark in some]
+    return marks, (PANEL_MM, height + _legend_height(panel) + 1)
+
+
+def _add(drawing: svgwrite.Drawing, group: Any, marks: Sequence[Outline | Text]) -> None:
+    """Add marks of one look to an SVG, all polylines as one path."""
+    lines = [mark for mark in marks if isinstance(mark, Outline)]
+    if lines:
+        first = lines[0]
+        style: dict[str, str] = {"fill": first.fill or "none", "stroke": first.stroke or "none"}
+        if first.stroke:
+            style |= {"stroke_width": number(first.width), "stroke_linejoin": "round"}
+        data = "".join(path_data(line.points.tolist(), closed=line.closed) for line in lines)
+        group.add(drawing.path(d=data, **style))
+    for mark in marks:
+        if isinstance(mark, Text):
+            style = {"fill": mark.colour, "font_family": "sans-serif", "font_size": number(TEXT_MM)}
+            if mark.centred:
+                style["text_anchor"] = "middle"
+            group.add(drawing.text(mark.words, insert=(number(mark.x), number(mark.y)), **style))
 
 
 class _Frame:
@@ -140,40 +188,34 @@ class _Frame:
         return placed
 
 
-def _draw(drawing: svgwrite.Drawing, group: Any, panel: Panel, left: float, top: float, height: float) -> None:
+def _drawn(panel: Panel, left: float, top: float, height: float) -> Iterator[list[Outline | Text]]:
+    """Yield what a panel is drawn with, marks of one look together; filled polygons one by one."""
     frame = _Frame(panel)
     for item in panel.items:
-        style: dict[str, str] = {"fill": item.fill or "none", "stroke": item.stroke or "none"}
-        if item.stroke:
-            style |= {"stroke_width": number(item.width), "stroke_linejoin": "round"}
         lines = [frame.place(line, left, top, height) for line in item.lines]
         if item.dash is not None:
             lines = [piece for line in lines for piece in item.dash(line)]
-        paths = [path_data(line.tolist(), closed=item.closed) for line in lines]
-        for data in paths if item.fill else ["".join(paths)]:
-            if data:
-                group.add(drawing.path(d=data, **style))
-    font: dict[str, Any] = {"font_family": "sans-serif", "font_size": number(TEXT_MM)}
+        marks: list[Outline | Text] = [Outline(p, item.closed, item.fill, item.stroke, item.width) for p in lines]
+        yield from ([mark] for mark in marks) if item.fill else [marks] if marks else []
     for label in panel.labels:
-        x, y = frame.place(label.at[None], left, top, height)[0]
-        place = (number(x + label.aside[0] * TEXT_MM), number(y + (0.36 - label.aside[1]) * TEXT_MM))
-        group.add(drawing.text(label.text, insert=place, fill=label.colour, text_anchor="middle", **font))
-    for key, x, y in _legend_rows(panel):
-        x, y = left + x, top + height + y
-        start, middle = x, y - 0.36 * TEXT_MM
-        if key.fill:
-            corner = (number(x), number(y - 0.8 * TEXT_MM))
-            box = {"stroke": key.stroke or EDGE_COLOUR, "stroke_width": number(EDGE)}
-            size = (number(2 * TEXT_MM), number(TEXT_MM))
-            group.add(drawing.rect(insert=corner, size=size, fill=key.fill, **box))
-        elif key.stroke:
-            line = np.array([(x, middle), (x + SAMPLE * TEXT_MM, middle)])
-            pieces = key.dash(line) if key.dash else line[None]
-            for a, b in pieces.tolist():
-                ends = [tuple(map(number, end)) for end in (a, b)]
-                group.add(drawing.line(*ends, stroke=key.stroke, stroke_width=number(key.width)))
-        start += _sample(key)
-        group.add(drawing.text(key.text, insert=(number(start), number(y)), fill="#222222", **font))
+        x, y = frame.place(label.at[None], left, top, height)[0].tolist()
+        x, y = x + label.aside[0] * TEXT_MM, y + (0.36 - label.aside[1]) * TEXT_MM
+        yield [Text(label.text, x, y, label.colour, centred=True)]
+    for key, right, below in _legend_rows(panel):
+        x, y = left + right, top + height + below
+        yield list(_key_sample(key, x, y))
+        yield [Text(key.text, x + _sample(key), y, "#222222", centred=False)]
+
+
+def _key_sample(key: Key, x: float, y: float) -> Iterator[Outline]:
+    """Yield the sample of a key: a box, or a stroke."""
+    if key.fill:
+        corners = np.array([(0.0, -0.8), (2.0, -0.8), (2.0, 0.2), (0.0, 0.2)])
+        yield Outline(corners * TEXT_MM + (x, y), True, key.fill, key.stroke or EDGE_COLOUR, EDGE)
+    elif key.stroke:
+        line = np.array([(x, y - 0.36 * TEXT_MM), (x + SAMPLE * TEXT_MM, y - 0.36 * TEXT_MM)])
+        for piece in key.dash(line) if key.dash else line[None]:
+            yield Outline(piece, False, "", key.stroke, key.width)
 
 
 SAMPLE = 4.5
