@@ -19,18 +19,33 @@ from foldcut.molecules import Kind, Molecules
 from foldcut.plane import left_normal
 from foldcut.profiles import Drawing
 
-from .panels import BOLD, EDGE, Item, Key, Label, Panel, faces, fine, mountain, valley
+from .panels import BOLD, EDGE, EDGE_COLOUR, PANEL_MM, Item, Key, Label, Panel, faces, fine, mountain, valley
 
 if TYPE_CHECKING:
     from foldcut.pipeline import PaperStages
 
-CIRCLE = np.array([[math.cos(a), math.sin(a)] for a in np.linspace(0, 2 * math.pi, 97)])
-CIRCLE[-1] = CIRCLE[0]
+OFF_MM = 0.02
+"""How far circles may be from the polygons that they are drawn as, on a panel."""
+
+
+def _circle(radius_mm: float) -> Floats:
+    """Return a circle of radius 1 as a closed polygon, fine enough for this radius on a panel."""
+    count = max(12, math.ceil(math.pi * math.sqrt(radius_mm / (2 * OFF_MM))))
+    angle = np.linspace(0, 2 * math.pi, count + 1)
+    ring: Floats = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    ring[-1] = ring[0]
+    return ring
+
+
+DOT = _circle(2.0)
 THREE, FOUR, PLAIN, STRIP, SEA = "#dcebdc", "#f6d9c9", "#ffffff", "#ffe08a", "#e8eef5"
 ARMS = ("#ffe9b0", "#f3cf7a")
 RED, BLUE, GREEN, GREY, SIDE, OUTLINE = "#b3001b", "#0b4f9e", "#117733", "#888888", "#666666", "#c00000"
 DISK, TANGENT = "#1b5e9e", "#e08a4a"
 TREE = "#c00000"
+MARKED = 0.25
+"""What the trees reverse is drawn so wide at least."""
+
 AROUND, TILT = math.radians(-35), math.radians(28)
 """From where a starfish is seen: turned about its spine, and from above."""
 
@@ -79,7 +94,9 @@ def _segments(lines: Sequence[Floats]) -> Floats:
 
 def _arcs(centre: Floats, radius: float, area: shapely.Polygon) -> list[Floats]:
     """Return what of a circle is in an area; one polyline if that hangs together."""
-    arcs = shapely.intersection(shapely.LineString(centre + radius * CIRCLE), area.buffer(1e-9 * radius))
+    x, y, to_x, to_y = area.bounds
+    ring = centre + radius * _circle(radius * PANEL_MM / max(to_x - x, to_y - y))
+    arcs = shapely.intersection(shapely.LineString(ring), area.buffer(1e-9 * radius))
     if isinstance(arcs, shapely.MultiLineString):
         arcs = shapely.line_merge(arcs)
     return [shapely.get_coordinates(arc) for arc in shapely.get_parts(arcs) if isinstance(arc, shapely.LineString)]
@@ -171,13 +188,16 @@ class _Molecule:
         ]
         return [item for item in items if item.lines]
 
-    def starfish(self, at: Floats) -> list[Item]:
-        """Return the molecule folded: flaps around the spine, standing on the plane of the paper."""
+    def starfish(self) -> list[Item]:
+        """Return the molecule folded, to its right: flaps around the spine, standing on the plane of the paper."""
         made = self.made
         mine = np.flatnonzero(made.facet_molecule == self.number).tolist()
         away = self.corners - made.vertices[made.feet[self.number]].mean(axis=0)
         angle = np.arctan2(away[:, 1], away[:, 0]) + AROUND
         flaps: list[tuple[float, int, Floats]] = []
+        reach = 1.12 * float(np.abs(made.folded[made.corners[self.number]][:, 0]).max())
+        right, (low, high) = self.corners[:, 0].max(), (self.corners[:, 1].min(), self.corners[:, 1].max())
+        at = np.array([right + 1.1 * reach, low + 0.35 * (high - low)])
         ground = float(np.abs(made.folded[made.feet[self.number]][:, 1]).min())
         for facet in mine:
             corner = int(made.facet_corner[facet])
@@ -191,20 +211,13 @@ class _Molecule:
                     np.stack([across, z * math.cos(TILT) + depth * math.sin(TILT)], axis=1),
                 )
             )
-        reach = 1.12 * max(float(np.abs(made.folded[made.corners[self.number]][:, 0]).max()), 1e-9)
-        sea = Item([at + reach * CIRCLE * (1, math.sin(TILT))], fill=SEA, closed=True)
+        sea = Item([at + reach * _circle(PANEL_MM) * (1, math.sin(TILT))], fill=SEA, closed=True)
         flaps.sort(key=lambda flap: -flap[0])
         return [sea, *(faces([at + ring], ARMS[corner % 2]) for _, corner, ring in flaps)]
 
 
 def _sides(ring: Ints) -> Ints:
     return np.column_stack([ring, np.roll(ring, -1)])
-
-
-def _beside(corners: Floats) -> Floats:
-    """Return where the starfish of a molecule stands: to the right of it."""
-    size = np.ptp(corners, axis=0)
-    return np.array([corners[:, 0].max() + 0.75 * size.max(), corners[:, 1].min() + 0.35 * size[1]])
 
 
 def _keys(look: Drawing) -> list[Key]:
@@ -217,7 +230,7 @@ def _keys(look: Drawing) -> list[Key]:
 def rabbit_ear(stages: PaperStages, look: Drawing) -> Panel:
     """Draw the largest rabbit ear, flat and as a starfish of three arms: paper section 3, Figure 2."""
     ear = _Molecule(stages, 3)
-    items = [*ear.flat(look, THREE), *ear.starfish(_beside(ear.corners))]
+    items = [*ear.flat(look, THREE), *ear.starfish()]
     return Panel(items, [*_keys(look), Key("disks", stroke=GREY), Key("the plane of the paper", fill=SEA)])
 
 
@@ -265,7 +278,7 @@ class _Gusset(_Molecule):
 
 
 def _dot(at: Floats, size: float) -> Item:
-    return Item([at + 0.012 * size * CIRCLE], fill="#1a1a1a", closed=True)
+    return Item([at + 0.012 * size * DOT], fill="#1a1a1a", closed=True)
 
 
 def gusset(stages: PaperStages, look: Drawing) -> Panel:
@@ -274,7 +287,7 @@ def gusset(stages: PaperStages, look: Drawing) -> Panel:
     sheet, *lines = made.flat(look, PLAIN)
     shaded = Item([made.diamond], fill=FOUR, closed=True)
     size = _extent(made.corners)
-    star = made.starfish(_beside(made.corners))
+    star = made.starfish()
     dots = [_dot(point, size) for point in (made.u, made.v)]
     keys = [
         *_keys(look),
@@ -322,7 +335,7 @@ def inset(stages: PaperStages, look: Drawing) -> Panel:
     for points, names, moved, away in (
         (ring, "abcd", None, 0.9),
         (inner, "pqrs", larger, 0.9),
-        (inner, "pqrs", None, -0.9),
+        (inner, "pqrs", None, -1.1),
     ):
         middle = points.mean(axis=0)
         for point, name in zip(points, names, strict=True):
@@ -368,7 +381,7 @@ def trees(stages: PaperStages, look: Drawing) -> Panel:
         gaps,
         Item(list(made.vertices[halves]), stroke=TREE, width=2 * width),
         Item(list(of_molecules), stroke=BLUE, width=width),
-        *(Item([middles[root] + 0.008 * size * CIRCLE], fill=BLUE, closed=True) for root in assignment.roots),
+        *(Item([middles[root] + 0.008 * size * DOT], fill=BLUE, closed=True) for root in assignment.roots),
         Item(_loops(stages), stroke="#1a1a1a", width=width),
     ]
     keys = [
@@ -386,15 +399,16 @@ def matching(stages: PaperStages, look: Drawing) -> Panel:
     lines = made.vertices[made.creases]
     of_trees = np.isin(made.crease_kind, (Kind.SIDE, Kind.TANGENCY))
     width = fine(lines[of_trees], _extent(made.vertices))
+    bold = max(2 * width, MARKED)
 
     def some(which: Bools) -> list[Floats]:
         return list(lines[which])
 
     items = [
-        faces([made.vertices[row] for row in made.corners], PLAIN),
+        Item([made.vertices[row] for row in made.corners], PLAIN, EDGE_COLOUR, width / 2, closed=True),
         Item(some(of_trees & (kinds == "V")), stroke="#9db8d6", width=width),
-        Item(some((made.crease_kind == Kind.SIDE) & (kinds == "M")), stroke=TREE, width=2 * width),
-        Item(some((made.crease_kind == Kind.TANGENCY) & (kinds == "M")), stroke=BLUE, width=2 * width),
+        Item(some((made.crease_kind == Kind.SIDE) & (kinds == "M")), stroke=TREE, width=bold),
+        Item(some((made.crease_kind == Kind.TANGENCY) & (kinds == "M")), stroke=BLUE, width=bold),
         Item(_loops(stages), stroke="#1a1a1a", width=width),
     ]
     keys = [
@@ -417,12 +431,12 @@ def ribbon(stages: PaperStages, look: Drawing) -> Panel:
         faces([made.vertices[row] for row in made.corners], PLAIN),
         faces(strip, STRIP),
         Item(list(across), stroke=RED, width=fine(across, _extent(made.vertices))),
-        Item(_loops(stages), stroke=OUTLINE),
+        Item(_loops(stages), stroke="#1a1a1a"),
     ]
     keys = [
         Key("the ribbon", fill=STRIP),
         Key("creases across it", stroke=RED),
-        Key("the cut", stroke=OUTLINE),
+        Key("the cut", stroke="#1a1a1a"),
     ]
     return Panel([item for item in items if item.lines], keys)
 

@@ -157,7 +157,7 @@ class _Sheet:
             [
                 Key("fold here", stroke=NOW, width=BOLD, dash=valley),
                 Key("moves", fill=MOVED),
-                Key("its back", fill=BACK),
+                *self.back(self.state),
             ],
         )
         way = "toward you, over the line" if step.over else "away from you, behind the rest"
@@ -172,7 +172,7 @@ class _Sheet:
         at = self.state.vertices_coords
         groups = [self._lines(group) for group in step.groups]
         layers = most_layers(self.rings, self.state) if self.folded.any() else 1
-        through = f" through all {layers} layers" if layers > 1 else ""
+        through = "" if layers == 1 else " through both layers" if layers == 2 else f" through all {layers} layers"
         paper = self.paper(self.state, self.folded)
         made = []
         if len(groups) > 1:

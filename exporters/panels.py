@@ -229,7 +229,7 @@ def _sample(key: Key) -> float:
 def _legend_rows(panel: Panel) -> list[tuple[Key, float, float]]:
     """Return the keys with their places under the picture, mm."""
     rows = []
-    x, y = 0.0, LINE * TEXT_MM + 1
+    x, y = 0.0, LINE * TEXT_MM + 1 + (TEXT_MM if panel.labels else 0.0)
     for key in panel.keys:
         width = _sample(key) + LETTER * TEXT_MM * len(key.text)
         if x and x + width > PANEL_MM:
