@@ -140,9 +140,10 @@ def laid_out(panels: Sequence[tuple[str, Panel]], title: str) -> tuple[bytes, tu
     )
     drawing.set_desc(title=printable(title) or "foldcut")
     for (name, panel), (left, top, height) in zip(panels, places, strict=True):
-        group = drawing.add(drawing.g(id=name) if name else drawing.g())
-        for marks in _drawn(panel, left, top, height):
-            _add(drawing, group, marks)
+        for part, drawn in (("", _drawn(panel, left, top, height)), ("-legend", _legend(panel, left, top + height))):
+            group = drawing.add(drawing.g(id=name + part) if name else drawing.g())
+            for marks in drawn:
+                _add(drawing, group, marks)
     text = ET.tostring(drawing.get_xml(), encoding="unicode")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode(), (width, y)
 
@@ -150,7 +151,8 @@ def laid_out(panels: Sequence[tuple[str, Panel]], title: str) -> tuple[bytes, tu
 def flat(panel: Panel) -> tuple[list[Outline | Text], tuple[float, float]]:
     """Return all that one panel is drawn with, in drawing order, and its width and height in mm."""
     height = _Frame(panel).height
-    marks = [mark for some in _drawn(panel, 0.0, 0.0, height) for mark in some]
+    drawn = [*_drawn(panel, 0.0, 0.0, height), *_legend(panel, 0.0, height)]
+    marks = [mark for some in drawn for mark in some]
     return marks, (PANEL_MM, height + _legend_height(panel) + 1)
 
 
@@ -201,8 +203,12 @@ def _drawn(panel: Panel, left: float, top: float, height: float) -> Iterator[lis
         x, y = frame.place(label.at[None], left, top, height)[0].tolist()
         x, y = x + label.aside[0] * TEXT_MM, y + (0.36 - label.aside[1]) * TEXT_MM
         yield [Text(label.text, x, y, label.colour, centred=True)]
+
+
+def _legend(panel: Panel, left: float, top: float) -> Iterator[list[Outline | Text]]:
+    """Yield the legend of a panel, under a picture that ends at ``top``."""
     for key, right, below in _legend_rows(panel):
-        x, y = left + right, top + height + below
+        x, y = left + right, top + below
         yield list(_key_sample(key, x, y))
         yield [Text(key.text, x + _sample(key), y, "#222222", centred=False)]
 

@@ -25,6 +25,7 @@ from foldcut.exporters.guide import (
     export_pdf,
     instructions,
 )
+from foldcut.exporters.panels import laid_out
 from foldcut.model import FoldedPattern
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
@@ -39,10 +40,16 @@ def pattern(request: pytest.FixtureRequest) -> FoldedPattern:
     return made
 
 
+def paths(step: Instruction) -> list[svgelements.Path]:
+    """Return what is drawn over the legend."""
+    drawing = svgelements.SVG.parse(io.BytesIO(laid_out([("it", step.panel)], "")[0]), ppi=25.4)
+    (group,) = drawing.elements(lambda e: isinstance(e, svgelements.Group) and e.id == "it")
+    return [path for path in group.select() if isinstance(path, svgelements.Path)]
+
+
 def strokes(step: Instruction, colour: str) -> list[svgelements.Path]:
     """Return what is drawn in a colour."""
-    drawing = svgelements.SVG.parse(io.BytesIO(step.picture), ppi=25.4)
-    return [p for p in drawing.elements() if isinstance(p, svgelements.Path) and p.stroke.hex == colour]
+    return [path for path in paths(step) if path.stroke.hex == colour]
 
 
 def test_the_steps_are_those_of_the_folding_order(pattern: FoldedPattern) -> None:
@@ -81,8 +88,7 @@ def test_a_fold_is_marked_on_the_sheet_and_what_moves_is_coloured(pattern: Folde
     assert bool(made) == any(step.line is not None for step in folding_steps(pattern))
     for step in made:
         assert strokes(step, NOW)
-        drawing = svgelements.SVG.parse(io.BytesIO(step.picture), ppi=25.4)
-        fills = {p.fill.hex for p in drawing.elements() if isinstance(p, svgelements.Path) and p.fill.value is not None}
+        fills = {path.fill.hex for path in paths(step) if path.fill.value is not None}
         assert fills & {MOVED, MOVED_BACK}
         assert fills & {FRONT, BACK}
 
@@ -100,8 +106,7 @@ def test_what_collapses_is_said_to_be_one_movement_and_shown_as_it_comes_out() -
     made = instructions(pattern, load_profile().drawing)
     (step,) = [step for step in made if step.title == "Collapse"]
     assert "one movement" in step.text
-    drawing = svgelements.SVG.parse(io.BytesIO(step.picture), ppi=25.4)
-    filled = [p for p in drawing.elements() if isinstance(p, svgelements.Path) and p.fill.value is not None]
+    filled = [path for path in paths(step) if path.fill.value is not None]
     assert len(filled) == len(pattern.creases.faces_vertices)
 
 

@@ -33,7 +33,8 @@ def outlines(pattern: FoldedPattern, panel: str) -> list[tuple[shapely.Polygon, 
     """Return the filled polygons of a panel with their colours, in drawing order, as svgelements reads them."""
     data, _ = draw(pattern, [panel], load_profile())
     drawing = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
-    paths = [p for p in drawing.elements() if isinstance(p, svgelements.Path) and p.fill.value is not None]
+    (group,) = drawing.elements(lambda e: isinstance(e, svgelements.Group) and e.id == panel)
+    paths = [p for p in group.select() if isinstance(p, svgelements.Path) and p.fill.value is not None]
     return [(shapely.Polygon([(q.x, q.y) for q in path.as_points()]), path.fill.hex) for path in paths]
 
 
@@ -104,7 +105,11 @@ def test_the_construction_is_drawn_with_every_disk_molecule_and_tree() -> None:
     assert isinstance(stages, PaperStages)
     data, _ = draw(result.folded_pattern, list(CONSTRUCTION), load_profile(), stages)
     drawing = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
-    groups = {g.id: list(g.select()) for g in drawing.elements(lambda e: isinstance(e, svgelements.Group)) if g.id}
+    groups = {
+        g.id: list(g.select())
+        for g in drawing.elements(lambda e: isinstance(e, svgelements.Group))
+        if g.id in CONSTRUCTION
+    }
     count = len(stages.packing.gaps)
 
     def pieces(panel: str, colour: str) -> int:
