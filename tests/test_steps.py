@@ -208,6 +208,19 @@ def test_regions_are_trees_on_the_sheet(method: str) -> None:
         assert len(step.groups) == MOST_GROUPS
 
 
+@pytest.mark.parametrize("sample", ["fish", "boat"])
+def test_a_part_of_a_molecule_is_in_the_part_that_fell_apart(sample: str) -> None:
+    regions = folded(sample).regions
+    shapes = [shapely.Polygon(region.outlines[0]) for region in regions]
+    depths = [len(_ancestors(regions, number)) for number in range(len(regions))]
+    assert max(depths) >= 4
+    for number, (region, shape) in enumerate(zip(regions, shapes, strict=True)):
+        inside = shape.representative_point()
+        if region.parent >= 0 and shape.is_valid and shapes[0].contains(inside):
+            around = [k for k, other in enumerate(shapes) if k != number and other.area > shape.area]
+            assert min((k for k in around if shapes[k].contains(inside)), key=lambda k: shapes[k].area) == region.parent
+
+
 def test_without_regions_long_creases_come_first() -> None:
     pattern = replace(folded("fish"), regions=())
     (step,) = (step for step in folding_steps(pattern) if step.line is None)
