@@ -106,6 +106,8 @@ class _Sheet:
 
     def paper(self, state: FoldedState, folded: Bools, moved: Ints | None = None) -> list[Item]:
         """Return the paper from the lowest layer to the highest, with its borders and what is folded as edges."""
+        if not folded.any() and moved is None:
+            return [panels.faces([self.pattern.sheet.corners], FRONT)]
         seen: Bools = folded | (self.beside < 0).any(axis=1)
         edges: list[list[int]] = [[] for _ in range(len(self.rings))]
         for edge in np.flatnonzero(seen).tolist():
@@ -197,9 +199,11 @@ class _Sheet:
         for number, lines in enumerate(groups):
             done = [line for some in groups[:number] for line in some]
             later = [line for some in groups[number + 1 :] for line in some]
-            strokes = ((later, LATER, EDGE * 1.5), (done, DONE, EDGE * 1.5), (lines, NOW, BOLD / 1.5))
+            bold = panels.fine(np.array(lines), float(np.ptp(at, axis=0).max()), BOLD / 1.5)
+            thin = min(bold, EDGE * 1.5)
+            strokes = ((later, LATER, thin), (done, DONE, thin), (lines, NOW, bold))
             items = [Item(some, stroke=colour, width=width) for some, colour, width in strokes if some]
-            keys = [Key("now", stroke=NOW, width=BOLD / 1.5)]
+            keys = [Key("now", stroke=NOW, width=bold)]
             keys += [Key("done", stroke=DONE)] if done else []
             keys += [Key("later", stroke=LATER)] if later else []
             shortest = min(math.dist(*line) for line in lines)

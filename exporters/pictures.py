@@ -151,7 +151,12 @@ def after(pattern: FoldedPattern, look: Drawing) -> Panel:
     aside = np.array([1.06 * pattern.sheet.width, 0.0])
     if pattern.sheet.width > pattern.sheet.height:
         aside = np.array([0.0, -1.06 * pattern.sheet.height])
-    drawn = [faces([flat + aside * inside], INSIDE if inside else OUTSIDE) for _, inside, flat, _ in _pieces(pattern)]
+    lines = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
+    width = fine(lines, 2 * max(pattern.sheet.width, pattern.sheet.height), EDGE)
+    drawn = [
+        Item([flat + aside * inside], INSIDE if inside else OUTSIDE, EDGE_COLOUR, width, closed=True)
+        for _, inside, flat, _ in _pieces(pattern)
+    ]
     keys = [Key("after the cut, unfolded: the shape", fill=INSIDE), Key("the rest", fill=OUTSIDE)]
     return Panel(drawn, keys)
 
