@@ -196,14 +196,15 @@ class _Sheet:
                     Panel([*paper, Item(lines, stroke=DONE, width=EDGE)], labels=labels),
                 )
             )
+        every = np.array([line for lines in groups for line in lines])
+        thin = panels.fine(every, float(np.ptp(at, axis=0).max()), EDGE * 1.5)
+        bold = BOLD / 1.5 * max(0.5, thin / (EDGE * 1.5))
         for number, lines in enumerate(groups):
             done = [line for some in groups[:number] for line in some]
             later = [line for some in groups[number + 1 :] for line in some]
-            bold = panels.fine(np.array(lines), float(np.ptp(at, axis=0).max()), BOLD / 1.5)
-            thin = min(bold, EDGE * 1.5)
             strokes = ((later, LATER, thin), (done, DONE, thin), (lines, NOW, bold))
             items = [Item(some, stroke=colour, width=width) for some, colour, width in strokes if some]
-            keys = [Key("now", stroke=NOW, width=bold)]
+            keys = [Key("now", stroke=NOW, width=BOLD / 1.5)]
             keys += [Key("done", stroke=DONE)] if done else []
             keys += [Key("later", stroke=LATER)] if later else []
             shortest = min(math.dist(*line) for line in lines)
