@@ -64,11 +64,20 @@ lint: $(VENV)/installed-dev
 	$(BIN)/mypy
 
 ## Draw the pictures in docs/ anew.
+KITE = $(BIN)/foldcut draw kite --sheet 180x200mm --margin 50mm --method paper --force --quiet
+TRIANGLE = $(BIN)/foldcut draw triangle --sheet 200x180mm --margin 55mm --method paper --ribbon 3mm --force --quiet
 pictures: $(VENV)/installed
 	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg --force
 	$(BIN)/foldcut make star -o docs/star.svg --force
 	$(BIN)/foldcut make marlin -o docs/marlin.svg --force
 	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
+	$(KITE) --show packing -o docs/figure-1.svg
+	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg
+	$(TRIANGLE) --show gusset -o docs/figure-3.svg
+	$(TRIANGLE) --show inset -o docs/figure-4.svg
+	$(KITE) --show trees -o docs/figure-5a.svg
+	$(KITE) --show matching -o docs/figure-5b.svg
+	$(KITE) --ribbon 3mm --show ribbon -o docs/figure-7.svg
 
 ## Take the pictures of the page and of foldcut serve in docs/ anew.
 screenshots: $(VENV)/installed-test tools

@@ -944,7 +944,8 @@ def _add_draw(commands: Any) -> None:
         metavar="NAME,...",
         default="pattern,folded,layers,pieces",
         help="pattern; folded: flat, from the front, with the cut; layers: drawn apart, from the side; pieces: "
-        "unfolded after the cut (default: these); and of --method paper packing, molecules, trees, ribbon",
+        "unfolded after the cut (default: these); and of --method paper packing, molecules, rabbit-ear, gusset, inset, "
+        "trees, matching, ribbon",
     )
     _add_options_of_fold(draw)
     _add_common(draw)
@@ -956,8 +957,8 @@ def _add_guide(commands: Any) -> None:
         "guide",
         _guide,
         "write how a person folds it, step by step",
-        "Compute as `foldcut make` does and write a folding guide with a picture of each step: what to press first, "
-        "the collapse, the layers, where to cut.",
+        "Compute as `foldcut make` does and write a folding guide with a picture of each step: straight folds, what to "
+        "press and to collapse at once, the layers, where to cut.",
         GUIDE_EPILOG,
     )
     guide.add_argument("-o", "--output", metavar="OUT", help="a .pdf or .html (default: NAME-guide.pdf)")

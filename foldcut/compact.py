@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.faces import Ring, assemble, creases_of_stack, merge_stacks, outlines
-from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Numbers, Sheet
+from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Numbers, Region, Sheet, points_array
 from foldcut.plane import cross
 from foldcut.universal import Border, Molecule, Vertices
 
@@ -89,6 +89,18 @@ def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, F
     faces = [ring for face in order for ring in outlines(rings[face])]
     edges, kinds = creases_of_stack(folded, faces)
     return assemble(flat, folded, faces, edges, kinds, clip.corners())
+
+
+def regions(walk: Walk, molecules: Molecules, sheet: Sheet) -> tuple[Region, ...]:
+    """Return the outside, which is all of the sheet, the inside in it, and the parts that these fall into."""
+    found = [Region((sheet.corners,), -1), Region((points_array(walk.points),), 0)]
+    for whole, molecule in ((1, molecules.inside), (0, molecules.outside)):
+        first = len(found)
+        found += [
+            Region((points_array(outline),), whole if parent < 0 else first + parent)
+            for outline, parent in molecule.parts
+        ]
+    return tuple(found)
 
 
 class _Clip:

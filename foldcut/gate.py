@@ -25,7 +25,7 @@ from foldcut.boundary import boundary_disks
 from foldcut.errors import UnfoldableError
 from foldcut.faces import assemble, creases_of_stack, merge_stacks, outlines
 from foldcut.layers import join_unfolded, sheet_corners, walk
-from foldcut.model import CreasePattern, FoldedState, Ragged, Shape, Sheet, index_array
+from foldcut.model import CreasePattern, FoldedState, Ints, Ragged, Shape, Sheet, index_array
 from foldcut.molecules import Kind, Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
 from foldcut.ring import HEIGHT, Parts, Ring, divide_faces, plan_rings, small_at_gates
@@ -41,7 +41,11 @@ Step = tuple[int, int, int]  # child corner, parent corner, tangency point
 
 @dataclass(frozen=True, eq=False)
 class Gated:
-    """What the method made: ``excess`` is by how much, relative to it, the paths' surroundings exceed the gate."""
+    """What the method made.
+
+    ``excess`` is by how much, relative to it, the paths' surroundings exceed the gate; ``parent`` ``(m,)`` the
+    molecules' parents in T_M, -1 at roots.
+    """
 
     packing: Packing
     molecules: Molecules
@@ -49,6 +53,7 @@ class Gated:
     creases: CreasePattern
     folded: FoldedState
     excess: float
+    parent: Ints
 
 
 def fold_gated(shape: Shape, sheet: Sheet, ribbon: float) -> Gated:
@@ -83,7 +88,7 @@ def build_gated(shape: Shape, sheet: Sheet, ribbon: float, room: float, *, move_
     molecules = build_molecules(packing, tolerance)
     joined = _Joined(molecules, packing, parts, root, rings)
     creases, folded = joined.fold(move_layers=move_layers)
-    return Gated(packing, molecules, rings, creases, folded, joined.excess)
+    return Gated(packing, molecules, rings, creases, folded, joined.excess, index_array(joined.parent))
 
 
 def with_molecules(packing: Packing, parts: Parts) -> Packing:
@@ -128,6 +133,7 @@ class _Joined:
                         self.barrier[foot] = loop - RINGS
         self.reach = self._reaches()
         self.excess = 0.0
+        self.parent: list[int] = []
         self.ends: dict[int, tuple[int, int]] = {}  # by loop: the path's end on the loop above, and on the loop
 
     def fold(self, *, move_layers: bool) -> tuple[CreasePattern, FoldedState]:
@@ -135,6 +141,7 @@ class _Joined:
         tree = self._corner_tree()
         roots = self._roots()
         entry, parent = molecule_tree(self.feet, self.behind, list(roots.values()), tree, self.barrier)
+        self.parent = parent
         walks = {part: walk(self.molecules, entry, parent, number) for part, (number, _) in roots.items()}
         if move_layers:
             for ring in self.rings:

@@ -23,9 +23,10 @@ from itertools import islice
 import numpy as np
 import shapely
 
+from foldcut.compact import regions
 from foldcut.errors import UnfoldableError
 from foldcut.faces import Ring, assemble, creases_of_stack
-from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet, points_array
+from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Region, Shape, Sheet, points_array
 from foldcut.plane import cross, signed_area
 from foldcut.search import EFFORTS, Compact, Rank, Whole, fold_compact, rank, shortest_crease
 
@@ -92,6 +93,19 @@ class Half(Whole):
         moved = points_array(creases.vertices_coords + at)
         return CreasePattern(moved, creases.edges_vertices, creases.edges_assignment, creases.faces_vertices), folded
 
+    def unfold_regions(self, regions: tuple[Region, ...]) -> tuple[Region, ...]:
+        """Unfold the regions of the half sheet: behind each goes its mirror image, which is folded with it."""
+        at = np.where(np.isin([0, 1], self.axes), [self.sheet.width, self.sheet.height], 0.0)
+        signs = [np.ones(2)]
+        for axis in self.axes:
+            signs += [sign * np.where(np.arange(2) == axis, -1.0, 1.0) for sign in signs]
+        return tuple(
+            Region(
+                tuple(points_array(outline * sign + at) for outline in region.outlines for sign in signs), region.parent
+            )
+            for region in regions
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Mirrored:
@@ -109,6 +123,11 @@ class Mirrored:
     def folded(self) -> FoldedState:
         """How the whole sheet folds."""
         return self.found.folded
+
+    @property
+    def regions(self) -> tuple[Region, ...]:
+        """The regions of the whole sheet."""
+        return self.half.unfold_regions(regions(self.found.walk, self.found.molecules, self.half.sheet))
 
 
 def fold_mirrored(

@@ -189,11 +189,23 @@ class FoldedState:
 
 
 @dataclass(frozen=True, eq=False)
+class Region:
+    """A molecule, or a part of one that is folded inside it, and where it is on the sheet.
+
+    ``outlines``: each ``(n, 2)`` mm; several where the sheet is folded along an axis first. ``parent``: the number of
+    the region that it is in or hangs on, in the list that it is part of, or -1.
+    """
+
+    outlines: tuple[Floats, ...]
+    parent: int
+
+
+@dataclass(frozen=True, eq=False)
 class FoldedPattern:
     """All that an exporter needs: the creases, how they fold, the sheet, the shape on it, and its name.
 
     ``first_folds``: straight lines across all of the sheet, each ``(2, 2)`` mm, that are folded away from you in turn
-    before all else.
+    before all else. ``regions``: how the molecules hang together, if it is known.
     """
 
     creases: CreasePattern
@@ -203,6 +215,7 @@ class FoldedPattern:
     placement: Placement
     title: str
     first_folds: tuple[Floats, ...] = ()
+    regions: tuple[Region, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -16,13 +16,14 @@ Invariants: the facets of a molecule tile its polygon; every edge has the same l
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Floats, Ints, Ragged, index_array, points_array
+from foldcut.model import Floats, Ints, Ragged, Region, index_array, points_array
 from foldcut.packing import Packing
 from foldcut.plane import signed_area
 from foldcut.tolerance import Tolerance
@@ -356,6 +357,14 @@ def _height(point: Floats, start: Floats, end: Floats) -> float:
     """The distance of a point to the left of the line from ``start`` to ``end``."""
     (ax, ay), (bx, by) = end - start, point - start
     return float((ax * by - ay * bx) / math.hypot(ax, ay))
+
+
+def regions(molecules: Molecules, parent: Sequence[int]) -> tuple[Region, ...]:
+    """Return the molecules with their parents in T_M as regions of the sheet."""
+    return tuple(
+        Region((points_array(molecules.vertices[row]),), above)
+        for row, above in zip(molecules.corners, parent, strict=True)
+    )
 
 
 def molecule_faults(molecules: Molecules, area: float, tolerance: Tolerance) -> list[str]:

@@ -20,6 +20,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from foldcut import compact, molecules
 from foldcut.assignment import Assignment, assign_creases, require_one_loop
 from foldcut.boundary import boundary_disks, default_ribbon
 from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
@@ -36,6 +37,7 @@ from foldcut.model import (
     FoldedPattern,
     FoldedState,
     Placement,
+    Region,
     Shape,
     Sheet,
     points_array,
@@ -234,7 +236,14 @@ def fold(
         _require_length(made.stages.creases, made.laid.sheet, least)
     on = made.laid
     pattern = FoldedPattern(
-        made.stages.creases, made.stages.folded, on.sheet, on.shape, on.placement, title, made.first_folds
+        made.stages.creases,
+        made.stages.folded,
+        on.sheet,
+        on.shape,
+        on.placement,
+        title,
+        made.first_folds,
+        _regions(made),
     )
     return Result(
         pattern,
@@ -249,6 +258,17 @@ def fold(
         read,
         prepared,
     )
+
+
+def _regions(made: _Made) -> tuple[Region, ...]:
+    """Return how the molecules that a method made hang together."""
+    stages = made.stages
+    if isinstance(stages, Compact):
+        return compact.regions(stages.walk, stages.molecules, made.laid.sheet)
+    if isinstance(stages, Mirrored):
+        return stages.regions
+    parent = stages.parent if isinstance(stages, Gated) else stages.assignment.parent
+    return molecules.regions(stages.molecules, parent.tolist())
 
 
 def _hull(loops: Sequence[ArrayLike]) -> Shape:
@@ -448,12 +468,12 @@ def _fold_by_the_paper(shape: Shape, sheet: Sheet, ribbon: float, stages: _Stage
     with stages("packing"):
         packing = fill_gaps(boundary, tolerance, stages.report)
     with stages("molecules"):
-        molecules = build_molecules(packing, tolerance)
+        built = build_molecules(packing, tolerance)
     with stages("assignment"):
-        assignment = assign_creases(molecules, packing.face_inside)
+        assignment = assign_creases(built, packing.face_inside)
     with stages("layers"):
-        creases, folded = fold_layers(molecules, assignment)
-    return PaperStages(packing, molecules, assignment, creases, folded)
+        creases, folded = fold_layers(built, assignment)
+    return PaperStages(packing, built, assignment, creases, folded)
 
 
 def _require_length(creases: CreasePattern, sheet: Sheet, least: float) -> None:

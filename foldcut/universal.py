@@ -120,6 +120,7 @@ class _Part:
     height: float
     unbounded: bool
     near: _Near | None = None
+    number: int = -1
 
 
 class _Table:
@@ -164,7 +165,8 @@ class Molecule:
     where an unbounded molecule ends, None for a bounded one; ``size`` is what ties are relative to; ``turned``: the
     pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
     nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border; ``middles``: see
-    there. Raises ``UnfoldableError`` when the molecule does not close.
+    there; ``parts``: the outlines of the bounded parts that it falls into, where they begin, and the number of the part
+    that each was of, or -1. Raises ``UnfoldableError`` when the molecule does not close.
     """
 
     def __init__(
@@ -177,6 +179,7 @@ class Molecule:
         self.turned = turned
         self.gussets = 0
         self.middles: list[Middle] = []
+        self.parts: list[tuple[Floats, int]] = []
         self._levels = dict(zip(border.levels.tolist(), border.vertices, strict=True))
         self.lowest_event = math.inf
         self._places: dict[tuple[int, int], list[int]] = {}  # this molecule's vertices, by small squares
@@ -204,10 +207,19 @@ class Molecule:
         steps = 0
         while stack:
             part = stack.pop()
-            stack += self._step(part)
+            stack += self._numbered(self._step(part), part)
             steps += 1
             if steps > 50 * count + 100:
                 raise self._lost(part, "no end of events")
+
+    def _numbered(self, parts: list[_Part], whole: _Part) -> list[_Part]:
+        """Number what a part has become, and keep the outlines of what it has fallen into."""
+        for part in parts:
+            part.number = whole.number
+            if len(parts) > 1 and not part.unbounded:
+                part.number = len(self.parts)
+                self.parts.append((np.array([turn.position for turn in part.turns]), whole.number))
+        return parts
 
     def rings(self) -> list[list[int]]:
         """The outlines of the facets, by facet number."""

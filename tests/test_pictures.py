@@ -16,6 +16,7 @@ from foldcut.cli import main
 from foldcut.errors import BadInputError
 from foldcut.exporters.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
 from foldcut.model import Floats, FoldedPattern
+from foldcut.molecules import Kind
 from foldcut.pipeline import PaperStages, fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
@@ -32,7 +33,8 @@ def outlines(pattern: FoldedPattern, panel: str) -> list[tuple[shapely.Polygon, 
     """Return the filled polygons of a panel with their colours, in drawing order, as svgelements reads them."""
     data, _ = draw(pattern, [panel], load_profile())
     drawing = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
-    paths = [p for p in drawing.elements() if isinstance(p, svgelements.Path) and p.fill.value is not None]
+    (group,) = drawing.elements(lambda e: isinstance(e, svgelements.Group) and e.id == panel)
+    paths = [p for p in group.select() if isinstance(p, svgelements.Path) and p.fill.value is not None]
     return [(shapely.Polygon([(q.x, q.y) for q in path.as_points()]), path.fill.hex) for path in paths]
 
 
@@ -103,7 +105,11 @@ def test_the_construction_is_drawn_with_every_disk_molecule_and_tree() -> None:
     assert isinstance(stages, PaperStages)
     data, _ = draw(result.folded_pattern, list(CONSTRUCTION), load_profile(), stages)
     drawing = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
-    groups = {g.id: list(g.select()) for g in drawing.elements(lambda e: isinstance(e, svgelements.Group)) if g.id}
+    groups = {
+        g.id: list(g.select())
+        for g in drawing.elements(lambda e: isinstance(e, svgelements.Group))
+        if g.id in CONSTRUCTION
+    }
     count = len(stages.packing.gaps)
 
     def pieces(panel: str, colour: str) -> int:
@@ -116,9 +122,23 @@ def test_the_construction_is_drawn_with_every_disk_molecule_and_tree() -> None:
         for panel, paths in groups.items()
     }
     strip = int((stages.molecules.facet_molecule < 0).sum())
-    assert filled == {"packing": count, "molecules": count, "trees": count, "ribbon": count + strip}
+    dots = len(stages.assignment.roots)
+    assert filled == {
+        "packing": count,
+        "molecules": count,
+        "rabbit-ear": 1 + 1 + 6,  # the triangle, the plane, the facets
+        "gusset": 2 + 2 + 1 + 12,  # and the gusset and its two perpendicular points
+        "inset": 2 + 1 + 4,
+        "trees": count + dots,
+        "matching": count,
+        "ribbon": count + strip,
+    }
     assert pieces("packing", "#1b5e9e") + pieces("packing", "#888888") == len(stages.packing.radii)
-    assert pieces("trees", "#0b4f9e") == count - 2  # two roots
+    four = sum(len(gap) == 4 for gap in stages.packing.gaps)
+    assert pieces("packing", "#e08a4a") >= four > 0  # those that reach over the edge are cut off there
+    reversed_sides = (stages.molecules.crease_kind == Kind.SIDE) & (stages.assignment.crease_assignment == "M")
+    assert pieces("matching", "#c00000") == reversed_sides.sum() == len(stages.assignment.corner_tree)
+    assert pieces("trees", "#0b4f9e") == count - dots  # two roots
     assert pieces("trees", "#c00000") == 2 * len(stages.assignment.corner_tree)
 
 
