@@ -1,26 +1,18 @@
-"""The folded state: which layer lies on which, and the faces of the finished crease pattern.
-
-``Molecules``, ``Assignment`` -> ``CreasePattern``, ``FoldedState`` (paper section 4, the book of flaps).
-
-Walking T_M from its root around each molecule gives a list of facets: after each corner's facets come those of the
-molecule across the next side. The list of the inside face, top to bottom, and the reversed list of the outside face are
-merged where they meet: the facets that are joined across the shape's boundary, which is not folded, are one face, and
-both lists have them in the same order.
-
-Invariants: the order is linear; faces joined by a crease face opposite ways; a crease is a valley exactly when the face
-that looks up has its neighbour above it.
-"""
+"""The folded state, face by face and as simply as can be: what ``foldcut.layers`` and ``foldcut.faces`` do on arrays."""
 
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Sequence
 
 import numpy as np
 
 from foldcut.assignment import Assignment
-from foldcut.faces import assemble, merge_stacks, outlines
-from foldcut.model import CreasePattern, FoldedState, Ints
+from foldcut.faces import Edge, Ring, merge_stacks, outlines
+from foldcut.layers import join_unfolded, sheet_corners, walk
+from foldcut.model import CreasePattern, Floats, FoldedState, Ints, Ragged, index_array, points_array
 from foldcut.molecules import Molecules
+from foldcut.plane import signed_area
 
 
 def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePattern, FoldedState]:
@@ -43,58 +35,61 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
     return assemble(molecules.vertices, molecules.folded, rings, edges, kinds, sheet_corners(molecules))
 
 
-def walk(molecules: Molecules, entry: list[int], parent: list[int], root: int) -> list[int]:
-    """The facets of one face of the plane, top to bottom: preorder of T_M, from each entry side counter-clockwise."""
-    around: dict[tuple[int, int], list[int]] = defaultdict(list)
-    for facet, place in enumerate(zip(molecules.facet_molecule.tolist(), molecules.facet_corner.tolist(), strict=True)):
-        around[place].append(facet)
-    feet = molecules.feet.to_lists()
-    child: dict[tuple[int, int], int] = {}
-    for number, above in enumerate(parent):
-        if above >= 0:
-            child[above, feet[above].index(feet[number][entry[number]])] = number
-    order: list[int] = []
-    stack: list[tuple[int, int]] = [(root, 0)]  # molecule, corners walked
-    while stack:
-        number, walked = stack.pop()
-        sides = len(feet[number])
-        if walked == sides:
+def assemble(
+    flat: Floats,
+    folded: Floats,
+    rings: Sequence[Ring],
+    edges: Sequence[Edge],
+    kinds: Sequence[str],
+    sheet_corners: set[int],
+) -> tuple[CreasePattern, FoldedState]:
+    """Return the pattern and its folded state.
+
+    ``flat`` and ``folded`` ``(v, 2)`` mm; ``rings`` the faces from bottom to top, counter-clockwise on the sheet;
+    ``edges`` with their ``kinds`` "M", "V", "B". Vertices on which nothing turns are left out, the rest numbered anew;
+    face 0 is the lowest that looks up, the others follow the layer order.
+    """
+    joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners)
+    used = np.unique(np.array(joined, dtype=np.int32))
+    renumber = np.full(len(flat), -1, dtype=np.int32)
+    renumber[used] = np.arange(len(used), dtype=np.int32)
+    faces = [renumber[[v for v in ring if v not in straight]].tolist() for ring in rings]
+    first = next(k for k, ring in enumerate(faces) if signed_area(folded[used][ring]) > 0)
+    layers: Ints = np.arange(len(faces), dtype=np.int32)
+    layers[[0, first]] = layers[[first, 0]]
+    faces[0], faces[first] = faces[first], faces[0]
+    pattern = CreasePattern(
+        points_array(flat[used]),
+        index_array(renumber[np.array(joined, dtype=np.int32)]),
+        np.array(types, dtype="<U1"),
+        Ragged.from_rows(faces),
+    )
+    pattern.edges_assignment.setflags(write=False)
+    return pattern, FoldedState(points_array(folded[used]), index_array(layers))
+
+
+def _dissolve_straight(
+    edges: Sequence[Edge], kinds: Sequence[str], sheet_corners: set[int]
+) -> tuple[list[Edge], list[str], set[int]]:
+    """Join the two edges at every vertex where nothing turns: by Kawasaki's theorem two creases alone are one line."""
+    at: dict[int, list[int]] = defaultdict(list)
+    for number, (a, b) in enumerate(edges):
+        at[a].append(number)
+        at[b].append(number)
+    straight = {v for v, mine in at.items() if len(mine) == 2 and v not in sheet_corners}
+    joined, types = [], []
+    done: set[int] = set()
+    for first, (a, b) in enumerate(edges):
+        if first in done or (a in straight and b in straight):
             continue
-        corner = (entry[number] + 1 + walked) % sides
-        order += around[number, corner]
-        stack.append((number, walked + 1))
-        if (number, corner) in child and walked + 1 < sides:
-            stack.append((child[number, corner], 0))
-    return order
-
-
-def join_unfolded(molecules: Molecules, sides: Ints) -> tuple[dict[int, list[int]], list[int]]:
-    """Facets joined across sides that are not folded, ``(n, 2)``: facets by face, and the face of each facet."""
-    unfolded = {frozenset(pair) for pair in sides.tolist()}
-    face_of = list(range(len(molecules.facets)))
-
-    def face(facet: int) -> int:
-        while face_of[facet] != facet:
-            facet = face_of[facet]
-        return facet
-
-    owner: dict[frozenset[int], int] = {}
-    for facet, ring in enumerate(molecules.facets.to_lists()):
-        for pair in zip(ring, ring[1:] + ring[:1], strict=True):
-            side = frozenset(pair)
-            if side in unfolded:
-                face_of[face(facet)] = face(owner.setdefault(side, facet))
-    joined: dict[int, list[int]] = defaultdict(list)
-    for facet in range(len(face_of)):
-        joined[face(facet)].append(facet)
-    return joined, [face(facet) for facet in range(len(face_of))]
-
-
-def sheet_corners(molecules: Molecules) -> set[int]:
-    """The vertices at the corners of the sheet."""
-    border = molecules.boundary_sides[molecules.boundary_sides[:, 3] == 0]
-    points = molecules.vertices[border[:, 0]]
-    before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
-    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    sharp = turn > 0.5 * np.hypot(*before.T) * np.hypot(*after.T)
-    return set(border[sharp, 0].tolist())
+        vertex, number = (b, first) if a not in straight else (a, first)
+        start = a if vertex == b else b
+        done.add(number)
+        while vertex in straight:
+            number = next(other for other in at[vertex] if other != number)
+            done.add(number)
+            one, other_end = edges[number]
+            vertex = other_end if one == vertex else one
+        joined.append((start, vertex))
+        types.append(kinds[first])
+    return joined, types, straight
