@@ -7,7 +7,9 @@ to ask.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -64,14 +66,32 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     turn = np.ones(count, dtype=np.complex128)
     shift = np.zeros(count, dtype=np.complex128)
     up = np.ones(count, dtype=np.bool_)
-    for face, before, edge in zip(*(a.tolist() for a in (parent[0], parent[1], via)), strict=True):
+    for face, before, edge in _generations(parent[0], parent[1], via, count):
         turn[face], shift[face], up[face] = turn[before], shift[before], up[before]
-        if folds[edge]:
-            m, c = (mirror[edge], offset[edge]) if up[before] else (mirror[edge].conj(), offset[edge].conj())
-            turn[face] = turn[before] * m / abs(turn[before] * m)
-            shift[face] = turn[before] * c + shift[before]
-            up[face] = not up[before]
+        fold = folds[edge]
+        face, before, edge = face[fold], before[fold], edge[fold]
+        m, c = mirror[edge], offset[edge]
+        down = ~up[before]
+        m[down], c[down] = m[down].conj(), c[down].conj()
+        turned = turn[before] * m
+        turn[face] = turned / np.abs(turned)
+        shift[face] = turn[before] * c + shift[before]
+        up[face] = down
     return FaceMaps(turn, shift, up)
+
+
+def _generations(face: Ints, before: Ints, via: Ints, count: int) -> Iterator[tuple[Ints, Ints, Ints]]:
+    """Yield the rows of a tree, each generation's together, the parents' first."""
+    # steps to the root: twice as far in every round
+    ancestor, steps = np.arange(count), np.zeros(count, dtype=np.intp)
+    ancestor[face], steps[face] = before, 1
+    while steps[ancestor].any():
+        steps, ancestor = steps + steps[ancestor], ancestor[ancestor]
+    order = np.argsort(steps[face], kind="stable")
+    ends = np.cumsum(np.bincount(steps[face]))
+    for start, end in pairwise(ends.tolist()):
+        rows = order[start:end]
+        yield face[rows], before[rows], via[rows]
 
 
 def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tuple[tuple[Ints, Ints], Ints]:
@@ -86,8 +106,9 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     low, high = np.sort(faces_of_edges[inner], axis=1).T.astype(np.int64)
     pair = low * count + high
     order = np.lexsort((cost, pair))
-    pairs, first = np.unique(pair[order], return_index=True)  # the longest edge of two faces
+    first = np.append(True, pair[order[1:]] != pair[order[:-1]])  # the longest edge of two faces
     best = order[first]
+    pairs = pair[best]
     graph = coo_array((cost[best], (low[best], high[best])), shape=(count, count)).tocsr()
     distance, before = dijkstra(graph, directed=False, indices=[0], return_predecessors=True)
     face = np.argsort(distance[0], kind="stable").astype(np.int32)

@@ -15,8 +15,8 @@ import shapely
 
 from foldcut.cutline import check_cut
 from foldcut.flatfold import FaceMaps, fold_faces, folded_edges
-from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
-from foldcut.planar import edge_faces, half_edges, pair_keys, signed_areas
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Ragged, Shape
+from foldcut.planar import Keys, edge_faces, half_edges, pair_keys, signed_areas
 from foldcut.stacking import check_layer_order, check_mountains, check_stacking
 
 __all__ = ["CHECKS", "COINCIDENT", "verify"]
@@ -43,6 +43,9 @@ CHECKS = (
     "cut",
 )
 """What findings are called, in the order of the checks."""
+
+BATCH = 1 << 16
+"""Faces looked at together; bounds the memory, not the result."""
 
 ASSIGNMENTS = ("B", "M", "V", "F", "U")
 
@@ -128,13 +131,19 @@ def _check_planar(pattern: CreasePattern, tolerance: float) -> list[Finding]:
     edge cancel, and what remains is one simple counter-clockwise closed curve. So the winding numbers of the
     faces add up to 1 inside that curve and to 0 outside: every point of the sheet is covered once. Then areas
     add up, V - E + F = 1, edges do not cross, and no vertex lies inside an edge or a face, since the faces
-    around every vertex already fill a full turn. Crossings are searched for all the same: to name the place.
+    around every vertex already fill a full turn. Crossings are searched for only where that fails: to name the place.
+
+    No vertex may come within the tolerance of an edge, either. The way from one that does leaves it through a face, or
+    along an edge, which is longer; so it comes within the tolerance of an edge of that face, and only these are asked.
     """
     findings = _check_edges(pattern, tolerance)
     if findings:
         return findings
-    findings = [*_check_face_outlines(pattern), *_check_sides(pattern), *_check_crossings(pattern, tolerance)]
-    return findings or _check_outline(pattern)
+    findings = [*_check_face_outlines(pattern), *_check_sides(pattern)]
+    if findings or _has_close_sides(pattern, tolerance):
+        return [*findings, *_check_crossings(pattern, tolerance)]
+    findings = _check_outline(pattern)
+    return findings and (_check_crossings(pattern, tolerance) or findings)
 
 
 def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
@@ -146,12 +155,11 @@ def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
         for edge in np.flatnonzero(lengths <= tolerance).tolist()
     ]
     keys = pair_keys(*np.sort(edges, axis=1).T)
-    first = np.unique(keys, return_index=True)[1]
     findings += [
         _at_edge(pattern, edge, "planar", f"edge {edge} repeats another edge; leave one out")
-        for edge in np.setdiff1d(np.arange(len(edges)), first).tolist()
+        for edge in _repeated(keys).tolist()
     ]
-    lonely = np.setdiff1d(np.arange(len(coords)), edges)
+    lonely = np.flatnonzero(np.bincount(edges.ravel(), minlength=len(coords)) == 0)
     findings += [
         _finding("planar", f"vertex {vertex} is on no edge; leave it out", coords[vertex]) for vertex in lonely.tolist()
     ]
@@ -161,14 +169,84 @@ def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
 def _check_face_outlines(pattern: CreasePattern) -> list[Finding]:
     """Find faces that are not simple polygons, or run clockwise."""
     coords, faces = pattern.vertices_coords, pattern.faces_vertices
-    polygons = shapely.polygons(shapely.linearrings(coords[faces.values], indices=faces.rows))
+    simple = _are_surely_convex(coords, faces)
+    unsure = np.flatnonzero(~simple)
+    rest = faces.take(unsure)
+    rings = shapely.linearrings(coords[rest.values], indices=rest.rows)
+    simple[unsure] = shapely.is_valid(shapely.polygons(rings))
     findings = []
-    simple = shapely.is_valid(polygons)
     clockwise = signed_areas(coords, faces) <= 0
     for face in np.flatnonzero(~simple | clockwise).tolist():
         problem = "runs clockwise; reverse it" if simple[face] else "is not a simple polygon; its sides cross or touch"
         findings.append(_finding("planar", f"face {face} {problem}", coords[faces[face]].mean(axis=0)))
     return findings
+
+
+def _are_surely_convex(coords: Floats, faces: Ragged) -> Bools:
+    """Which faces turn left at every corner by more than rounding can feign, and once around: these are simple."""
+    start, end = half_edges(faces)
+    following = half_edges(Ragged(end, faces.offsets))[1]
+    (ax, ay), (bx, by) = (coords[end] - coords[start]).T, (coords[following] - coords[end]).T
+    turn = ax * by - ay * bx
+    # a difference of coordinates of the sheet's size is off by this much
+    off = 4 * np.finfo(np.float64).eps * np.abs(coords).max()
+    left = turn > 2 * off * (np.abs(ax) + np.abs(ay) + np.abs(bx) + np.abs(by) + off)
+    convex: Bools = np.logical_and.reduceat(left, faces.offsets[:-1])
+    # less than four corners cannot go around twice
+    many = np.flatnonzero(convex & (faces.lengths > 4))
+    if len(many):
+        of_many = np.isin(faces.rows, many, kind="table")
+        angle = np.arctan2(turn[of_many], ax[of_many] * bx[of_many] + ay[of_many] * by[of_many])
+        lengths = faces.lengths[many]
+        convex[many] = np.add.reduceat(angle, np.cumsum(lengths) - lengths) < 3 * np.pi
+    return convex
+
+
+MANY_SIDES = 64
+"""The sides of faces with more are looked for in a tree, those of the others compared all with all."""
+
+
+def _has_close_sides(pattern: CreasePattern, tolerance: float) -> bool:
+    """Whether a vertex of a face is within the tolerance of a side of it that does not end there."""
+    coords, faces = pattern.vertices_coords, pattern.faces_vertices
+    for count in np.unique(faces.lengths).tolist():
+        rings = faces.values[faces.offsets[:-1][faces.lengths == count][:, None] + np.arange(count)]
+        if count > MANY_SIDES:
+            if any(_comes_close(coords, ring, tolerance) for ring in rings):
+                return True
+            continue
+        for first in range(0, len(rings), BATCH):
+            points = coords[rings[first : first + BATCH]]
+            along = np.roll(points, -1, axis=1) - points
+            square = (along * along).sum(axis=2)
+            for step in range(2, count):  # from each side to the vertices that do not end it
+                to_vertex = np.roll(points, -step, axis=1) - points
+                share = ((to_vertex * along).sum(axis=2) / square).clip(0, 1)
+                away = to_vertex - share[:, :, None] * along
+                if ((away * away).sum(axis=2) <= (tolerance * (1 + 1e-9)) ** 2).any():
+                    return True
+    return False
+
+
+def _comes_close(coords: Floats, ring: Ints, tolerance: float) -> bool:
+    ends = np.stack([ring, np.roll(ring, -1)], axis=1)
+    tree = shapely.STRtree(shapely.linestrings(coords[ends]))
+    vertex, side = tree.query(shapely.points(coords[ring]), predicate="dwithin", distance=tolerance * (1 + 1e-9))
+    return bool((ends[side] != ring[vertex][:, None]).all(axis=1).any())
+
+
+def _repeated(keys: Keys) -> Numbers:
+    """The places of keys that have come before, ascending."""
+    order = np.argsort(keys, kind="stable")
+    return np.sort(order[1:][keys[order[1:]] == keys[order[:-1]]])
+
+
+def _is_among(keys: Keys, known: Keys) -> Bools:
+    """Which keys are known ones."""
+    known = np.sort(known)
+    at = np.minimum(np.searchsorted(known, keys), len(known) - 1)
+    found: Bools = known[at] == keys
+    return found
 
 
 def _check_sides(pattern: CreasePattern) -> list[Finding]:
@@ -177,13 +255,12 @@ def _check_sides(pattern: CreasePattern) -> list[Finding]:
     rows = pattern.faces_vertices.rows
     keys = pair_keys(start, end)
     findings = []
-    first = np.unique(keys, return_index=True)[1]
-    for side in np.setdiff1d(np.arange(len(keys)), first).tolist():
+    for side in _repeated(keys).tolist():
         message = f"face {rows[side]} lies on the same side of an edge as another face; faces must not overlap"
         findings.append(_at_side(pattern, start[side], end[side], message))
     known = pair_keys(*np.sort(pattern.edges_vertices, axis=1).T)
     sides = pair_keys(np.minimum(start, end), np.maximum(start, end))
-    for side in np.flatnonzero(~np.isin(sides, known)).tolist():
+    for side in np.flatnonzero(~_is_among(sides, known)).tolist():
         message = f"face {rows[side]} has a side, vertices {start[side]} to {end[side]}, that is not an edge"
         findings.append(_at_side(pattern, start[side], end[side], message))
 
@@ -228,7 +305,7 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
 def _check_outline(pattern: CreasePattern) -> list[Finding]:
     """Find out whether the border edges make one simple counter-clockwise curve."""
     start, end = half_edges(pattern.faces_vertices)
-    border = ~np.isin(pair_keys(start, end), pair_keys(end, start))
+    border = ~_is_among(pair_keys(start, end), pair_keys(end, start))
     following = dict(zip(start[border].tolist(), end[border].tolist(), strict=True))
     if len(following) < border.sum():
         values, counts = np.unique(start[border], return_counts=True)
@@ -240,7 +317,8 @@ def _check_outline(pattern: CreasePattern) -> list[Finding]:
         outline.append(following[outline[-1]])
     coords = pattern.vertices_coords
     if len(outline) < len(following):
-        rest = next(vertex for vertex in following if vertex not in set(outline))
+        known = set(outline)
+        rest = next(vertex for vertex in following if vertex not in known)
         message = "the sheet has a second border; it must be one piece without holes"
         return [_finding("planar", message, coords[rest])]
     ring = shapely.linearrings(coords[outline])

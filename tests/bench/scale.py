@@ -3,7 +3,9 @@
 Run it with ``make bench-scale``, or ``python tests/bench/scale.py [--sizes 1e2,1e3,1e4,1e5] [--kinds star,koch]
 [--seed N] [--repeat N] [--no-verify] [--out FOLDER]``. Loops are seeded: ``star`` is star-shaped with a rough outline,
 ``koch`` a Koch snowflake whose every bump is turned and sized at random. Every loop runs in a process of its own, so
-that peak memory is its own. Shape and sheet are made beforehand and are not timed; nor is the import of the stages.
+that peak memory is its own. Shape and sheet are made beforehand and are not timed; nor is the import of the stages and the
+loading of compiled code, which is given by itself. Times are the process's own seconds (one thread), as the machine may
+be busy with other things.
 
 ``scipy.spatial.Delaunay`` on the centres of the same disks is timed in the same process: the floor for touching that
 many points. Compare ratios within one run. The folder gets scale.json, scale.md (the table) and scale.svg (the plot).
@@ -76,7 +78,7 @@ def measure(kind: str, size: int, seed: int, *, with_verify: bool) -> dict[str, 
     from foldcut.boundary import boundary_disks
     from foldcut.layers import fold_layers
     from foldcut.molecules import build_molecules
-    from foldcut.packing import fill_gaps
+    from foldcut.packing import MANY_DISKS, fill_gaps
     from foldcut.shape import make_shape
     from foldcut.sheet import parse_sheet, place
     from foldcut.tolerance import Tolerance
@@ -93,10 +95,19 @@ def measure(kind: str, size: int, seed: int, *, with_verify: bool) -> dict[str, 
 
     @contextmanager
     def stage(name: str) -> Iterator[None]:
-        start = time.perf_counter()
+        start = time.process_time()
         yield
-        seconds[name] = time.perf_counter() - start
+        seconds[name] = time.process_time() - start
 
+    load = 0.0
+    if size >= MANY_DISKS:
+        from foldcut import packing as module
+
+        small, _ = place(make_shape([star_loop(8, 0)]), sheet)
+        disks = boundary_disks(small, sheet, 0.0, tolerance)
+        module.MANY_DISKS = 0
+        load = _seconds(lambda: fill_gaps(disks, tolerance)) - _seconds(lambda: fill_gaps(disks, tolerance))
+        module.MANY_DISKS = MANY_DISKS
     before = peak_bytes()
     with stage("boundary"):
         boundary = boundary_disks(shape, sheet, ribbon, tolerance)
@@ -123,6 +134,7 @@ def measure(kind: str, size: int, seed: int, *, with_verify: bool) -> dict[str, 
         "creases": creases.crease_count,
         **{f"{name}_s": seconds[name] for name in STAGES},
         "build_s": build,
+        "load_s": load,
         "delaunay_s": yardstick,
         "build_to_delaunay": build / yardstick,
         "kb_a_disk": used / 1000 / disks,
@@ -139,9 +151,9 @@ def peak_bytes() -> int:
 
 
 def _seconds(do: Callable[[], object]) -> float:
-    start = time.perf_counter()
+    start = time.process_time()
     do()
-    return time.perf_counter() - start
+    return time.process_time() - start
 
 
 def exponent(rows: list[dict[str, Any]], column: str, least: float = 700) -> float:
@@ -159,6 +171,7 @@ COLUMNS = (
     "creases",
     *(f"{name}_s" for name in STAGES),
     "build_s",
+    "load_s",
     "delaunay_s",
     "build_to_delaunay",
     "verify_s",
@@ -257,7 +270,7 @@ def main() -> None:
             print(kind, "  ".join(f"{name} {_cell(row.get(name))}" for name in COLUMNS), f"findings {row.get('findings')}", flush=True)
     kinds = dict.fromkeys(row["kind"] for row in rows)
     exponents = {
-        kind: {name: exponent([row for row in rows if row["kind"] == kind], name) for name in COLUMNS if name.endswith("_s")}
+        kind: {name: exponent([row for row in rows if row["kind"] == kind], name) for name in COLUMNS if name.endswith("_s") and name != "load_s"}
         for kind in kinds
     }
     print(json.dumps(exponents))
