@@ -105,14 +105,16 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     cost = 1 / np.maximum(np.hypot(*(ends[:, 1] - ends[:, 0]).T), TINY)
     low, high = np.sort(faces_of_edges[inner], axis=1).T.astype(np.int64)
     pair = low * count + high
-    order = np.lexsort((cost, pair))
-    first = np.append(True, pair[order[1:]] != pair[order[:-1]])  # the longest edge of two faces
-    best = order[first]
-    pairs = pair[best]
+    order = np.argsort(pair, kind="stable")
+    if (np.diff(pair[order]) == 0).any():
+        order = np.lexsort((cost, pair))
+    best = order[np.append(True, np.diff(pair[order]) != 0)]  # the longest edge of two faces
     graph = coo_array((cost[best], (low[best], high[best])), shape=(count, count)).tocsr()
     distance, before = dijkstra(graph, directed=False, indices=[0], return_predecessors=True)
     face = np.argsort(distance[0], kind="stable").astype(np.int32)
     face = face[before[0, face] >= 0]
-    parent = before[0, face]
-    key = np.minimum(face, parent).astype(np.int64) * count + np.maximum(face, parent)
-    return (face, parent), inner[best[np.searchsorted(pairs, key)]]
+    via = np.full(count, -1, dtype=np.int64)
+    for child, above in ((low[best], high[best]), (high[best], low[best])):
+        mine = before[0, child] == above
+        via[child[mine]] = inner[best[mine]]
+    return (face, before[0, face]), via[face]

@@ -16,7 +16,7 @@ import shapely
 from foldcut.cutline import check_cut
 from foldcut.flatfold import FaceMaps, fold_faces, folded_edges
 from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Ragged, Shape
-from foldcut.planar import Keys, edge_faces, half_edges, pair_keys, signed_areas
+from foldcut.planar import Keys, edge_sides, faces_of_sides, half_edges, pair_keys, signed_areas
 from foldcut.stacking import check_layer_order, check_mountains, check_stacking
 
 __all__ = ["CHECKS", "COINCIDENT", "verify"]
@@ -68,10 +68,14 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
 
 def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
     """Verify with one tolerance, in mm."""
-    findings = _check_planar(pattern, tolerance)
+    findings = _check_edges(pattern, tolerance)
     if findings:
         return findings
-    faces_of_edges = edge_faces(pattern)
+    sides = edge_sides(pattern)
+    faces_of_edges = faces_of_sides(pattern, sides)
+    findings = _check_planar(pattern, sides, faces_of_edges, tolerance)
+    if findings:
+        return findings
     maps = fold_faces(pattern, faces_of_edges)
     findings = [
         *_check_vertices(pattern, faces_of_edges, tolerance),
@@ -124,7 +128,9 @@ def _check_arrays(pattern: CreasePattern) -> list[Finding]:
     return findings
 
 
-def _check_planar(pattern: CreasePattern, tolerance: float) -> list[Finding]:
+def _check_planar(
+    pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float
+) -> list[Finding]:
     """Find whatever keeps the faces from tiling a sheet with one simple outline, edge to edge.
 
     Why this is enough: each face is a simple counter-clockwise polygon, the sides of two faces at an inner
@@ -136,13 +142,10 @@ def _check_planar(pattern: CreasePattern, tolerance: float) -> list[Finding]:
     No vertex may come within the tolerance of an edge, either. The way from one that does leaves it through a face, or
     along an edge, which is longer; so it comes within the tolerance of an edge of that face, and only these are asked.
     """
-    findings = _check_edges(pattern, tolerance)
-    if findings:
-        return findings
-    findings = [*_check_face_outlines(pattern), *_check_sides(pattern)]
+    findings = [*_check_face_outlines(pattern), *_check_sides(pattern, sides, faces_of_edges)]
     if findings or _has_close_sides(pattern, tolerance):
         return [*findings, *_check_crossings(pattern, tolerance)]
-    findings = _check_outline(pattern)
+    findings = _check_outline(pattern, sides)
     return findings and (_check_crossings(pattern, tolerance) or findings)
 
 
@@ -249,22 +252,12 @@ def _is_among(keys: Keys, known: Keys) -> Bools:
     return found
 
 
-def _check_sides(pattern: CreasePattern) -> list[Finding]:
+def _check_sides(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints) -> list[Finding]:
     """Find sides of faces that do not pair up at the edges."""
-    start, end = half_edges(pattern.faces_vertices)
-    rows = pattern.faces_vertices.rows
-    keys = pair_keys(start, end)
-    findings = []
-    for side in _repeated(keys).tolist():
-        message = f"face {rows[side]} lies on the same side of an edge as another face; faces must not overlap"
-        findings.append(_at_side(pattern, start[side], end[side], message))
-    known = pair_keys(*np.sort(pattern.edges_vertices, axis=1).T)
-    sides = pair_keys(np.minimum(start, end), np.maximum(start, end))
-    for side in np.flatnonzero(~_is_among(sides, known)).tolist():
-        message = f"face {rows[side]} has a side, vertices {start[side]} to {end[side]}, that is not an edge"
-        findings.append(_at_side(pattern, start[side], end[side], message))
-
-    borders = (edge_faces(pattern) >= 0).sum(axis=1)
+    at_edge = np.zeros(len(pattern.faces_vertices.values), dtype=np.bool_)
+    at_edge[sides[sides >= 0]] = True
+    findings = [] if at_edge.all() else _unmatched_sides(pattern)
+    borders = (faces_of_edges >= 0).sum(axis=1)
     border = pattern.edges_assignment == "B"
     for wrong, problem in (
         (borders == 0, "borders no face"),
@@ -277,6 +270,23 @@ def _check_sides(pattern: CreasePattern) -> list[Finding]:
         findings += [
             _at_edge(pattern, edge, "planar", f"edge {edge} {problem}") for edge in np.flatnonzero(wrong).tolist()
         ]
+    return findings
+
+
+def _unmatched_sides(pattern: CreasePattern) -> list[Finding]:
+    """Find sides that are there twice, or are no edges."""
+    start, end = half_edges(pattern.faces_vertices)
+    rows = pattern.faces_vertices.rows
+    keys = pair_keys(start, end)
+    findings = []
+    for side in _repeated(keys).tolist():
+        message = f"face {rows[side]} lies on the same side of an edge as another face; faces must not overlap"
+        findings.append(_at_side(pattern, start[side], end[side], message))
+    known = pair_keys(*np.sort(pattern.edges_vertices, axis=1).T)
+    sides = pair_keys(np.minimum(start, end), np.maximum(start, end))
+    for side in np.flatnonzero(~_is_among(sides, known)).tolist():
+        message = f"face {rows[side]} has a side, vertices {start[side]} to {end[side]}, that is not an edge"
+        findings.append(_at_side(pattern, start[side], end[side], message))
     return findings
 
 
@@ -302,12 +312,12 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
     return findings
 
 
-def _check_outline(pattern: CreasePattern) -> list[Finding]:
+def _check_outline(pattern: CreasePattern, sides: Numbers) -> list[Finding]:
     """Find out whether the border edges make one simple counter-clockwise curve."""
     start, end = half_edges(pattern.faces_vertices)
-    border = ~_is_among(pair_keys(start, end), pair_keys(end, start))
+    border = np.sort(sides[(sides < 0).any(axis=1)].max(axis=1))
     following = dict(zip(start[border].tolist(), end[border].tolist(), strict=True))
-    if len(following) < border.sum():
+    if len(following) < len(border):
         values, counts = np.unique(start[border], return_counts=True)
         place = pattern.vertices_coords[values[counts > 1][0]]
         return [_finding("planar", "the sheet's border meets itself; the sheet must be one piece there", place)]
@@ -341,7 +351,8 @@ def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: flo
     kind = np.tile(np.where(pattern.edges_assignment[crease] == "M", 1, -1), 2)
     dx, dy = (coords[head] - coords[tail]).T
     angle, length = np.arctan2(dy, dx), np.hypot(dx, dy)
-    order = np.lexsort((angle, tail))
+    # by vertex, then by angle; angles nearer to each other than 6e-12 may lie in either order
+    order = np.argsort((tail.astype(np.int64) << 40) + ((angle + np.pi) * ((2**40 - 1) / (2 * np.pi + 1e-9))).astype(np.int64))
     tail, angle, kind, length = tail[order], angle[order], kind[order], length[order]
 
     count = len(coords)
@@ -351,7 +362,9 @@ def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: flo
     alternating = np.bincount(tail, weights=np.where(position % 2, -angle, angle), minlength=count)
     excess = alternating + np.pi
     shortest = np.full(count, np.inf)
-    np.minimum.at(shortest, tail, length)
+    starts = np.flatnonzero(np.append(True, tail[1:] != tail[:-1])) if len(tail) else np.empty(0, dtype=np.intp)
+    if len(tail):
+        shortest[tail[starts]] = np.minimum.reduceat(length, starts)
     surplus = np.bincount(tail, weights=kind, minlength=count)
 
     creased = inner & (degree > 0)
