@@ -17,18 +17,19 @@ Invariants: both trees span; every interior vertex has two more mountains than v
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import breadth_first_order
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Chars, Ints, Shape, index_array
+from foldcut.model import Bools, Chars, Ints, Numbers, Shape, index_array
 from foldcut.molecules import Kind, Molecules
 
-Vertices = tuple[int, int]
-SHAPE, BORDER = -1, -2  # the nodes of T_C that stand for a whole boundary
+SHAPE, BORDER = 0, 1  # the nodes of T_C that stand for a whole boundary come after the vertices
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,34 +73,21 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
     ``face_inside`` says of each face of the plane whether it is part of the shape. Raises ``UnfoldableError`` when a
     tree does not span. Source: paper section 4, Figures 5 and 6, with the correction of docs/assignment.md.
     """
-    inside = list(face_inside)
-    corners, feet = molecules.corners.to_lists(), molecules.feet.to_lists()
-    face = molecules.face.tolist()
-    on_border: set[int] = set()
-    on_shape: set[int] = set()
-    loop_of_foot: dict[int, int] = {}
-    for start, foot, end, loop in molecules.boundary_sides.tolist():
-        (on_shape if loop else on_border).update((start, end))
-        loop_of_foot[foot] = loop
-    loop_of_foot |= _right_feet(molecules, loop_of_foot)
-    on_shape |= _right_corners(molecules)
-
-    corner_tree = _corner_tree(corners, feet, face, loop_of_foot, on_border, on_shape)
-    tree_feet = {foot for _, foot in corner_tree}
-    behind: dict[int, list[tuple[int, int]]] = defaultdict(list)
-    for number, row in enumerate(feet):
-        for side, foot in enumerate(row):
-            behind[foot].append((number, side))
-
-    roots = _roots(molecules, behind, face, inside)
-    entry_side, parent = molecule_tree(feet, behind, roots, tree_feet, loop_of_foot)
-    assignment = _assign(molecules, corner_tree, entry_side, loop_of_foot)
-    order = sorted((number for number, _ in roots), key=lambda number: not inside[face[number]])
+    inside = np.array(list(face_inside), dtype=np.bool_)
+    loops = _Loops.of(molecules)
+    corner_tree = _corner_tree(molecules, loops)
+    feet = molecules.feet.values
+    reversed_corner = np.full(len(molecules.vertices), -1, dtype=np.int32)
+    reversed_corner[corner_tree[:, 1]] = corner_tree[:, 0]
+    open_sides = (reversed_corner[feet] < 0) & (loops.of_vertex[feet] < 0)
+    roots = _roots(molecules, inside)
+    entry_side, parent = _molecule_tree(molecules, roots, open_sides)
+    assignment = _assign(molecules, reversed_corner, entry_side, loops)
     return Assignment(
         assignment,
-        index_array(entry_side),
+        index_array(entry_side - molecules.feet.offsets[:-1]),
         index_array(parent),
-        (order[0], order[1]),
+        (int(molecules.feet.rows[roots[0]]), int(molecules.feet.rows[roots[1]])),
         index_array(corner_tree),
     )
 
@@ -109,62 +97,117 @@ def ribbon_partners(molecules: Molecules) -> dict[int, int]:
     return dict(molecules.creases[molecules.crease_kind == Kind.RIBBON].tolist())
 
 
-def _right_feet(molecules: Molecules, loop_of_foot: dict[int, int]) -> dict[int, int]:
-    partners = ribbon_partners(molecules)
-    return {partners[foot]: loop for foot, loop in loop_of_foot.items() if foot in partners}
+def opposite_sides(feet: Ints) -> Numbers:
+    """For the side with each foot the other side with the same foot, or -1."""
+    order = np.argsort(feet, kind="stable")
+    pair = np.flatnonzero(feet[order[1:]] == feet[order[:-1]])
+    opposite = np.full(len(feet), -1, dtype=np.int64)
+    opposite[order[pair]], opposite[order[pair + 1]] = order[pair + 1], order[pair]
+    return opposite
 
 
-def _right_corners(molecules: Molecules) -> set[int]:
-    return set(ribbon_partners(molecules).values())
+@dataclass(frozen=True, eq=False)
+class _Loops:
+    """Of every vertex: the loop it is a foot of, or -1; and the node of T_C it is contracted to, or itself."""
+
+    of_vertex: Ints
+    contracted: Ints
+
+    @classmethod
+    def of(cls, molecules: Molecules) -> _Loops:
+        count = len(molecules.vertices)
+        start, foot, end, loop = molecules.boundary_sides.T
+        across = molecules.creases[molecules.crease_kind == Kind.RIBBON]
+        of_vertex, contracted = np.full(count, -1, dtype=np.int32), np.arange(count, dtype=np.int32)
+        of_vertex[foot] = loop
+        right = across[of_vertex[across[:, 0]] >= 0]
+        of_vertex[right[:, 1]] = of_vertex[right[:, 0]]
+        for corner in (start, end):
+            contracted[corner[loop == 0]] = count + BORDER
+        for corner in (start, end):
+            contracted[corner[loop > 0]] = count + SHAPE
+        contracted[across[:, 1]] = count + SHAPE
+        return cls(of_vertex, contracted)
 
 
-def _corner_tree(
-    corners: list[list[int]],
-    feet: list[list[int]],
-    face: list[int],
-    loop_of_foot: dict[int, int],
-    on_border: set[int],
-    on_shape: set[int],
-) -> list[Vertices]:
-    """T_C by breadth-first search in each face, as (child corner, tangency point of the side to its parent)."""
-    tree: list[Vertices] = []
-    contracted = dict.fromkeys(on_border, BORDER) | dict.fromkeys(on_shape, SHAPE)
-    for its_face in sorted(set(face)):
-        graph: dict[int, list[tuple[int, int, int]]] = defaultdict(list)
-        for number, row in enumerate(corners):
-            if face[number] != its_face:
-                continue
-            for side, corner in enumerate(row):
-                foot, following = feet[number][side], row[side + 1 - len(row)]
-                one, other = contracted.get(corner, corner), contracted.get(following, following)
-                if foot in loop_of_foot or one == other:
-                    continue
-                graph[one].append((other, following, foot))
-                graph[other].append((one, corner, foot))
-        reached = {SHAPE}
-        queue = deque(reached)
-        while queue:
-            for following, child, foot in graph[queue.popleft()]:
-                if following not in reached:
-                    reached.add(following)
-                    queue.append(following)
-                    tree.append((child, foot))
-        if not graph.keys() <= reached:
+def _corner_tree(molecules: Molecules, loops: _Loops) -> Ints:
+    """T_C by breadth-first search in each face, rows (child corner, tangency point of the side to its parent)."""
+    corner, foot, rows = molecules.corners.values, molecules.feet.values, molecules.corners.rows
+    following = np.arange(1, len(corner) + 1)
+    following[molecules.corners.offsets[1:] - 1] = molecules.corners.offsets[:-1]
+    other = corner[following]
+    one_node, other_node = loops.contracted[corner], loops.contracted[other]
+    usable = (loops.of_vertex[foot] < 0) & (one_node != other_node)
+    face = molecules.face[rows]
+    trees = []
+    for its_face in np.unique(molecules.face):
+        side = np.flatnonzero(usable & (face == its_face))
+        # each side leads both ways: the entries of a node are in the order of the sides
+        source = np.stack([one_node[side], other_node[side]], axis=1).ravel()
+        target = np.stack([other_node[side], one_node[side]], axis=1).ravel()
+        child = np.stack([other[side], corner[side]], axis=1).ravel()
+        nodes, numbers = np.unique(np.append(source, len(loops.contracted) + SHAPE), return_inverse=True)
+        source, root = numbers[:-1], int(numbers[-1])
+        target = source.reshape(-1, 2)[:, ::-1].ravel()
+        order = np.argsort(source, kind="stable")
+        source, target, child = source[order], target[order], child[order]
+        reached, before = _breadth_first(source, target, len(nodes), root)
+        if len(reached) < len(np.unique(source)):
             raise UnfoldableError("the tree of corners does not reach every corner; move the drawing a little")
-    return tree
+        entry = _first_of(target, np.flatnonzero(before[target] == source), len(nodes))[reached[1:]]
+        trees.append(np.column_stack([child[entry], np.repeat(foot[side], 2)[order][entry]]))
+    return np.concatenate(trees).astype(np.int32)
 
 
-def _roots(
-    molecules: Molecules, behind: dict[int, list[tuple[int, int]]], face: list[int], inside: list[bool]
-) -> list[tuple[int, int]]:
-    """The molecule and side on either side of the boundary side with the largest disks, first in order of ties."""
+def _breadth_first(source: Numbers, target: Numbers, count: int, root: int) -> tuple[Numbers, Numbers]:
+    """Return the nodes that edges reach from the root, nearest first, and the one before each (negative: none).
+
+    ``source`` is sorted; a node's edges are gone along in their order.
+    """
+    offsets = np.searchsorted(source, np.arange(count + 1))
+    graph = csr_array((np.ones(len(target)), target.astype(np.int32), offsets.astype(np.int32)), shape=(count, count))
+    reached, before = breadth_first_order(graph, root, directed=True, return_predecessors=True)
+    return reached, before
+
+
+def _first_of(keys: Numbers, places: Numbers, count: int) -> Numbers:
+    """For every key the first of ``places``, ascending, with that key."""
+    first = np.full(count, -1, dtype=np.int64)
+    first[keys[places[::-1]]] = places[::-1]
+    return first
+
+
+def _roots(molecules: Molecules, inside: Bools) -> Numbers:
+    """The sides on either side of the boundary side with the largest disks, first in order of ties; inside first."""
     sides = molecules.boundary_sides[molecules.boundary_sides[:, 3] > 0]
     lengths = molecules.folded[sides[:, 0], 0] + molecules.folded[sides[:, 2], 0]
     start, foot, _, _ = sides[int(np.argmax(lengths > lengths.max() * (1 - 1e-9)))].tolist()
     partner = ribbon_partners(molecules).get(foot, foot)
-    places = behind[foot] + (behind[partner] if partner != foot else [])
+    places = np.flatnonzero(molecules.feet.values == foot)
+    if partner != foot:
+        places = np.append(places, np.flatnonzero(molecules.feet.values == partner))
     assert len(places) == 2, (start, foot)
-    return sorted(places, key=lambda place: not inside[face[place[0]]])
+    outside = ~inside[molecules.face[molecules.feet.rows[places]]]
+    return np.asarray(places[np.argsort(outside, kind="stable")])
+
+
+def _molecule_tree(molecules: Molecules, roots: Numbers, open_sides: Bools) -> tuple[Numbers, Numbers]:
+    """T_M: the entry side, as a place in ``feet.values``, and the parent of every molecule, through open sides."""
+    rows, count = molecules.feet.rows, len(molecules.feet)
+    opposite = opposite_sides(molecules.feet.values)
+    entry, parent = np.full(count, -1, dtype=np.int64), np.full(count, -1, dtype=np.int32)
+    entry[rows[roots]] = roots
+    side = np.flatnonzero(open_sides & (opposite >= 0))
+    source, target = rows[side], rows[opposite[side]]
+    for root in rows[roots].tolist():
+        reached, before = _breadth_first(source, target, count, root)
+        children = reached[1:]
+        parent[children] = before[children]
+        gone = np.flatnonzero(before[target] == source)
+        entry[children] = opposite[side[_first_of(target, gone, count)[children]]]
+    if entry.min() < 0:
+        raise UnfoldableError("the tree of molecules does not reach every molecule; move the drawing a little")
+    return entry, parent
 
 
 def molecule_tree(
@@ -193,33 +236,28 @@ def molecule_tree(
     return entry_side, parent
 
 
-def _assign(
-    molecules: Molecules, corner_tree: list[Vertices], entry_side: list[int], loop_of_foot: dict[int, int]
-) -> Chars:
+def _assign(molecules: Molecules, reversed_corner: Ints, entry_side: Numbers, loops: _Loops) -> Chars:
+    """Mountains and valleys: ``reversed_corner`` is the end of the reversed half at each foot in T_C, or -1."""
     kinds = molecules.crease_kind
-    assignment = np.where(kinds == Kind.BISECTOR, "M", "V").astype("<U1")
-    reversed_half = {(min(pair), max(pair)) for pair in corner_tree}
-    side_part = molecules.side_part.to_lists()
-    feet_of_roots = set()
-    for number in np.flatnonzero(kinds == Kind.SIDE).tolist():
-        a, b = molecules.creases[number].tolist()
-        loop = loop_of_foot.get(a, loop_of_foot.get(b))
-        if loop is not None:
-            assignment[number] = "F" if loop else "B"
-        elif (min(a, b), max(a, b)) in reversed_half:
-            assignment[number] = "M"
-    for number in np.flatnonzero(kinds == Kind.TANGENCY).tolist():
-        molecule, part, side = (
-            int(column[number]) for column in (molecules.crease_molecule, molecules.crease_part, molecules.crease_side)
-        )
-        entry = entry_side[molecule]
-        toward_parent = entry if side_part[molecule][entry] == part else len(side_part[molecule])
-        if side == toward_parent:
-            assignment[number] = "M"
-            feet_of_roots.add(int(molecules.creases[number, 0]))
+    a, b = molecules.creases.T
+    mountain = kinds == Kind.BISECTOR
+    side = kinds == Kind.SIDE
+    mountain |= side & ((reversed_corner[a] == b) | (reversed_corner[b] == a))
+    # toward the parent: out of the entry side, and from the part that is not behind it across the diagonal
+    tangency = np.flatnonzero(kinds == Kind.TANGENCY)
+    molecule = molecules.crease_molecule[tangency]
+    entry = entry_side[molecule]
+    same_part = molecules.side_part.values[entry] == molecules.crease_part[tangency]
+    first = molecules.feet.offsets[molecule]
+    toward = np.where(same_part, entry - first, molecules.feet.offsets[molecule + 1] - first)
+    tangency = tangency[molecules.crease_side[tangency] == toward]
+    mountain[tangency] = True
     # Across the ribbon: mountains at corners; at a tangency point the crease goes on as it is on either side.
-    for number in np.flatnonzero(kinds == Kind.RIBBON).tolist():
-        foot = int(molecules.creases[number, 0])
-        if foot not in loop_of_foot or foot in feet_of_roots:
-            assignment[number] = "M"
+    of_root = np.zeros(len(molecules.vertices), dtype=np.bool_)
+    of_root[a[tangency]] = True
+    mountain |= (kinds == Kind.RIBBON) & ((loops.of_vertex[a] < 0) | of_root[a])
+    assignment = np.where(mountain, "M", "V").astype("<U1")
+    loop = np.where(loops.of_vertex[a] >= 0, loops.of_vertex[a], loops.of_vertex[b])
+    assignment[side & (loop == 0)] = "B"
+    assignment[side & (loop > 0)] = "F"
     return assignment

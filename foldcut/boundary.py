@@ -33,7 +33,7 @@ NARROWEST_RIBBON = 1e-7
 # are shrunk then, others split. (Vertex disks do so often: half the distance to an edge is nearly half the distance to
 # that edge's end.)
 NEARLY = 0.02
-MAX_DISKS = 100_000
+MAX_DISKS = 1_000_000
 Limit = Callable[[Floats, Floats], Floats]
 """Of disks with these centres and radii, the largest radius that each may have."""
 # A pencil line's width on either side: less is hard to crease, more is a visible strip.
@@ -162,16 +162,8 @@ def _vertex_radii(loops: list[_Loop]) -> list[Floats] | None:
         for (number, _), start, end in zip(around, starts, ends, strict=True):
             if (np.sum((end - start) * loops[number].directions, axis=1) <= 0).any():
                 return None
-        for place, (number, sign) in enumerate(around):
-            loop = loops[number]
-            reach = np.full(len(loop.corners), np.inf)
-            for other in range(len(around)):
-                distance = _point_segment_distances(starts[place], starts[other], ends[other])
-                if other == place:
-                    row = np.arange(len(reach))
-                    distance[row, row] = distance[row, row - 1] = np.inf
-                np.minimum(reach, distance.min(axis=1), out=reach)
-            np.minimum(limits[number], reach / 2 + loop.shift(sign), out=limits[number])
+        for (number, sign), reach in zip(around, _distances_to_edges(starts, ends), strict=True):
+            np.minimum(limits[number], reach / 2 + loops[number].shift(sign), out=limits[number])
         if any(loops[number].half_width > 0 for number, _ in around) and not _is_simple(starts):
             return None
     for loop, radius in zip(loops, limits, strict=True):
@@ -186,13 +178,36 @@ def _is_simple(loops: list[Floats]) -> bool:
     return bool(shapely.Polygon(loops[largest], holes).is_valid)
 
 
+def _distances_to_edges(starts: list[Floats], ends: list[Floats]) -> list[Floats]:
+    """Distances from the corners of loops to the nearest edge, of any of the loops, that does not end there.
+
+    The edge after the next is no farther than its start, the next corner: only edges in this circle are looked at.
+    """
+    counts = [len(points) for points in starts]
+    start, end = np.concatenate(starts), np.concatenate(ends)
+    before = np.concatenate([first + np.roll(np.arange(n), 1) for first, n in zip(_firsts(counts), counts, strict=True)])
+    length = np.hypot(*(end - start).T)
+    tree = shapely.STRtree(shapely.linestrings(np.stack([start, end], axis=1)))
+    reach = np.minimum(length, length[before]) * (1 + 1e-9)
+    corner, edge = tree.query(shapely.points(start), predicate="dwithin", distance=reach)
+    apart = (corner != edge) & (edge != before[corner])
+    corner, edge = corner[apart], edge[apart]
+    distances = np.full(len(start), np.inf)
+    np.minimum.at(distances, corner, _point_segment_distances(start[corner], start[edge], end[edge]))
+    return np.split(distances, np.cumsum(counts)[:-1])
+
+
+def _firsts(counts: list[int]) -> list[int]:
+    return [0, *np.cumsum(counts)[:-1].tolist()]
+
+
 def _point_segment_distances(points: Floats, starts: Floats, ends: Floats) -> Floats:
-    """Distances from every point to every segment, ``(points, segments)``."""
+    """Distances from points to segments, ``(n,)``."""
     along = ends - starts
-    to_point = points[:, None] - starts[None]
-    part = np.clip(np.sum(to_point * along, axis=2) / np.sum(along * along, axis=1), 0.0, 1.0)
-    away = to_point - part[:, :, None] * along
-    distances: Floats = np.hypot(away[:, :, 0], away[:, :, 1])
+    to_point = points - starts
+    part = np.clip(np.sum(to_point * along, axis=1) / np.sum(along * along, axis=1), 0.0, 1.0)
+    away = to_point - part[:, None] * along
+    distances: Floats = np.hypot(away[:, 0], away[:, 1])
     return distances
 
 
@@ -256,6 +271,7 @@ class _Pieces:
     end: Floats
 
     def split(self, chosen: Bools) -> _Pieces:
+        """Halve the chosen pieces; the halves come last."""
         middle = (self.start[chosen] + self.end[chosen]) / 2
         kept = ~chosen
         return _Pieces(
@@ -301,6 +317,7 @@ def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance
     pieces = _first_pieces(loops, radii, tolerance)
     face_of = {sign: np.array([{s: f for f, s in loop.sides}.get(sign, -1) for loop in loops]) for sign in (1, -1)}
     fixed_centres, fixed_radii, fixed_face, _ = _vertex_disks(loops, radii)
+    fresh = 0  # from here on pieces are new; of the others no two crowd each other
     while True:
         count = len(pieces.loop)
         if count > MAX_DISKS:
@@ -312,7 +329,7 @@ def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance
         centres = np.concatenate([sides[0][1], sides[1][1], fixed_centres])
         sizes = np.concatenate([sides[0][2], sides[1][2], fixed_radii])
         owner = np.concatenate([np.arange(count), np.arange(count), np.full(len(face) - 2 * count, -1)])
-        i, j, slack = near_disks(centres, sizes, face)
+        i, j, slack = near_disks(centres, sizes, face, owner >= fresh if fresh else None)
         crowd = (slack < -tolerance.touching(sizes[i], sizes[j])) | _nearly_touching(
             slack, sizes[i], sizes[j], tolerance
         )
@@ -328,6 +345,7 @@ def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance
                 crowded |= side_radii > limit(side_centres, side_radii)
         if not crowded.any():
             return pieces
+        fresh = count - int(crowded.sum())
         pieces = pieces.split(crowded)
 
 
@@ -345,15 +363,26 @@ def touching_disks(centres: Floats, radii: Floats, face: Ints, tolerance: Tolera
     return i[touching], j[touching]
 
 
-def near_disks(centres: Floats, radii: Floats, face: Ints) -> tuple[Ints, Ints, Floats]:
-    """Return pairs i < j of disks of one face whose boxes meet, and the free distance between them."""
+def near_disks(
+    centres: Floats, radii: Floats, face: Ints, chosen: Bools | None = None
+) -> tuple[Ints, Ints, Floats]:
+    """Return pairs i < j of disks of one face whose boxes meet, and the free distance between them.
+
+    ``chosen`` keeps only pairs with at least one of these disks.
+    """
     used = np.flatnonzero(face >= 0)
     reach = radii[used, None] * (1 + NEARLY)
     low, high = centres[used] - reach, centres[used] + reach
     boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
-    left, right = shapely.STRtree(boxes).query(boxes)
-    kept = left < right
-    i, j = used[left[kept]], used[right[kept]]
+    if chosen is None:
+        left, right = shapely.STRtree(boxes).query(boxes)
+        kept = left < right
+    else:
+        asked = np.flatnonzero(chosen[used])
+        left, right = shapely.STRtree(boxes).query(boxes[asked])
+        left = asked[left]
+        kept = (left < right) | ~chosen[used[right]]
+    i, j = used[np.minimum(left[kept], right[kept])], used[np.maximum(left[kept], right[kept])]
     same = face[i] == face[j]
     i, j = i[same].astype(np.int32), j[same].astype(np.int32)
     away = centres[i] - centres[j]

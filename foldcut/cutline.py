@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from foldcut.flatfold import FaceMaps, folded_edges
 from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
+from foldcut.planar import edge_faces
 from foldcut.stacking import collinear_overlap
 
 __all__ = ["check_cut", "contains", "fold_boundary"]
@@ -49,8 +50,9 @@ def check_cut(
     findings = _check_on_sheet(pattern, faces_of_edges, sides, tolerance)
     if findings:
         return findings
-    findings = _check_creases(pattern, sides, tolerance)
-    pieces, _, landed = fold_boundary(pattern, maps, shape, tolerance)
+    near = _edges_near(pattern, sides, 2 * tolerance)
+    findings = _check_creases(pattern, sides, near, tolerance)
+    pieces, _, landed = _fold_pieces(pattern, faces_of_edges, maps, sides, near, tolerance)
     folded = np.concatenate([landed[:, 0], landed[:, 1]])
     along, level = _line_through(folded)
     heights = _heights(folded, along, level)
@@ -68,9 +70,37 @@ def fold_boundary(
 
     ``(n, 2, 2)`` mm on the sheet, ``(n,)``, and ``(n, 2, 2)`` in the frame of ``maps``; ``tolerance`` in mm.
     """
-    pieces = _divide(pattern, _sides(shape), tolerance)
-    faces = _faces_at(pattern, pieces.mean(axis=1))
+    sides = _sides(shape)
+    near = _edges_near(pattern, sides, tolerance)
+    return _fold_pieces(pattern, edge_faces(pattern), maps, sides, near, tolerance)
+
+
+def _fold_pieces(
+    pattern: CreasePattern,
+    faces_of_edges: Ints,
+    maps: FaceMaps,
+    sides: Floats,
+    near: tuple[Indices, Indices],
+    tolerance: float,
+) -> tuple[Floats, Indices, Floats]:
+    """Do as ``fold_boundary``; ``near`` are sides and the edges near them."""
+    side, edge = near
+    ends = pattern.vertices_coords[pattern.edges_vertices]
+    close = shapely.dwithin(shapely.linestrings(sides[side]), shapely.linestrings(ends[edge]), tolerance)
+    side, edge = side[close], edge[close]
+    pieces = _divide(pattern, sides, side, edge, tolerance)
+    # a piece lies in a face at one of these edges, but for sides that no edge comes near
+    around = np.unique(faces_of_edges[edge]) if len(np.unique(side)) == len(sides) else np.empty(0, dtype=np.int32)
+    faces = _faces_at(pattern, pieces.mean(axis=1), around[around >= 0] if len(around) else None)
     return pieces, faces, np.stack([maps.apply(faces, pieces[:, end]) for end in (0, 1)], axis=1)
+
+
+def _edges_near(pattern: CreasePattern, sides: Floats, distance: float) -> tuple[Indices, Indices]:
+    """Return the sides and edges of the pattern that come within a distance of each other, in pairs."""
+    ends = pattern.vertices_coords[pattern.edges_vertices]
+    tree = shapely.STRtree(shapely.linestrings(ends))
+    side, edge = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=distance)
+    return side, edge
 
 
 def _sides(shape: Shape) -> Floats:
@@ -90,28 +120,30 @@ def _check_on_sheet(pattern: CreasePattern, faces_of_edges: Ints, sides: Floats,
     ]
 
 
-def _check_creases(pattern: CreasePattern, sides: Floats, tolerance: float) -> list[Finding]:
-    """Find mountains and valleys that lie along the boundary."""
-    crease = np.flatnonzero(folded_edges(pattern))
-    ends = pattern.vertices_coords[pattern.edges_vertices[crease]]
-    tree = shapely.STRtree(shapely.linestrings(ends))
-    side, at = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=2 * tolerance)
-    length, _ = collinear_overlap(sides[side], ends[at], 2 * tolerance)
+def _check_creases(
+    pattern: CreasePattern, sides: Floats, near: tuple[Indices, Indices], tolerance: float
+) -> list[Finding]:
+    """Find mountains and valleys, of the edges near the sides, that lie along the boundary."""
+    side, edge = near
+    folded = folded_edges(pattern)[edge]
+    side, edge = side[folded], edge[folded]
+    ends = pattern.vertices_coords[pattern.edges_vertices[edge]]
+    length, _ = collinear_overlap(sides[side], ends, 2 * tolerance)
     findings = []
     for pair in np.flatnonzero(length > 2 * tolerance).tolist():
-        message = f"crease {crease[at[pair]]} lies on the shape's boundary for {length[pair]:.3g} mm"
-        findings.append(_finding(message, ends[at[pair]].mean(axis=0), length[pair]))
+        message = f"crease {edge[pair]} lies on the shape's boundary for {length[pair]:.3g} mm"
+        findings.append(_finding(message, ends[pair].mean(axis=0), length[pair]))
     return findings
 
 
-def _divide(pattern: CreasePattern, sides: Floats, tolerance: float) -> Floats:
+def _divide(pattern: CreasePattern, sides: Floats, side: Indices, edge: Indices, tolerance: float) -> Floats:
     """Return the sides cut up where they meet edges of the pattern, ``(n, 2, 2)``: each within one face.
+
+    ``side`` and ``edge`` are those that come within the tolerance of each other.
 
     A piece may lie on an edge that is not folded; then it belongs to either face.
     """
     ends = pattern.vertices_coords[pattern.edges_vertices]
-    tree = shapely.STRtree(shapely.linestrings(ends))
-    side, edge = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=tolerance)
     base, along = sides[side, 0], sides[side, 1] - sides[side, 0]
     across = ends[edge, 1] - ends[edge, 0]
     to_edge = ends[edge] - base[:, None]
@@ -135,11 +167,12 @@ def _divide(pattern: CreasePattern, sides: Floats, tolerance: float) -> Floats:
     return kept
 
 
-def _faces_at(pattern: CreasePattern, points: Floats) -> Indices:
-    """Return a face at each point: the one it is in, or one it borders."""
-    faces = pattern.faces_vertices
+def _faces_at(pattern: CreasePattern, points: Floats, around: Ints | None) -> Indices:
+    """Return a face at each point, one of ``around``: the one it is in, or one it borders."""
+    number = np.arange(len(pattern.faces_vertices)) if around is None else around
+    faces = pattern.faces_vertices.take(number)
     rings = shapely.linearrings(pattern.vertices_coords[faces.values], indices=faces.rows)
-    return np.asarray(shapely.STRtree(shapely.polygons(rings)).nearest(shapely.points(points)))
+    return np.asarray(number[shapely.STRtree(shapely.polygons(rings)).nearest(shapely.points(points))])
 
 
 def _line_through(points: Floats) -> tuple[Floats, float]:

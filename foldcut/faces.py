@@ -14,6 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from foldcut.model import (
+    Bools,
+    Chars,
     CreasePattern,
     Floats,
     FoldedState,
@@ -82,9 +84,9 @@ def creases_of_stack(folded: Floats, rings: Sequence[Ring]) -> tuple[list[Edge],
 def assemble(
     flat: Floats,
     folded: Floats,
-    rings: Sequence[Ring],
-    edges: Sequence[Edge],
-    kinds: Sequence[str],
+    rings: Sequence[Ring] | Ragged,
+    edges: Sequence[Edge] | Ints,
+    kinds: Sequence[str] | Chars,
     sheet_corners: set[int],
 ) -> tuple[CreasePattern, FoldedState]:
     """Return the pattern and its folded state.
@@ -93,47 +95,58 @@ def assemble(
     ``edges`` with their ``kinds`` "M", "V", "B". Vertices on which nothing turns are left out, the rest numbered anew;
     face 0 is the lowest that looks up, the others follow the layer order.
     """
-    joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners)
-    used = np.unique(np.array(joined, dtype=np.int32))
-    renumber = np.full(len(flat), -1, dtype=np.int32)
-    renumber[used] = np.arange(len(used), dtype=np.int32)
-    faces = [renumber[[v for v in ring if v not in straight]].tolist() for ring in rings]
-    first = next(k for k, ring in enumerate(faces) if signed_area(folded[used][ring]) > 0)
+    rings = rings if isinstance(rings, Ragged) else Ragged.from_rows(rings)
+    edges, kinds = np.asarray(edges, dtype=np.int32).reshape(-1, 2), np.asarray(kinds, dtype="<U1")
+    joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners, len(flat))
+    used = np.zeros(len(flat), dtype=np.bool_)
+    used[joined] = True
+    renumber = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
+    kept = ~straight[rings.values]
+    ends = np.concatenate([[0], np.cumsum(kept, dtype=np.int32)])[rings.offsets]
+    faces = Ragged(renumber[rings.values[kept]], ends.astype(np.int32))
+    landed = folded[used]
+    first = next(k for k in range(len(faces)) if signed_area(landed[faces[k]]) > 0)
     layers: Ints = np.arange(len(faces), dtype=np.int32)
     layers[[0, first]] = layers[[first, 0]]
-    faces[0], faces[first] = faces[first], faces[0]
-    pattern = CreasePattern(
-        points_array(flat[used]),
-        index_array(renumber[np.array(joined, dtype=np.int32)]),
-        np.array(types, dtype="<U1"),
-        Ragged.from_rows(faces),
-    )
-    pattern.edges_assignment.setflags(write=False)
-    return pattern, FoldedState(points_array(folded[used]), index_array(layers))
+    faces = faces.take(layers)
+    types.setflags(write=False)
+    pattern = CreasePattern(points_array(flat[used]), index_array(renumber[joined]), types, faces)
+    return pattern, FoldedState(points_array(landed), index_array(layers))
 
 
 def _dissolve_straight(
-    edges: Sequence[Edge], kinds: Sequence[str], sheet_corners: set[int]
-) -> tuple[list[Edge], list[str], set[int]]:
-    """Join the two edges at every vertex where nothing turns: by Kawasaki's theorem two creases alone are one line."""
-    at: dict[int, list[int]] = defaultdict(list)
-    for number, (a, b) in enumerate(edges):
-        at[a].append(number)
-        at[b].append(number)
-    straight = {v for v, mine in at.items() if len(mine) == 2 and v not in sheet_corners}
-    joined, types = [], []
+    edges: Ints, kinds: Chars, sheet_corners: set[int], count: int
+) -> tuple[Ints, Chars, Bools]:
+    """Join the two edges at every vertex where nothing turns: by Kawasaki's theorem two creases alone are one line.
+
+    Returns the edges, each in place of the first of its parts that ends where something turns, their kinds, and which
+    of ``count`` vertices are straight.
+    """
+    straight = np.bincount(edges.ravel(), minlength=count) == 2
+    straight[list(sheet_corners)] = False
+    at_straight = straight[edges]
+    parts = np.flatnonzero(at_straight.any(axis=1))
+    beside: dict[int, list[int]] = defaultdict(list)
+    ends = dict(zip(parts.tolist(), edges[parts].tolist(), strict=True))
+    for number, pair in ends.items():
+        for vertex in pair:
+            beside[vertex].append(number)
+    is_straight = set(np.unique(edges[parts][at_straight[parts]]).tolist())
+    whole = ~at_straight.any(axis=1)
+    joined = edges.copy()
     done: set[int] = set()
-    for first, (a, b) in enumerate(edges):
-        if first in done or (a in straight and b in straight):
+    for first, (a, b) in ends.items():
+        if first in done or (a in is_straight and b in is_straight):
             continue
-        vertex, number = (b, first) if a not in straight else (a, first)
+        vertex, number = (b, first) if a not in is_straight else (a, first)
         start = a if vertex == b else b
         done.add(number)
-        while vertex in straight:
-            number = next(other for other in at[vertex] if other != number)
+        while vertex in is_straight:
+            one, other = beside[vertex]
+            number = other if one == number else one
             done.add(number)
-            one, other_end = edges[number]
-            vertex = other_end if one == vertex else one
-        joined.append((start, vertex))
-        types.append(kinds[first])
-    return joined, types, straight
+            one, other = ends[number]
+            vertex = other if one == vertex else one
+        joined[first] = start, vertex
+        whole[first] = True
+    return joined[whole], kinds[whole], straight

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import heapq
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -67,14 +69,32 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     turn = np.ones(count, dtype=np.complex128)
     shift = np.zeros(count, dtype=np.complex128)
     up = np.ones(count, dtype=np.bool_)
-    for face, before, edge in zip(*(a.tolist() for a in (parent[0], parent[1], via)), strict=True):
+    for face, before, edge in _generations(parent[0], parent[1], via, count):
         turn[face], shift[face], up[face] = turn[before], shift[before], up[before]
-        if folds[edge]:
-            m, c = (mirror[edge], offset[edge]) if up[before] else (mirror[edge].conj(), offset[edge].conj())
-            turn[face] = turn[before] * m / abs(turn[before] * m)
-            shift[face] = turn[before] * c + shift[before]
-            up[face] = not up[before]
+        fold = folds[edge]
+        face, before, edge = face[fold], before[fold], edge[fold]
+        m, c = mirror[edge], offset[edge]
+        down = ~up[before]
+        m[down], c[down] = m[down].conj(), c[down].conj()
+        turned = turn[before] * m
+        turn[face] = turned / np.abs(turned)
+        shift[face] = turn[before] * c + shift[before]
+        up[face] = down
     return FaceMaps(turn, shift, up)
+
+
+def _generations(face: Ints, before: Ints, via: Ints, count: int) -> Iterator[tuple[Ints, Ints, Ints]]:
+    """Yield the rows of a tree, each generation's together, the parents' first."""
+    # steps to the root: twice as far in every round
+    ancestor, steps = np.arange(count), np.zeros(count, dtype=np.intp)
+    ancestor[face], steps[face] = before, 1
+    while steps[ancestor].any():
+        steps, ancestor = steps + steps[ancestor], ancestor[ancestor]
+    order = np.argsort(steps[face], kind="stable")
+    ends = np.cumsum(np.bincount(steps[face]))
+    for start, end in pairwise(ends.tolist()):
+        rows = order[start:end]
+        yield face[rows], before[rows], via[rows]
 
 
 def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tuple[tuple[Ints, Ints], Ints]:
@@ -88,17 +108,19 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     cost = 1 / np.maximum(np.hypot(*(ends[:, 1] - ends[:, 0]).T), TINY)
     low, high = np.sort(faces_of_edges[inner], axis=1).T.astype(np.int64)
     pair = low * count + high
-    order = np.lexsort((cost, pair))
-    pairs, first = np.unique(pair[order], return_index=True)  # the longest edge of two faces
-    best = order[first]
+    order = np.argsort(pair, kind="stable")
+    if (np.diff(pair[order]) == 0).any():
+        order = np.lexsort((cost, pair))
+    best = order[np.append(True, np.diff(pair[order]) != 0)]  # the longest edge of two faces
     paths = _short_paths if count <= FEW_FACES else _paths
     distance, before = paths(low[best], high[best], cost[best], count)
     face = np.argsort(distance, kind="stable").astype(np.int32)
     face = face[before[face] >= 0]
-    parent: Ints = before[face].astype(np.int32)
-    key = np.minimum(face, parent).astype(np.int64) * count + np.maximum(face, parent)
-    via: Ints = inner[best[np.searchsorted(pairs, key)]].astype(np.int32)
-    return (face, parent), via
+    via = np.full(count, -1, dtype=np.int64)
+    for child, above in ((low[best], high[best]), (high[best], low[best])):
+        mine = before[child] == above
+        via[child[mine]] = inner[best[mine]]
+    return (face, before[face].astype(np.int32)), via[face]
 
 
 def _short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:

@@ -16,11 +16,15 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from foldcut.assignment import Assignment
-from foldcut.faces import assemble, merge_stacks, outlines
-from foldcut.model import CreasePattern, FoldedState, Ints
+from foldcut.assignment import Assignment, opposite_sides
+from foldcut.faces import assemble, outlines
+from foldcut.model import Bools, CreasePattern, FoldedState, Ints, Ragged
 from foldcut.molecules import Molecules
+from foldcut.outlines import runs
+from foldcut.planar import half_edges, pair_keys
 
 
 def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePattern, FoldedState]:
@@ -29,18 +33,139 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
     Vertices that only lie on a straight line (two creases of one kind, or none on the border) are left out.
     Source: paper section 4.
     """
-    inside_root, outside_root = assignment.roots
-    entry, parent = assignment.entry_side.tolist(), assignment.parent.tolist()
-    inside = walk(molecules, entry, parent, inside_root)
-    outside = walk(molecules, entry, parent, outside_root)[::-1]
-    joined, face_of = join_unfolded(molecules, molecules.creases[assignment.crease_assignment == "F"])
-    shared = {face for face, parts in joined.items() if len(parts) > 1}
-    order = merge_stacks([face_of[f] for f in inside], [face_of[f] for f in outside], shared)[::-1]
-    rings = [ring for face in order for ring in outlines([molecules.facets[f].tolist() for f in joined[face]])]
+    inside, outside = _walks(molecules, assignment)
+    unfolded = molecules.creases[assignment.crease_assignment == "F"]
+    face, shared = _faces(molecules, unfolded)
+    order = _merged(face[inside], face[outside[::-1]], shared)[::-1]
     keep = np.isin(assignment.crease_assignment, ("M", "V", "B"))
-    edges = [(a, b) for a, b in molecules.creases[keep].tolist()]
-    kinds = assignment.crease_assignment[keep].tolist()
+    edges, kinds = molecules.creases[keep], assignment.crease_assignment[keep]
+    rings = _rings(molecules.facets, face, shared, order)
     return assemble(molecules.vertices, molecules.folded, rings, edges, kinds, sheet_corners(molecules))
+
+
+def _walks(molecules: Molecules, assignment: Assignment) -> list[Ints]:
+    """The facets of either face of the plane, top to bottom: see ``walk``.
+
+    A corner's facets are followed by those of the next corner of its molecule, or by the first of the molecule across
+    the side between them; those of a molecule's last corner, where it was entered, by the corner after that side in
+    its parent. So each place has one that follows it.
+    """
+    feet, size = molecules.feet, molecules.feet.lengths
+    first = feet.offsets[:-1].astype(np.int64)
+    following = np.arange(1, len(feet.values) + 1)
+    following[feet.offsets[1:] - 1] = first
+    entry = first + assignment.entry_side
+    begin = following[entry]
+    child = np.flatnonzero(assignment.parent >= 0)
+    above = opposite_sides(feet.values)[entry[child]]
+    after = following.copy()
+    after[entry] = -1
+    after[entry[child]] = following[above]
+    after[above] = begin[child]
+    follow: list[int] = after.tolist()
+    own = molecules.facet_molecule >= 0
+    count = np.bincount(first[molecules.facet_molecule[own]] + molecules.facet_corner[own], minlength=len(feet.values))
+    start = np.cumsum(count) - count
+    walks = []
+    for root in assignment.roots:
+        places = []
+        place = int(begin[root])
+        while place >= 0:
+            places.append(place)
+            place = follow[place]
+        at = np.array(places)
+        walks.append(runs(start[at], count[at]).astype(np.int32))
+    return walks
+
+
+def _faces(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
+    """The face of every facet, its first facet's number, joined across sides that are not folded; and which are joined."""
+    on_side = np.zeros(len(molecules.vertices), dtype=np.bool_)
+    on_side[unfolded] = True
+    start, end = half_edges(molecules.facets)
+    at = np.flatnonzero(on_side[start] & on_side[end])
+    one, other = start[at], end[at]
+    keys = pair_keys(np.minimum(one, other), np.maximum(one, other))
+    at = at[np.isin(keys, pair_keys(unfolded.min(axis=1), unfolded.max(axis=1)))]
+    keys = pair_keys(np.minimum(start[at], end[at]), np.maximum(start[at], end[at]))
+    order = np.argsort(keys, kind="stable")
+    facet = np.searchsorted(molecules.facets.offsets, at[order], side="right") - 1
+    pair = np.flatnonzero(keys[order][1:] == keys[order][:-1])
+    some, numbers = np.unique(facet, return_inverse=True)
+    graph = coo_array((np.ones(len(pair)), (numbers[pair], numbers[pair + 1])), shape=(len(some), len(some)))
+    _, label = connected_components(graph, directed=False)
+    lowest = np.full(label.max(initial=-1) + 1, len(molecules.facets))
+    np.minimum.at(lowest, label, some)
+    face = np.arange(len(molecules.facets), dtype=np.int32)
+    face[some] = lowest[label]
+    shared = np.zeros(len(face), dtype=np.bool_)
+    shared[lowest[np.bincount(label) > 1]] = True
+    return face, shared
+
+
+def _merged(inside: Ints, outside: Ints, shared: Bools) -> Ints:
+    """Merge two stacks that have the shared faces in the same order: ``faces.merge_stacks`` on arrays."""
+    in_both, out_both = shared[inside], shared[outside]
+    same = np.array_equal(inside[in_both], outside[out_both])
+    assert same, "the layers inside and outside do not match along the shape's boundary"
+    # before each shared face first what the inside has, then the outside
+    keys = np.concatenate(
+        [
+            3 * (np.cumsum(in_both) - in_both) + 2 * in_both,
+            3 * np.cumsum(out_both)[~out_both] + 1,
+        ]
+    )
+    faces: Ints = np.concatenate([inside, outside[~out_both]])[np.argsort(keys, kind="stable")]
+    return faces
+
+
+def _rings(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
+    """The outlines of faces in an order: a facet's own, or that of the facets that are joined.
+
+    The joined ones are walked all at once, from their lowest vertices on.
+    """
+    facet = np.flatnonzero(shared[face])
+    joined = facets.take(facet)
+    start, end = half_edges(joined)
+    owner = face[facet][joined.rows].astype(np.int64)
+    # a side is gone where the same face has it the other way round
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    by = np.lexsort((high, low, owner))
+    twice = (np.diff(owner[by]) == 0) & (np.diff(low[by]) == 0) & (np.diff(high[by]) == 0)
+    gone = np.zeros(len(start), dtype=np.bool_)
+    gone[by[1:][twice]] = gone[by[:-1][twice]] = True
+    left = ~gone
+    key, to = (owner[left] << 32) | start[left], end[left]
+    way = np.argsort(key, kind="stable")
+    key, to = key[way], to[way]
+    names, first, counts = np.unique(key >> 32, return_index=True, return_counts=True)
+    vertex = (key[first] & 0xFFFFFFFF).astype(np.int32)
+    longest = int(counts.max(initial=0))
+    walked = np.full((len(names), longest), -1, dtype=np.int32)
+    here = vertex.copy()
+    for step in range(longest):
+        going = np.flatnonzero(step < counts)
+        walked[going, step] = here[going]
+        at = np.searchsorted(key, (names[going] << 32) | here[going])
+        here[going] = to[np.minimum(at, len(to) - 1)]
+    if not np.array_equal(here, vertex) or (np.diff(key) == 0).any() or _repeats(walked):
+        members = defaultdict(list)
+        for number, its_face in enumerate(face.tolist()):
+            members[its_face].append(number)
+        every = [outlines([facets[f].tolist() for f in members[its_face]]) for its_face in order.tolist()]
+        return Ragged.from_rows(ring for pieces in every for ring in pieces)
+    # one list of rings: facets, then what was walked
+    flat = walked[np.arange(longest) < counts[:, None]]
+    offsets = np.concatenate([facets.offsets, facets.offsets[-1] + np.cumsum(counts)])
+    number = np.arange(len(face))
+    number[names] = len(face) + np.arange(len(names))
+    return Ragged(np.concatenate([facets.values, flat]), offsets.astype(np.int32)).take(number[order])
+
+
+def _repeats(rows: Ints) -> bool:
+    """Whether a row has a number, not -1, twice."""
+    ordered = np.sort(rows, axis=1)
+    return bool(((ordered[:, 1:] == ordered[:, :-1]) & (ordered[:, 1:] >= 0)).any())
 
 
 def walk(molecules: Molecules, entry: list[int], parent: list[int], root: int) -> list[int]:

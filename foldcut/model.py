@@ -73,6 +73,13 @@ class Ragged:
         ends = self.offsets.tolist()
         return [flat[start:end] for start, end in pairwise(ends)]
 
+    def take(self, rows: Numbers) -> Ragged:
+        """Return these rows, ``(k,)``, in this order."""
+        lengths = self.lengths[rows]
+        offsets = np.concatenate([[0], np.cumsum(lengths)])
+        places = np.arange(offsets[-1]) + np.repeat(self.offsets[:-1][rows] - offsets[:-1], lengths)
+        return Ragged(index_array(self.values[places]), index_array(offsets))
+
     @property
     def lengths(self) -> Ints:
         """The length of every row, ``(n,)``."""

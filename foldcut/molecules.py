@@ -15,7 +15,6 @@ Invariants: the facets of a molecule tile its polygon; every edge has the same l
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -23,7 +22,7 @@ from enum import IntEnum
 import numpy as np
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Floats, Ints, Ragged, Region, index_array, points_array
+from foldcut.model import Bools, Floats, Ints, Numbers, Ragged, Region, index_array, points_array
 from foldcut.packing import Packing
 from foldcut.plane import signed_area
 from foldcut.tolerance import Tolerance
@@ -81,282 +80,396 @@ def build_molecules(packing: Packing, tolerance: Tolerance) -> Molecules:
     Raises ``UnfoldableError`` with the place when a quadrilateral has no gusset (it does not happen in a valid
     packing). Source: paper section 3, Figures 2 to 4; section 5, Figure 7 for the ribbon.
     """
-    builder = _Builder(packing, tolerance)
-    for gap, face in zip(packing.gaps.to_lists(), packing.gap_face.tolist(), strict=True):
-        builder.add_molecule(gap, face)
-    builder.add_boundaries()
-    return builder.finish()
+    return _Builder(packing, tolerance).build()
+
+
+@dataclass(frozen=True)
+class _Template:
+    """The creases and facets of one sort of molecule, in numbers of its own vertices.
+
+    Its corners come first, then the feet, then what it has inside. ``creases`` rows: two vertices, kind, part, side;
+    ``facets``: vertices and the corner each belongs to.
+    """
+
+    creases: Ints
+    facets: tuple[tuple[tuple[int, ...], int], ...]
+    side_part: tuple[int, ...]
+    inner: int
+
+    @classmethod
+    def make(
+        cls, corners: int, inner: list[tuple[int, int, Kind, int, int]], facets: list[tuple[list[int], int]],
+        side_part: list[int], own: int,
+    ) -> _Template:
+        sides = []
+        for k in range(corners):
+            sides += [(k, corners + k, Kind.SIDE, -1, -1), (corners + k, (k + 1) % corners, Kind.SIDE, -1, -1)]
+        rows = index_array(np.array([*sides, *inner], dtype=np.int32))
+        return cls(rows, tuple((tuple(ring), corner) for ring, corner in facets), tuple(side_part), own)
+
+
+def _ear_template(corners: int) -> _Template:
+    """All creases meet in one point: the rabbit ear, or a gusset whose perpendicular points coincide."""
+    apex = 2 * corners
+    inner: list[tuple[int, int, Kind, int, int]] = []
+    facets: list[tuple[list[int], int]] = []
+    for k in range(corners):
+        foot = corners + k
+        inner += [(k, apex, Kind.BISECTOR, -1, -1), (foot, apex, Kind.TANGENCY, 0, k)]
+        facets += [([corners + (k - 1) % corners, k, apex], k), ([k, foot, apex], k)]
+    return _Template.make(corners, inner, facets, [0] * corners, 1)
+
+
+def _gusset_template(first: int) -> _Template:
+    r"""Two rabbit ears on the inset quadrilateral, joined along its diagonal p - r.
+
+    ::
+
+          d --------- c        u, v: perpendicular points (centres of the parts a b c and c d a)
+          | \   v   / |        p, r: corners of the inset quadrilateral, on the bisectors at a and c
+          |  p--m--r  |        m: where the diagonal p r meets u v
+          | /   u   \ |
+          a --------- b
+    """
+    a, b, c, d = ((first + k) % 4 for k in range(4))
+    u, v, m, p, r = range(8, 13)
+    feet = [4, 5, 6, 7]
+    parts = [0] * 4
+    parts[c] = parts[d] = 1
+    inner = [(start, end, Kind.BISECTOR, -1, -1) for start, end in ((a, p), (c, r), (b, u), (d, v))]
+    inner += [(start, end, Kind.BISECTOR, -1, -1) for start, end in ((p, u), (p, v), (r, u), (r, v))]
+    inner += [(p, m, Kind.DIAGONAL, -1, -1), (m, r, Kind.DIAGONAL, -1, -1)]
+    inner += [(feet[side], (u, v)[part], Kind.TANGENCY, part, side) for side, part in enumerate(parts)]
+    inner += [(m, u, Kind.TANGENCY, 0, 4), (m, v, Kind.TANGENCY, 1, 4)]
+    around = {
+        a: [[feet[d], a, p, v], [v, p, m], [m, p, u], [a, feet[a], u, p]],
+        b: [[feet[a], b, u], [b, feet[b], u]],
+        c: [[feet[b], c, r, u], [u, r, m], [m, r, v], [c, feet[c], v, r]],
+        d: [[feet[c], d, v], [d, feet[d], v]],
+    }
+    return _Template.make(4, inner, [(ring, corner) for corner in range(4) for ring in around[corner]], parts, 5)
+
+
+TRIANGLE, COINCIDENT, GUSSET = 0, 1, 2  # the sorts of molecules; GUSSET + 1 has the other diagonal
+TEMPLATES = (_ear_template(3), _ear_template(4), _gusset_template(0), _gusset_template(1))
 
 
 class _Builder:
-    """Collects vertices, facets and creases; each vertex and crease is made once."""
+    """Makes all molecules at once.
+
+    Vertices and creases are numbered as they come when one molecule is drawn after the other, each with its corners,
+    its feet, what it has inside, its sides' creases and those inside; each vertex and crease where it first comes.
+    """
 
     def __init__(self, packing: Packing, tolerance: Tolerance) -> None:
         self.packing = packing
         self.tolerance = tolerance
-        self.centres = packing.centres.tolist()
-        self.radii = packing.radii.tolist()
-        sign = np.where(packing.face_inside, 1.0, -1.0)
-        self.face_sign: list[float] = sign.tolist()
-        self.vertices: list[tuple[float, float]] = []
-        self.folded: list[tuple[float, float]] = []
-        self.disk_vertex = [-1] * len(self.radii)
-        self.node_vertex: dict[int, int] = {}
-        self.foot_vertex: dict[tuple[int, int], int] = {}
-        self.crease_number: dict[tuple[int, int], int] = {}
-        self.creases: list[tuple[int, int, Kind, int, int, int]] = []
-        self.corners: list[list[int]] = []
-        self.feet: list[list[int]] = []
-        self.side_part: list[list[int]] = []
-        self.face: list[int] = []
-        self.facets: list[list[int]] = []
-        self.facet_owner: list[tuple[int, int]] = []
-        self.boundary_sides: list[tuple[int, int, int, int]] = []
+        self.disk = packing.gaps.values
+        self.first = packing.gaps.offsets[:-1]
+        self.size = packing.gaps.lengths
+        self.molecule = packing.gaps.rows  # of each side
+        following = np.arange(1, len(self.disk) + 1)
+        following[packing.gaps.offsets[1:] - 1] = self.first
+        self.following = self.disk[following]
+        self.next_side = following
+        self.sign = np.where(packing.face_inside, 1.0, -1.0)[packing.gap_face]
+        self.height = self.sign * packing.ribbon  # of a molecule's sides
 
-    def vertex(self, flat: tuple[float, float], folded: tuple[float, float]) -> int:
-        self.vertices.append(flat)
-        self.folded.append(folded)
-        return len(self.vertices) - 1
+    def build(self) -> Molecules:
+        shapes = [self._triangles(), *self._quadrilaterals()]
+        sort = np.empty(len(self.size), dtype=np.int8)
+        for number, (which, _, _) in enumerate(shapes):
+            sort[which] = number
+        self._number_vertices(sort)
+        points, folded = np.empty((self.count, 2)), np.empty((self.count, 2))
+        self._draw_sides(points, folded)
+        for which, flat, landed in shapes:
+            inner = self.inner_vertex[which][:, None] + np.arange(flat.shape[1])
+            points[inner], folded[inner] = flat, landed
+        creases, kinds, owner, part, side = self._creases(sort)
+        facets, facet_molecule, facet_corner = self._facets(sort)
+        boundary_sides, right = self._boundaries()
+        if len(right):
+            ribbon = self._ribbon(boundary_sides, right)
+            facets = self._with_ribbon(facets, ribbon[0])
+            more = len(ribbon[0])
+            facet_molecule, facet_corner = (np.append(x, np.full(more, -1)) for x in (facet_molecule, facet_corner))
+            creases = np.concatenate([creases, ribbon[1]])
+            nothing = np.full(len(ribbon[1]), -1)
+            kinds = np.append(kinds, np.full(len(nothing), Kind.RIBBON))
+            owner, part, side = (np.append(x, nothing) for x in (owner, part, side))
+        parts = np.zeros(len(self.disk), dtype=np.int32)
+        for number, template in enumerate(TEMPLATES[GUSSET:], start=GUSSET):
+            parts[self.first[sort == number][:, None] + np.arange(4)] = template.side_part
+        disk_vertex = np.full(len(self.packing.radii), -1, dtype=np.int32)
+        disk_vertex[self.disk] = self.corner_vertex
+        offsets = self.packing.gaps.offsets
+        return Molecules(
+            points_array(points),
+            points_array(folded),
+            Ragged(index_array(self.corner_vertex), offsets),
+            Ragged(index_array(self.foot_vertex), offsets),
+            facets,
+            index_array(facet_molecule),
+            index_array(facet_corner),
+            index_array(creases),
+            index_array(kinds),
+            index_array(owner),
+            index_array(part),
+            index_array(side),
+            index_array(self.packing.gap_face),
+            Ragged(index_array(parts), offsets),
+            index_array(boundary_sides),
+            index_array(disk_vertex),
+        )
 
-    def corner(self, disk: int, face: int) -> int:
-        """The vertex at a disk's centre; without a ribbon the two disks of a boundary node share it."""
-        if self.disk_vertex[disk] < 0:
-            node = int(self.packing.node[disk])
-            shared = self.node_vertex.get(node, -1) if self.packing.ribbon == 0 else -1
-            if shared < 0:
-                height = self.face_sign[face] * self.packing.ribbon
-                shared = self.vertex((self.centres[disk][0], self.centres[disk][1]), (self.radii[disk], height))
-                self.node_vertex[node] = shared
-            self.disk_vertex[disk] = shared
-        return self.disk_vertex[disk]
+    # --- where the inner vertices lie
 
-    def foot(self, disk: int, following: int, face: int) -> int:
-        """The vertex at the tangency point of two disks."""
-        a, b = self.corner(disk, face), self.corner(following, face)
-        key = (min(a, b), max(a, b))
-        if key not in self.foot_vertex:
-            (ax, ay), (bx, by) = self.centres[disk], self.centres[following]
-            part = self.radii[disk] / (self.radii[disk] + self.radii[following])
-            height = self.face_sign[face] * self.packing.ribbon
-            self.foot_vertex[key] = self.vertex((ax + (bx - ax) * part, ay + (by - ay) * part), (0.0, height))
-        return self.foot_vertex[key]
+    def _triangles(self) -> tuple[Numbers, Floats, Floats]:
+        """The triangles' apexes: which molecules, ``(n, 1, 2)`` points, and where they land."""
+        which = np.flatnonzero(self.size == 3)
+        centres, radii = self._disks(which, 3)
+        apex, _ = _radical_centre(centres, radii)
+        height = _height(apex, centres[:, 0], centres[:, 1])
+        return which, apex[:, None], self._folded(which, np.zeros((len(which), 1)), height[:, None])
 
-    def crease(self, a: int, b: int, kind: Kind, molecule: int = -1, part: int = -1, side: int = -1) -> None:
-        key = (min(a, b), max(a, b))
-        if key not in self.crease_number:
-            self.crease_number[key] = len(self.creases)
-            self.creases.append((a, b, kind, molecule, part, side))
-
-    def facet(self, vertices: list[int], molecule: int, corner: int) -> None:
-        self.facets.append(vertices)
-        self.facet_owner.append((molecule, corner))
-
-    def add_molecule(self, gap: list[int], face: int) -> None:
-        number = len(self.corners)
-        corners = [self.corner(disk, face) for disk in gap]
-        feet = [self.foot(disk, gap[k + 1 - len(gap)], face) for k, disk in enumerate(gap)]
-        self.corners.append(corners)
-        self.feet.append(feet)
-        self.face.append(face)
-        for k, foot in enumerate(feet):
-            self.crease(corners[k], foot, Kind.SIDE)
-            self.crease(foot, corners[k + 1 - len(gap)], Kind.SIDE)
-        centres = np.array([self.centres[disk] for disk in gap])
-        radii = np.array([self.radii[disk] for disk in gap])
-        if len(gap) == 3:
-            centre = _radical_centre(centres, radii)
-            assert centre is not None
-            self._add_ear(number, face, corners, feet, centre, _height(centre, centres[0], centres[1]))
-            return
-        gusset = _choose_gusset(centres, radii)
-        if gusset is None:
-            x, y = centres.mean(axis=0)
+    def _quadrilaterals(self) -> list[tuple[Numbers, Floats, Floats]]:
+        """The same for quadrilaterals: those with one inner point, and those with a gusset from corner 0, or 1."""
+        which = np.flatnonzero(self.size == 4)
+        centres, radii = self._disks(which, 4)
+        choices = [_gusset(centres, radii, first) for first in (0, 1)]
+        insets = np.stack([choice[0] for choice in choices])
+        chosen = (insets[1] < insets[0]).astype(np.intp)
+        bad = np.flatnonzero(np.isinf(insets.min(axis=0)))
+        if len(bad):
+            x, y = centres[bad[0]].mean(axis=0)
             raise UnfoldableError(
                 f"the quadrilateral of disks near ({x:.3f}, {y:.3f}) mm has no gusset; move the drawing a little"
             )
-        if gusset.distance <= self.tolerance.tie * float(radii.min()) + self.tolerance.rounding:
-            middle = (gusset.first_centre + gusset.second_centre) / 2
-            self._add_ear(number, face, corners, feet, middle, (gusset.first_height + gusset.second_height) / 2)
-        else:
-            self._add_gusset(number, face, corners, feet, centres, radii, gusset)
-
-    def _folded(self, face: int, x: float, height: float) -> tuple[float, float]:
-        return x, self.face_sign[face] * (self.packing.ribbon + height)
-
-    def _add_ear(
-        self, number: int, face: int, corners: list[int], feet: list[int], centre: Floats, height: float
-    ) -> None:
-        """All creases meet in one point: the rabbit ear, or a gusset whose perpendicular points coincide."""
-        self.side_part.append([0] * len(corners))
-        apex = self.vertex((float(centre[0]), float(centre[1])), self._folded(face, 0.0, height))
-        for k, (corner, foot) in enumerate(zip(corners, feet, strict=True)):
-            self.crease(corner, apex, Kind.BISECTOR)
-            self.crease(foot, apex, Kind.TANGENCY, number, 0, k)
-            self.facet([feet[k - 1], corner, apex], number, k)
-            self.facet([corner, foot, apex], number, k)
-
-    def _add_gusset(
-        self,
-        number: int,
-        face: int,
-        corners: list[int],
-        feet: list[int],
-        centres: Floats,
-        radii: Floats,
-        gusset: _Gusset,
-    ) -> None:
-        r"""Two rabbit ears on the inset quadrilateral, joined along its diagonal p - r.
-
-        ::
-
-              d --------- c        u, v: perpendicular points (centres of the parts a b c and c d a)
-              | \   v   / |        p, r: corners of the inset quadrilateral, on the bisectors at a and c
-              |  p--m--r  |        m: where the diagonal p r meets u v
-              | /   u   \ |
-              a --------- b
-        """
-        a, b, c, d = ((gusset.first + k) % 4 for k in range(4))
-        h = (gusset.first_height + gusset.second_height - gusset.distance) / 2
-        u = self._point(gusset.first_centre, self._folded(face, 0.0, gusset.first_height))
-        v = self._point(gusset.second_centre, self._folded(face, 0.0, gusset.second_height))
-        along = (gusset.second_centre - gusset.first_centre) / gusset.distance
-        m = self._point(gusset.first_centre + along * (gusset.first_height - h), self._folded(face, 0.0, h))
-        p = self._inset_corner(centres, radii, a, h, face)
-        r = self._inset_corner(centres, radii, c, h, face)
-        parts = [0] * 4
-        parts[c] = parts[d] = 1
-        self.side_part.append(parts)
-        for start, end in ((corners[a], p), (corners[c], r), (corners[b], u), (corners[d], v)):
-            self.crease(start, end, Kind.BISECTOR)
-        for start, end in ((p, u), (p, v), (r, u), (r, v)):
-            self.crease(start, end, Kind.BISECTOR)
-        self.crease(p, m, Kind.DIAGONAL)
-        self.crease(m, r, Kind.DIAGONAL)
-        for side, (part, apex) in enumerate((x, (u, v)[x]) for x in parts):
-            self.crease(feet[side], apex, Kind.TANGENCY, number, part, side)
-        self.crease(m, u, Kind.TANGENCY, number, 0, 4)
-        self.crease(m, v, Kind.TANGENCY, number, 1, 4)
-        around = {
-            a: [[feet[d], corners[a], p, v], [v, p, m], [m, p, u], [corners[a], feet[a], u, p]],
-            b: [[feet[a], corners[b], u], [corners[b], feet[b], u]],
-            c: [[feet[b], corners[c], r, u], [u, r, m], [m, r, v], [corners[c], feet[c], v, r]],
-            d: [[feet[c], corners[d], v], [corners[d], feet[d], v]],
-        }
-        for corner in range(4):
-            for vertices in around[corner]:
-                self.facet(vertices, number, corner)
-
-    def _point(self, flat: Floats, folded: tuple[float, float]) -> int:
-        return self.vertex((float(flat[0]), float(flat[1])), folded)
-
-    def _inset_corner(self, centres: Floats, radii: Floats, k: int, h: float, face: int) -> int:
-        """The corner k of the inset polygon at height h: on the bisector, its radius smaller by h cot(alpha / 2)."""
-        (x, y), (ax, ay), (bx, by) = centres[k], centres[(k + 1) % 4], centres[k - 1]
-        first = math.atan2(ay - y, ax - x)
-        half = ((math.atan2(by - y, bx - x) - first) % (2 * math.pi)) / 2
-        reach = h / math.sin(half)
-        flat = (x + reach * math.cos(first + half), y + reach * math.sin(first + half))
-        return self.vertex(flat, self._folded(face, float(radii[k]) - h / math.tan(half), h))
-
-    def add_boundaries(self) -> None:
-        """List the sides along the loops and fill the ribbon with a facet for each half side."""
-        packing = self.packing
-        gap_sides = {}
-        for number, gap in enumerate(packing.gaps.to_lists()):
-            for k, disk in enumerate(gap):
-                gap_sides[int(packing.node[disk]), int(packing.node[gap[k + 1 - len(gap)]])] = (number, k)
-        for loop, nodes in enumerate(packing.loop_nodes.to_lists()):
-            for k, node in enumerate(nodes):
-                following = nodes[k + 1 - len(nodes)]
-                left = self._side(*gap_sides[node, following])
-                self.boundary_sides.append((*left, loop))
-                if loop > 0 and packing.ribbon > 0:
-                    self._add_ribbon(left, self._side(*gap_sides[following, node]))
-
-    def _side(self, number: int, k: int) -> tuple[int, int, int]:
-        corners = self.corners[number]
-        return corners[k], self.feet[number][k], corners[k + 1 - len(corners)]
-
-    def _add_ribbon(self, left: tuple[int, int, int], right: tuple[int, int, int]) -> None:
-        """Two facets between a side on the left border of the ribbon and its like on the right one."""
-        start, middle, end = left
-        end_right, middle_right, start_right = right
-        self.facet([start_right, middle_right, middle, start], -1, -1)
-        self.facet([middle_right, end_right, end, middle], -1, -1)
-        self.crease(start, start_right, Kind.RIBBON)
-        self.crease(middle, middle_right, Kind.RIBBON)
-        self.crease(end, end_right, Kind.RIBBON)
-
-    def finish(self) -> Molecules:
-        creases = np.array(self.creases, dtype=np.int32).reshape(-1, 6)
-        owner = np.array(self.facet_owner, dtype=np.int32).reshape(-1, 2)
-        columns = [index_array(creases[:, k]) for k in range(2, 6)]
-        return Molecules(
-            points_array(self.vertices),
-            points_array(self.folded),
-            Ragged.from_rows(self.corners),
-            Ragged.from_rows(self.feet),
-            Ragged.from_rows(self.facets),
-            index_array(owner[:, 0]),
-            index_array(owner[:, 1]),
-            index_array(creases[:, :2]),
-            columns[0],
-            columns[1],
-            columns[2],
-            columns[3],
-            index_array(self.face),
-            Ragged.from_rows(self.side_part),
-            index_array(self.boundary_sides),
-            index_array(self.disk_vertex),
+        row = np.arange(len(which))
+        u, v, u_height, v_height, distance = (
+            np.stack([choice[k] for choice in choices])[chosen, row] for k in range(1, 6)
         )
+        one_point = distance <= self.tolerance.tie * radii.min(axis=1, initial=np.inf) + self.tolerance.rounding
+        middle, height = (u + v) / 2, (u_height + v_height) / 2
+        at = which[one_point]
+        landed = self._folded(at, np.zeros((len(at), 1)), height[one_point, None])
+        shapes = [(at, middle[one_point, None], landed)]
+        for first in (0, 1):
+            mine = ~one_point & (chosen == first)
+            at = which[mine]
+            heights = (u_height[mine] + v_height[mine] - distance[mine]) / 2
+            along = (v[mine] - u[mine]) / distance[mine, None]
+            m = u[mine] + along * (u_height[mine] - heights)[:, None]
+            p, p_x = _inset_corner(centres[mine], radii[mine], first, heights)
+            r, r_x = _inset_corner(centres[mine], radii[mine], (first + 2) % 4, heights)
+            zero = np.zeros(len(at))
+            x = np.stack([zero, zero, zero, p_x, r_x], axis=1)
+            z = np.stack([u_height[mine], v_height[mine], heights, heights, heights], axis=1)
+            shapes.append((at, np.stack([u[mine], v[mine], m, p, r], axis=1), self._folded(at, x, z)))
+        return shapes
+
+    def _disks(self, which: Numbers, sides: int) -> tuple[Floats, Floats]:
+        disks = self.disk[self.first[which][:, None] + np.arange(sides)]
+        return self.packing.centres[disks], self.packing.radii[disks]
+
+    def _folded(self, which: Numbers, x: Floats, height: Floats) -> Floats:
+        return np.stack([x, self.sign[which, None] * (self.packing.ribbon + height)], axis=2)
+
+    # --- numbers
+
+    def _number_vertices(self, sort: Numbers) -> None:
+        """Find each corner's, foot's and molecule's vertices; without a ribbon two disks of a node share theirs."""
+        own = np.array([template.inner for template in TEMPLATES])[sort]
+        events = 2 * self.size + own
+        ends = np.cumsum(events, dtype=np.int64)
+        start = ends - events
+        place = np.arange(len(self.disk)) - self.first[self.molecule]
+        corner_event = start[self.molecule] + place
+        foot_event = corner_event + self.size[self.molecule]
+        key = self.packing.node[self.disk] if self.packing.ribbon == 0 else self.disk
+        first_corner = _first_with(key)
+        other = key[self.next_side]
+        pair = (np.minimum(key, other).astype(np.int64) << 32) | np.maximum(key, other)
+        _, at, inverse = np.unique(pair, return_index=True, return_inverse=True)
+        first_foot = at[inverse]
+        side = np.arange(len(self.disk))
+        self.new_corner, self.new_foot = first_corner == side, first_foot == side
+        number = np.zeros(int(ends[-1]) + 1, dtype=np.int32)
+        number[corner_event[self.new_corner] + 1] = 1
+        number[foot_event[self.new_foot] + 1] = 1
+        inner = start + 2 * self.size
+        for k in range(5):
+            number[inner[own > k] + k + 1] = 1
+        number = np.cumsum(number, dtype=np.int32)
+        self.count = int(number[-1])
+        self.corner_vertex = number[corner_event[first_corner]]
+        self.foot_vertex = number[foot_event[first_foot]]
+        self.inner_vertex = number[inner]
+
+    def _draw_sides(self, points: Floats, folded: Floats) -> None:
+        centres, radii = self.packing.centres, self.packing.radii
+        at, disk = self.corner_vertex[self.new_corner], self.disk[self.new_corner]
+        points[at] = centres[disk]
+        folded[at, 0], folded[at, 1] = radii[disk], self.height[self.molecule[self.new_corner]]
+        at, disk, other = self.foot_vertex[self.new_foot], self.disk[self.new_foot], self.following[self.new_foot]
+        part = radii[disk] / (radii[disk] + radii[other])
+        points[at] = centres[disk] + (centres[other] - centres[disk]) * part[:, None]
+        folded[at, 0], folded[at, 1] = 0.0, self.height[self.molecule[self.new_foot]]
+
+    def _local(self, which: Numbers, template: _Template) -> Ints:
+        """The vertices of molecules of one sort: corners, feet, inner ones."""
+        sides = self.first[which][:, None] + np.arange(len(template.side_part))
+        inner = self.inner_vertex[which][:, None] + np.arange(template.inner, dtype=np.int32)
+        return np.concatenate([self.corner_vertex[sides], self.foot_vertex[sides], inner], axis=1)
+
+    def _creases(self, sort: Numbers) -> tuple[Ints, Ints, Ints, Ints, Ints]:
+        """Creases, and their kind, molecule, part and side; a side's only where its foot is new."""
+        most = np.array([len(template.creases) for template in TEMPLATES])[sort]
+        start = np.cumsum(most, dtype=np.int64) - most
+        total = int(most.sum())
+        creases = np.empty((total, 2), dtype=np.int32)
+        columns = np.empty((4, total), dtype=np.int32)
+        kept = np.ones(total, dtype=np.bool_)
+        for number, template in enumerate(TEMPLATES):
+            which = np.flatnonzero(sort == number)
+            rows = template.creases
+            at = start[which][:, None] + np.arange(len(rows))
+            creases[at] = self._local(which, template)[:, rows[:, :2]]
+            columns[0][at] = rows[:, 2]
+            columns[1][at] = np.where(rows[:, 2] == Kind.TANGENCY, which[:, None], -1)
+            columns[2][at], columns[3][at] = rows[:, 3], rows[:, 4]
+            sides = len(template.side_part)
+            new = self.new_foot[self.first[which][:, None] + np.arange(sides)]
+            kept[at[:, : 2 * sides]] = np.repeat(new, 2, axis=1)
+        return creases[kept], columns[0][kept], columns[1][kept], columns[2][kept], columns[3][kept]
+
+    def _facets(self, sort: Numbers) -> tuple[Ragged, Ints, Ints]:
+        rings = [[len(ring) for ring, _ in template.facets] for template in TEMPLATES]
+        many, values = np.array([len(ring) for ring in rings])[sort], np.array([sum(ring) for ring in rings])[sort]
+        start, first = np.cumsum(many) - many, np.cumsum(values, dtype=np.int64) - values
+        offsets = np.zeros(int(many.sum()) + 1, dtype=np.int32)
+        corner = np.empty(len(offsets) - 1, dtype=np.int32)
+        flat = np.empty(int(values.sum()), dtype=np.int32)
+        for number, template in enumerate(TEMPLATES):
+            which = np.flatnonzero(sort == number)
+            order = [vertex for ring, _ in template.facets for vertex in ring]
+            flat[first[which][:, None] + np.arange(len(order))] = self._local(which, template)[:, order]
+            at = start[which][:, None] + np.arange(len(rings[number]))
+            offsets[at + 1] = first[which][:, None] + np.cumsum(rings[number])
+            corner[at] = [its_corner for _, its_corner in template.facets]
+        return Ragged(index_array(flat), index_array(offsets)), np.repeat(np.arange(len(many)), many), corner
+
+    # --- the boundaries
+
+    def _boundaries(self) -> tuple[Ints, Numbers]:
+        """The sides along the loops, and of those with a ribbon the sides across it."""
+        packing = self.packing
+        nodes = packing.loop_nodes.values
+        following = np.arange(1, len(nodes) + 1)
+        following[packing.loop_nodes.offsets[1:] - 1] = packing.loop_nodes.offsets[:-1]
+        loop = packing.loop_nodes.rows
+        count = int(nodes.max(initial=-1)) + 1
+        mine, other = packing.node[self.disk], packing.node[self.following]
+        sides = np.flatnonzero((mine < count) & (other < count))
+        keys = (mine[sides].astype(np.int64) << 32) | other[sides]
+        sides, keys = sides[np.argsort(keys, kind="stable")], np.sort(keys)
+
+        def found(one: Ints, following: Ints) -> Numbers:
+            at = np.searchsorted(keys, (one.astype(np.int64) << 32) | following, side="right") - 1
+            return sides[at]
+
+        left = found(nodes, nodes[following])
+        right = found(nodes[following], nodes)[loop > 0] if packing.ribbon > 0 else np.empty(0, dtype=np.intp)
+        return np.column_stack([self._side(left), loop]).astype(np.int32), right
+
+    def _side(self, sides: Numbers) -> Ints:
+        """The corner, foot and next corner of sides, ``(n, 3)``."""
+        vertices = (self.corner_vertex[sides], self.foot_vertex[sides], self.corner_vertex[self.next_side[sides]])
+        return np.stack(vertices, axis=1)
+
+    def _ribbon(self, boundary_sides: Ints, across: Numbers) -> tuple[Ints, Ints]:
+        """Two facets between each side on the left border of the ribbon and its like on the right one, and creases."""
+        rows = boundary_sides[boundary_sides[:, 3] > 0]
+        start, middle, end, loop = rows.T
+        end_right, middle_right, start_right = self._side(across).T
+        one = np.stack([start_right, middle_right, middle, start], axis=1)
+        facets = np.stack([one, np.stack([middle_right, end_right, end, middle], axis=1)], axis=1).reshape(-1, 4)
+        three = np.stack([start, start_right, middle, middle_right, end, end_right], axis=1).reshape(-1, 3, 2)
+        first = np.append(True, loop[1:] != loop[:-1])
+        new = np.stack([first, np.ones(len(rows), dtype=np.bool_), np.append(~first[1:], False)], axis=1)
+        return facets, three[new]
+
+    @staticmethod
+    def _with_ribbon(facets: Ragged, more: Ints) -> Ragged:
+        offsets = facets.offsets[-1] + 4 * np.arange(1, len(more) + 1)
+        values = np.concatenate([facets.values, more.ravel()])
+        return Ragged(index_array(values), index_array(np.concatenate([facets.offsets, offsets])))
 
 
-@dataclass(frozen=True, eq=False)
-class _Gusset:
-    """A choice of diagonal: from corner ``first`` to the one opposite."""
-
-    first: int
-    first_centre: Floats
-    second_centre: Floats
-    first_height: float
-    second_height: float
-    distance: float
+def _first_with(keys: Numbers) -> Numbers:
+    """For every place, the first place with the same key; keys are small numbers."""
+    first = np.empty(int(keys.max()) + 1, dtype=np.int64)
+    first[keys[::-1]] = np.arange(len(keys) - 1, -1, -1)
+    return first[keys]
 
 
-def _choose_gusset(centres: Floats, radii: Floats) -> _Gusset | None:
-    """Of the two diagonals take the one whose perpendicular points exist, lie inside, and give the lower inset."""
-    best: tuple[float, _Gusset] | None = None
-    for first in (0, 1):
-        a, b, c, d = ((first + k) % 4 for k in range(4))
-        u = _radical_centre(centres[[a, b, c]], radii[[a, b, c]])
-        v = _radical_centre(centres[[c, d, a]], radii[[c, d, a]])
-        if u is None or v is None:
-            continue
-        u_height, v_height = _height(u, centres[a], centres[b]), _height(v, centres[c], centres[d])
-        if u_height <= 0 or v_height <= 0:
-            continue
-        distance = math.hypot(*(v - u))
-        inset = u_height + v_height - distance
-        if best is None or inset < best[0]:
-            best = (inset, _Gusset(first, u, v, u_height, v_height, distance))
-    return best[1] if best else None
+def _gusset(centres: Floats, radii: Floats, first: int) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
+    """What the diagonal from corner ``first`` gives: inset height, perpendicular points, their heights and distance.
+
+    The inset is infinite where the perpendicular points do not exist or do not lie inside.
+    """
+    a, b, c, d = ((first + k) % 4 for k in range(4))
+    u, u_exists = _radical_centre(centres[:, [a, b, c]], radii[:, [a, b, c]])
+    v, v_exists = _radical_centre(centres[:, [c, d, a]], radii[:, [c, d, a]])
+    u_height, v_height = _height(u, centres[:, a], centres[:, b]), _height(v, centres[:, c], centres[:, d])
+    x, y = (v - u).T
+    distance = np.sqrt(x * x + y * y)
+    good = u_exists & v_exists & (u_height > 0) & (v_height > 0)
+    with np.errstate(invalid="ignore"):
+        inset = np.where(good, u_height + v_height - distance, np.inf)
+    return inset, u, v, u_height, v_height, distance
 
 
-def _radical_centre(centres: Floats, radii: Floats) -> Floats | None:
-    """The point of equal power to three circles, or None when their centres are collinear."""
-    (x, y), (ux, uy), (vx, vy) = centres[0], centres[1] - centres[0], centres[2] - centres[0]
+def _radical_centre(centres: Floats, radii: Floats) -> tuple[Floats, Bools]:
+    """The points of equal power to three circles each, and whether there is one: not where centres are collinear."""
+    (x, y), (ux, uy), (vx, vy) = centres[:, 0].T, (centres[:, 1] - centres[:, 0]).T, (centres[:, 2] - centres[:, 0]).T
     determinant = ux * vy - uy * vx
-    if abs(determinant) <= 1e-12 * (ux * ux + uy * uy + vx * vx + vy * vy):
-        return None
-    u = (ux * ux + uy * uy + radii[0] ** 2 - radii[1] ** 2) / 2
-    v = (vx * vx + vy * vy + radii[0] ** 2 - radii[2] ** 2) / 2
-    return np.array([x + (u * vy - v * uy) / determinant, y + (ux * v - vx * u) / determinant])
+    exists = np.abs(determinant) > 1e-12 * (ux * ux + uy * uy + vx * vx + vy * vy)
+    square = radii * radii
+    u = (ux * ux + uy * uy + square[:, 0] - square[:, 1]) / 2
+    v = (vx * vx + vy * vy + square[:, 0] - square[:, 2]) / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.stack([x + (u * vy - v * uy) / determinant, y + (ux * v - vx * u) / determinant], axis=1), exists
 
 
-def _height(point: Floats, start: Floats, end: Floats) -> float:
-    """The distance of a point to the left of the line from ``start`` to ``end``."""
-    (ax, ay), (bx, by) = end - start, point - start
-    return float((ax * by - ay * bx) / math.hypot(ax, ay))
+def _height(point: Floats, start: Floats, end: Floats) -> Floats:
+    """The distances of points to the left of the lines from ``start`` to ``end``."""
+    (ax, ay), (bx, by) = (end - start).T, (point - start).T
+    with np.errstate(invalid="ignore"):
+        return (ax * by - ay * bx) / np.sqrt(ax * ax + ay * ay)
+
+
+def _inset_corner(centres: Floats, radii: Floats, k: int, h: Floats) -> tuple[Floats, Floats]:
+    """Corners k of the inset polygons at height h: on the bisector, their radius smaller by h cot(alpha / 2).
+
+    The half angle's sine and cosine are half the lengths of the difference and the sum of the sides' directions.
+    """
+    corner = centres[:, k]
+    (ax, ay), (bx, by) = _directions(corner, centres[:, (k + 1) % 4]), _directions(corner, centres[:, k - 1])
+    apart_x, apart_y, sum_x, sum_y = ax - bx, ay - by, ax + bx, ay + by
+    sine = np.sqrt(apart_x * apart_x + apart_y * apart_y) / 2
+    cosine = np.where(ax * by - ay * bx >= 0, 1.0, -1.0) * np.sqrt(sum_x * sum_x + sum_y * sum_y) / 2
+    reach = h / sine
+    x = corner[:, 0] + reach * (ax * cosine - ay * sine)
+    y = corner[:, 1] + reach * (ax * sine + ay * cosine)
+    return np.stack([x, y], axis=1), radii[:, k] - h * (cosine / sine)
+
+
+def _directions(start: Floats, end: Floats) -> tuple[Floats, Floats]:
+    x, y = (end - start).T
+    length = np.sqrt(x * x + y * y)
+    return x / length, y / length
 
 
 def regions(molecules: Molecules, parent: Sequence[int]) -> tuple[Region, ...]:

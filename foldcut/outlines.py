@@ -7,6 +7,7 @@ shapely does the others.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -42,8 +43,6 @@ class Outlines:
         self.inset = inset
         self._first = offsets[:-1].astype(np.intp)
         self._count = np.diff(offsets).astype(np.intp)
-        self._normals, self._levels = self._half_planes()
-        self._others = self._inset_others()
 
     def bounds(self, axes: Floats) -> tuple[Floats, Floats]:
         """Return the extents, low and high, ``(p, k)`` each, along the unit vectors ``axes``, ``(k, 2)``."""
@@ -57,11 +56,12 @@ class Outlines:
         result = np.zeros(len(polygons), dtype=np.bool_)
         if not len(polygons):
             return result
+        normals, levels, others = self._insides
         count = self._count[polygons]
         side = runs(self._first[polygons], count)
         pair = np.repeat(np.arange(len(polygons)), count)
-        normal = self._normals[side]
-        depth = (segments[pair, 0] * normal).sum(axis=1) - self._levels[side]
+        normal = normals[side]
+        depth = (segments[pair, 0] * normal).sum(axis=1) - levels[side]
         rise = ((segments[pair, 1] - segments[pair, 0]) * normal).sum(axis=1)
         # Along the segment, t from 0 to 1, each side asks for depth + t * rise >= 0.
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -71,13 +71,19 @@ class Outlines:
         leave = np.where(rise < 0, t, np.inf)
         starts = np.cumsum(count) - count
         result = np.maximum(np.maximum.reduceat(enter, starts), 0) < np.minimum(np.minimum.reduceat(leave, starts), 1)
-        for other, inside in self._others.items():
+        for other, inside in others.items():
             at = np.flatnonzero(polygons == other)
             result[at] = shapely.intersects(inside, shapely.linestrings(segments[at]))
         return result
 
-    def _half_planes(self) -> tuple[Floats, Floats]:
-        """Return every side's inward unit normal, and the level that the inside lies above."""
+    @cached_property
+    def _insides(self) -> tuple[Floats, Floats, dict[int, shapely.Geometry]]:
+        """What ``crossed`` needs: boxes alone often tell that nothing is."""
+        normals, levels, special = self._half_planes()
+        return normals, levels, self._inset_others(special)
+
+    def _half_planes(self) -> tuple[Floats, Floats, Indices]:
+        """Return every side's inward unit normal, the level that the inside lies above, and what is not convex."""
         offsets = self._first
         following = np.arange(1, len(self.corners) + 1)
         following[offsets + self._count - 1] = offsets
@@ -95,13 +101,13 @@ class Outlines:
         height = (self.corners[corner] * np.repeat(normals, reach, axis=0)).sum(axis=1)
         lowest = np.minimum.reduceat(height, np.cumsum(reach) - reach)
         own = (self.corners * normals).sum(axis=1)
-        self._special = np.flatnonzero(many | (np.maximum.reduceat(own - lowest, offsets) > self.inset))
-        return normals, lowest + self.inset
+        special = np.flatnonzero(many | (np.maximum.reduceat(own - lowest, offsets) > self.inset))
+        return normals, lowest + self.inset, special
 
-    def _inset_others(self) -> dict[int, shapely.Geometry]:
+    def _inset_others(self, special: Indices) -> dict[int, shapely.Geometry]:
         """Return the polygons that are not convex (or have many corners), drawn in."""
         others = {}
-        for index in self._special.tolist():
+        for index in special.tolist():
             first = self._first[index]
             outline = shapely.Polygon(self.corners[first : first + self._count[index]])
             inside = outline.buffer(-self.inset, join_style="mitre")

@@ -16,14 +16,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from foldcut.boundary import BoundaryDisks, overlapping_disks, touching_disks
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, Floats, Ints, Ragged, index_array, points_array
-from foldcut.plane import contains_point, left_normal, signed_area
+from foldcut.plane import contains_point, signed_area
 from foldcut.tolerance import Tolerance
+
+if TYPE_CHECKING:
+    from foldcut.gapfill import GapFiller
 
 Chain = list[int]
 Leaf = tuple[int, int]
@@ -32,6 +36,8 @@ TURN = 2 * math.pi
 NEARLY = 1e-3
 # Radii that differ by less than this part are equal: the choice between them must not depend on rounding.
 EQUAL = 1e-9
+# From so many disks on boundaries on, loading compiled code takes less time than it saves.
+MANY_DISKS = 5_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,27 +86,27 @@ def fill_gaps(
     ``progress`` is called with the part done, 0 to 1 (an estimate). Raises ``UnfoldableError`` with the place when a
     gap cannot be divided further. Source: paper section 2; Bern, Mitchell and Ruppert 1995 for the choice of disks.
     """
-    filler = _Filler(boundary, tolerance)
-    gaps: list[Chain] = []
-    faces: list[int] = []
-    expected = max(1, 2 * len(boundary.radii))
+    filler = _Filler(boundary, tolerance, progress)
+    values: list[Ints] = []
+    lengths: list[Ints] = []
+    faces: list[Ints] = []
     for face in range(len(boundary.face_inside)):
         chains = [
             row.tolist() for row, its_face in zip(boundary.chains, boundary.chain_face, strict=True) if its_face == face
         ]
-        for gap in filler.fill(chains):
-            gaps.append(gap)
-            faces.append(face)
-            if progress is not None and len(gaps) % 64 == 0:
-                progress(min(0.99, len(gaps) / expected / 2))
+        for its_values, its_lengths in filler.fill(chains):
+            values.append(its_values)
+            lengths.append(its_lengths)
+            faces.append(np.full(len(its_lengths), face, dtype=np.int32))
     count = filler.count
+    offsets = np.concatenate([[0], np.cumsum(np.concatenate(lengths))])
     new_nodes = np.arange(count - len(boundary.node), dtype=np.int32) + int(boundary.node.max()) + 1
     return Packing(
         points_array(filler.centres[:count]),
         filler.radii[:count].copy(),
         index_array(np.concatenate([boundary.node, new_nodes])),
-        Ragged.from_rows(gaps),
-        index_array(faces),
+        Ragged(index_array(np.concatenate(values)), index_array(offsets)),
+        index_array(np.concatenate(faces)),
         boundary.face_inside,
         boundary.loop_nodes,
         boundary.ribbon,
@@ -111,25 +117,57 @@ def fill_gaps(
 class _Filler:
     """The growing arrays of disks, and what divides gaps."""
 
-    def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance) -> None:
+    def __init__(
+        self, boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None
+    ) -> None:
         self.tolerance = tolerance
-        self.count = len(boundary.radii)
+        self.progress = progress
+        self.count = self.boundary_count = len(boundary.radii)
+        self.compiled = _compiled_filler(tolerance) if self.count >= MANY_DISKS else None
         self.rolled: dict[Leaf, _Candidate | None] = {}  # by leaf, until a disk is placed in its way
         self.ears: set[Leaf] = set()  # leaves whose disk would not help; this lasts as long as the disk
         self.centres = np.concatenate([boundary.centres, np.empty((self.count + 16, 2))])
         self.radii = np.concatenate([boundary.radii, np.empty(self.count + 16)])
 
-    def fill(self, chains: list[Chain]) -> Iterator[Chain]:
-        """Yield the finished gaps of the face between ``chains``."""
+    def fill(self, chains: list[Chain]) -> Iterator[tuple[Ints, Ints]]:
+        """Yield the finished gaps of the face between ``chains``: their disks, and how many each has."""
+        if self.compiled:
+            disks = np.array([disk for chain in chains for disk in chain], dtype=np.int32)
+            self.compiled.start(np.unique(disks), self.centres, self.radii, self.count)
         stack = self._split_at_touching_disks(chains)
+        done: list[Chain] = []
         while stack:
             gap = stack.pop()
             if len(gap) == 1 and len(gap[0]) <= 4:
                 if len(gap[0]) < 3:
                     raise self._stuck(gap)
-                yield gap[0]
+                done.append(gap[0])
+                if len(done) % 64 == 0:
+                    self._report()
+            elif len(gap) == 1 and self.compiled:
+                yield _flat(done)
+                done = []
+                yield self._fill_compiled(self.compiled, gap[0])
             else:
                 stack.extend(self._divide(gap))
+        yield _flat(done)
+
+    def _fill_compiled(self, filler: GapFiller, chain: Chain) -> tuple[Ints, Ints]:
+        """Fill the gap of one chain with compiled code, which does as ``_divide`` does."""
+        filler.add(self.centres, self.radii, self.count)
+        try:
+            centres, radii, values, offsets = filler.fill(np.array(chain, dtype=np.int32), self._report)
+        except ValueError as error:
+            raise self._stuck([list(error.args[0])]) from None
+        end = self.count + len(radii)
+        self._make_room(end)
+        self.centres[self.count : end], self.radii[self.count : end] = centres, radii
+        self.count = end
+        return values, np.diff(offsets)
+
+    def _report(self) -> None:
+        if self.progress is not None:  # about as many disks are added as are on boundaries
+            self.progress(min(0.99, (self.count - self.boundary_count) / max(1, self.boundary_count)))
 
     def _stuck(self, chains: list[Chain]) -> UnfoldableError:
         x, y = self.centres[chains[0]].mean(axis=0)
@@ -212,6 +250,8 @@ class _Filler:
     def _best_leaf(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk rolled in from a leaf that merges chains or divides the only one."""
         rolled: list[tuple[_Candidate, Leaf]] = []
+        if self.compiled:
+            self._roll_all(self.compiled, gap)
         for leaf in _leaves(gap):
             if leaf in self.ears:
                 continue
@@ -231,13 +271,21 @@ class _Filler:
                 second_best = second_best or placement
         return second_best
 
+    def _roll_all(self, filler: GapFiller, gap: list[Chain]) -> None:
+        """Roll the disks of all leaves that have none yet at once."""
+        leaves = [leaf for leaf in _leaves(gap) if leaf not in self.rolled]
+        filler.add(self.centres, self.radii, self.count)
+        centres, radii = filler.roll(np.array(leaves, dtype=np.int32).reshape(-1, 2))
+        for leaf, (x, y), radius in zip(leaves, centres.tolist(), radii.tolist(), strict=True):
+            self.rolled[leaf] = _Candidate((x, y), radius) if radius > 0 else None
+
     def _forget_blocked(self, gap: list[Chain], disk: int) -> None:
         """Drop the rolled disks of a gap that overlap a new disk."""
         leaves = [leaf for leaf in _leaves(gap) if self.rolled.get(leaf)]
         rolled = [candidate for leaf in leaves if (candidate := self.rolled[leaf])]
         centres, radii = np.array([c.centre for c in rolled]).reshape(-1, 2), np.array([c.radius for c in rolled])
-        away = centres - self.centres[disk]
-        slack = np.hypot(away[:, 0], away[:, 1]) - radii - self.radii[disk]
+        x, y = centres[:, 0] - self.centres[disk, 0], centres[:, 1] - self.centres[disk, 1]
+        slack = np.sqrt(x * x + y * y) - radii - self.radii[disk]
         blocked = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
         for k in np.flatnonzero(blocked):
             del self.rolled[leaves[k]]
@@ -250,14 +298,15 @@ class _Filler:
         circle of the strip's width W, and the first one met by the growing disk is the one with the largest
         y' + sqrt((W / 2 + r')^2 - (x' - middle)^2).
         """
-        r_i, r_j = self.radii[i], self.radii[j]
-        along = self.centres[j] - self.centres[i]
-        along = along / math.hypot(along[0], along[1])
-        normal = left_normal(along)
-        origin = self.centres[i] + along * r_i
+        (x_i, y_i), r_i = self.centres[i].tolist(), float(self.radii[i])
+        (x_j, y_j), r_j = self.centres[j].tolist(), float(self.radii[j])
+        along_x, along_y = x_j - x_i, y_j - y_i
+        length = math.sqrt(along_x * along_x + along_y * along_y)
+        along_x, along_y = along_x / length, along_y / length
+        origin_x, origin_y = x_i + along_x * r_i, y_i + along_y * r_i
         others = disks[(disks != i) & (disks != j)]
-        offset = self.centres[others] - origin
-        x, y, r = offset @ along, offset @ normal, self.radii[others]
+        off_x, off_y = self.centres[others, 0] - origin_x, self.centres[others, 1] - origin_y
+        x, y, r = off_x * along_x + off_y * along_y, off_y * along_x - off_x * along_y, self.radii[others]
         power = x * x + y * y - r * r
         middle, half_width = (1 / r_j - 1 / r_i) / 4, (1 / r_j + 1 / r_i) / 4
         with np.errstate(all="ignore"):
@@ -267,8 +316,12 @@ class _Filler:
         denominator = middle * middle + top * top - half_width * half_width
         if not math.isfinite(top) or denominator <= 0 or top <= 0:
             return None
-        centre = origin + along * (middle / denominator) + normal * (top / denominator)
-        return _Candidate((float(centre[0]), float(centre[1])), half_width / denominator)
+        forward, left = middle / denominator, top / denominator
+        centre = (
+            origin_x + along_x * forward - along_y * left,
+            origin_y + along_y * forward + along_x * left,
+        )
+        return _Candidate(centre, half_width / denominator)
 
     def _best_inner(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk that helps where every leaf's is an ear: the next one met beyond an ear.
@@ -289,7 +342,8 @@ class _Filler:
 
     def _touches(self, candidate: _Candidate, disk: int) -> bool:
         radius = float(self.radii[disk])
-        slack = math.dist(candidate.centre, self.centres[disk]) - candidate.radius - radius
+        x, y = candidate.centre[0] - float(self.centres[disk, 0]), candidate.centre[1] - float(self.centres[disk, 1])
+        slack = math.sqrt(x * x + y * y) - candidate.radius - radius
         return abs(slack) <= 1e-6 * min(candidate.radius, radius)
 
     def _beyond(self, ear: _Candidate, i: int, j: int, k: int, disks: Ints) -> list[_Candidate]:
@@ -297,11 +351,11 @@ class _Filler:
 
         The very first is the one; when rounding makes that doubtful, the next ones are.
         """
-        normal = left_normal(self.centres[k] - self.centres[i])  # the gap is left of i -> j -> k
+        x, y = (self.centres[k] - self.centres[i]).tolist()  # the gap is left of i -> j -> k
         others = disks[(disks != i) & (disks != j) & (disks != k)]
         centres, radii = self._apollonius(i, k, others)
-        ahead = (centres - np.array(ear.centre)) @ normal
-        usable = np.isfinite(radii) & (radii > 0) & (ahead > 1e-6 * ear.radius * math.hypot(*normal))
+        ahead = (centres[:, 1] - ear.centre[1]) * x - (centres[:, 0] - ear.centre[0]) * y
+        usable = np.isfinite(radii) & (radii > 0) & (ahead > 1e-6 * ear.radius * math.sqrt(x * x + y * y))
         order = np.argsort(np.where(usable, ahead, np.inf), kind="stable")[: min(2, int(usable.sum()))]
         return [_Candidate((float(centres[n, 0]), float(centres[n, 1])), float(radii[n])) for n in order]
 
@@ -316,7 +370,7 @@ class _Filler:
         determinant = to_j[0] * to_k[:, 1] - to_j[1] * to_k[:, 0]
         with np.errstate(all="ignore"):
             # |c| = r + r_a and |c - to| = r + r_a + dr give two equations linear in c and R = r + r_a: c = p + q R
-            b_j = (to_j @ to_j - r_j * r_j) / 2
+            b_j = (to_j[0] * to_j[0] + to_j[1] * to_j[1] - r_j * r_j) / 2
             b_k = (np.sum(to_k * to_k, axis=1) - r_k * r_k) / 2
             p = np.stack([b_j * to_k[:, 1] - b_k * to_j[1], b_k * to_j[0] - b_j * to_k[:, 0]], axis=1)
             q = np.stack([r_k * to_j[1] - r_j * to_k[:, 1], r_j * to_k[:, 0] - r_k * to_j[0]], axis=1)
@@ -329,8 +383,8 @@ class _Filler:
     def _try(self, gap: list[Chain], disks: Ints, candidate: _Candidate) -> _Placement | None:
         """Return where ``candidate`` touches the gap if it is free and leaves smaller gaps, else None."""
         centre, radius = np.array(candidate.centre), candidate.radius
-        away = self.centres[disks] - centre
-        slack = np.hypot(away[:, 0], away[:, 1]) - self.radii[disks] - radius
+        x, y = self.centres[disks, 0] - centre[0], self.centres[disks, 1] - centre[1]
+        slack = np.sqrt(x * x + y * y) - self.radii[disks] - radius
         allowed = self.tolerance.touching(self.radii[disks], np.full(len(disks), radius))
         if (slack < -allowed).any():
             return None
@@ -375,26 +429,72 @@ class _Filler:
         return self._share(parts, [chain for number, chain in enumerate(gap) if number not in touched])
 
     def _add_disk(self, placement: _Placement, touched: Ints) -> int:
-        if self.count == len(self.radii):
-            self.centres = np.concatenate([self.centres, np.empty_like(self.centres)])
-            self.radii = np.concatenate([self.radii, np.empty_like(self.radii)])
+        self._make_room(self.count + 1)
         disk = self.count
         self.centres[disk], self.radii[disk] = self._polish(placement, touched)
         self.count += 1
         return disk
 
+    def _make_room(self, count: int) -> None:
+        if count > len(self.radii):
+            more = max(len(self.radii), count - len(self.radii))
+            self.centres = np.concatenate([self.centres, np.empty((more, 2))])
+            self.radii = np.concatenate([self.radii, np.empty(more)])
+
     def _polish(self, placement: _Placement, touched: Ints) -> tuple[Floats, float]:
-        """Newton's method on |c - c_k| = r + r_k, so that rounding does not add up from disk to disk."""
-        centre, radius = placement.centre, placement.radius
+        """Newton's method on |c - c_k| = r + r_k, so that rounding does not add up from disk to disk.
+
+        Each step is least squares for the movement and the growth; the growth is what the mean leaves over, the
+        movement is found by Gram and Schmidt.
+        """
+        x, y = placement.centre.tolist()
+        radius = placement.radius
+        around = [*zip(*self.centres[touched].T.tolist(), self.radii[touched].tolist(), strict=True)]
+        count = len(around)
         for _ in range(2):
-            away = centre - self.centres[touched]
-            distance = np.hypot(away[:, 0], away[:, 1])
-            slope = np.column_stack([away / distance[:, None], -np.ones(len(touched))])
-            step, *_ = np.linalg.lstsq(slope, radius + self.radii[touched] - distance, rcond=None)
-            if not np.abs(step).max() < 1e-3 * radius:
+            rows = []
+            for x_k, y_k, r_k in around:
+                away_x, away_y = x - x_k, y - y_k
+                distance = math.sqrt(away_x * away_x + away_y * away_y)
+                rows.append((away_x / distance, away_y / distance, radius + r_k - distance))
+            mean = [0.0, 0.0, 0.0]
+            for row in rows:
+                mean = [mean[0] + row[0], mean[1] + row[1], mean[2] + row[2]]
+            mean = [mean[0] / count, mean[1] / count, mean[2] / count]
+            rows = [(row[0] - mean[0], row[1] - mean[1], row[2] - mean[2]) for row in rows]
+            first = second = mixed = to_first = to_second = 0.0
+            for u, v, _ in rows:
+                first, mixed = first + u * u, mixed + u * v
+            if first == 0.0:
                 return placement.centre, placement.radius
-            centre, radius = centre + step[:2], radius + float(step[2])
-        return centre, radius
+            share = mixed / first
+            for u, v, off in rows:
+                rest = v - share * u
+                second, to_first, to_second = second + rest * rest, to_first + u * off, to_second + rest * off
+            if second == 0.0:
+                return placement.centre, placement.radius
+            step_y = to_second / second
+            step_x = to_first / first - share * step_y
+            growth = mean[0] * step_x + mean[1] * step_y - mean[2]
+            if not max(abs(step_x), abs(step_y), abs(growth)) < 1e-3 * radius:
+                return placement.centre, placement.radius
+            x, y, radius = x + step_x, y + step_y, radius + growth
+        return np.array([x, y]), radius
+
+
+def _compiled_filler(tolerance: Tolerance) -> GapFiller | None:
+    """Return what fills large gaps in compiled code, or None without numba (extra ``fast``)."""
+    try:
+        from foldcut.gapfill import GapFiller
+    except ImportError:
+        return None
+    return GapFiller(tolerance.tie, tolerance.rounding, NEARLY, EQUAL)
+
+
+def _flat(gaps: list[Chain]) -> tuple[Ints, Ints]:
+    """Return rows as values and lengths."""
+    values = np.fromiter((disk for gap in gaps for disk in gap), dtype=np.int32)
+    return values, np.fromiter(map(len, gaps), dtype=np.int32, count=len(gaps))
 
 
 def _largest_first(found: list[tuple[_Candidate, Leaf]]) -> Iterator[tuple[_Candidate, Leaf]]:

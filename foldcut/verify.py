@@ -15,8 +15,8 @@ import shapely
 
 from foldcut.cutline import check_cut
 from foldcut.flatfold import FaceMaps, fold_faces, folded_edges
-from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
-from foldcut.planar import edge_faces, half_edges, pair_keys, signed_areas
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Ragged, Shape
+from foldcut.planar import Keys, edge_sides, faces_of_sides, half_edges, pair_keys, signed_areas
 from foldcut.stacking import check_layer_order, check_mountains, check_stacking
 
 __all__ = ["CHECKS", "COINCIDENT", "verify"]
@@ -44,6 +44,9 @@ CHECKS = (
 )
 """What findings are called, in the order of the checks."""
 
+BATCH = 1 << 16
+"""Faces looked at together; bounds the memory, not the result."""
+
 ASSIGNMENTS = ("B", "M", "V", "F", "U")
 
 
@@ -65,10 +68,14 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
 
 def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
     """Verify with one tolerance, in mm."""
-    findings = _check_planar(pattern, tolerance)
+    findings = _check_edges(pattern, tolerance)
     if findings:
         return findings
-    faces_of_edges = edge_faces(pattern)
+    sides = edge_sides(pattern)
+    faces_of_edges = faces_of_sides(pattern, sides)
+    findings = _check_planar(pattern, sides, faces_of_edges, tolerance)
+    if findings:
+        return findings
     maps = fold_faces(pattern, faces_of_edges)
     findings = [
         *_check_vertices(pattern, faces_of_edges, tolerance),
@@ -121,20 +128,25 @@ def _check_arrays(pattern: CreasePattern) -> list[Finding]:
     return findings
 
 
-def _check_planar(pattern: CreasePattern, tolerance: float) -> list[Finding]:
+def _check_planar(
+    pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float
+) -> list[Finding]:
     """Find whatever keeps the faces from tiling a sheet with one simple outline, edge to edge.
 
     Why this is enough: each face is a simple counter-clockwise polygon, the sides of two faces at an inner
     edge cancel, and what remains is one simple counter-clockwise closed curve. So the winding numbers of the
     faces add up to 1 inside that curve and to 0 outside: every point of the sheet is covered once. Then areas
     add up, V - E + F = 1, edges do not cross, and no vertex lies inside an edge or a face, since the faces
-    around every vertex already fill a full turn. Crossings are searched for all the same: to name the place.
+    around every vertex already fill a full turn. Crossings are searched for only where that fails: to name the place.
+
+    No vertex may come within the tolerance of an edge, either. The way from one that does leaves it through a face, or
+    along an edge, which is longer; so it comes within the tolerance of an edge of that face, and only these are asked.
     """
-    findings = _check_edges(pattern, tolerance)
-    if findings:
-        return findings
-    findings = [*_check_face_outlines(pattern), *_check_sides(pattern), *_check_crossings(pattern, tolerance)]
-    return findings or _check_outline(pattern)
+    findings = [*_check_face_outlines(pattern), *_check_sides(pattern, sides, faces_of_edges)]
+    if findings or _has_close_sides(pattern, tolerance):
+        return [*findings, *_check_crossings(pattern, tolerance)]
+    findings = _check_outline(pattern, sides)
+    return findings and (_check_crossings(pattern, tolerance) or findings)
 
 
 def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
@@ -146,12 +158,11 @@ def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
         for edge in np.flatnonzero(lengths <= tolerance).tolist()
     ]
     keys = pair_keys(*np.sort(edges, axis=1).T)
-    first = np.unique(keys, return_index=True)[1]
     findings += [
         _at_edge(pattern, edge, "planar", f"edge {edge} repeats another edge; leave one out")
-        for edge in np.setdiff1d(np.arange(len(edges)), first).tolist()
+        for edge in _repeated(keys).tolist()
     ]
-    lonely = np.setdiff1d(np.arange(len(coords)), edges)
+    lonely = np.flatnonzero(np.bincount(edges.ravel(), minlength=len(coords)) == 0)
     findings += [
         _finding("planar", f"vertex {vertex} is on no edge; leave it out", coords[vertex]) for vertex in lonely.tolist()
     ]
@@ -161,9 +172,12 @@ def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
 def _check_face_outlines(pattern: CreasePattern) -> list[Finding]:
     """Find faces that are not simple polygons, or run clockwise."""
     coords, faces = pattern.vertices_coords, pattern.faces_vertices
-    polygons = shapely.polygons(shapely.linearrings(coords[faces.values], indices=faces.rows))
+    simple = _are_surely_convex(coords, faces)
+    unsure = np.flatnonzero(~simple)
+    rest = faces.take(unsure)
+    rings = shapely.linearrings(coords[rest.values], indices=rest.rows)
+    simple[unsure] = shapely.is_valid(shapely.polygons(rings))
     findings = []
-    simple = shapely.is_valid(polygons)
     clockwise = signed_areas(coords, faces) <= 0
     for face in np.flatnonzero(~simple | clockwise).tolist():
         problem = "runs clockwise; reverse it" if simple[face] else "is not a simple polygon; its sides cross or touch"
@@ -171,23 +185,79 @@ def _check_face_outlines(pattern: CreasePattern) -> list[Finding]:
     return findings
 
 
-def _check_sides(pattern: CreasePattern) -> list[Finding]:
-    """Find sides of faces that do not pair up at the edges."""
-    start, end = half_edges(pattern.faces_vertices)
-    rows = pattern.faces_vertices.rows
-    keys = pair_keys(start, end)
-    findings = []
-    first = np.unique(keys, return_index=True)[1]
-    for side in np.setdiff1d(np.arange(len(keys)), first).tolist():
-        message = f"face {rows[side]} lies on the same side of an edge as another face; faces must not overlap"
-        findings.append(_at_side(pattern, start[side], end[side], message))
-    known = pair_keys(*np.sort(pattern.edges_vertices, axis=1).T)
-    sides = pair_keys(np.minimum(start, end), np.maximum(start, end))
-    for side in np.flatnonzero(~np.isin(sides, known)).tolist():
-        message = f"face {rows[side]} has a side, vertices {start[side]} to {end[side]}, that is not an edge"
-        findings.append(_at_side(pattern, start[side], end[side], message))
+def _are_surely_convex(coords: Floats, faces: Ragged) -> Bools:
+    """Which faces turn left at every corner by more than rounding can feign, and once around: these are simple."""
+    start, end = half_edges(faces)
+    following = half_edges(Ragged(end, faces.offsets))[1]
+    (ax, ay), (bx, by) = (coords[end] - coords[start]).T, (coords[following] - coords[end]).T
+    turn = ax * by - ay * bx
+    # a difference of coordinates of the sheet's size is off by this much
+    off = 4 * np.finfo(np.float64).eps * np.abs(coords).max()
+    left = turn > 2 * off * (np.abs(ax) + np.abs(ay) + np.abs(bx) + np.abs(by) + off)
+    convex: Bools = np.logical_and.reduceat(left, faces.offsets[:-1])
+    # less than four corners cannot go around twice
+    many = np.flatnonzero(convex & (faces.lengths > 4))
+    if len(many):
+        of_many = np.isin(faces.rows, many, kind="table")
+        angle = np.arctan2(turn[of_many], ax[of_many] * bx[of_many] + ay[of_many] * by[of_many])
+        lengths = faces.lengths[many]
+        convex[many] = np.add.reduceat(angle, np.cumsum(lengths) - lengths) < 3 * np.pi
+    return convex
 
-    borders = (edge_faces(pattern) >= 0).sum(axis=1)
+
+MANY_SIDES = 64
+"""The sides of faces with more are looked for in a tree, those of the others compared all with all."""
+
+
+def _has_close_sides(pattern: CreasePattern, tolerance: float) -> bool:
+    """Whether a vertex of a face is within the tolerance of a side of it that does not end there."""
+    coords, faces = pattern.vertices_coords, pattern.faces_vertices
+    for count in np.unique(faces.lengths).tolist():
+        rings = faces.values[faces.offsets[:-1][faces.lengths == count][:, None] + np.arange(count)]
+        if count > MANY_SIDES:
+            if any(_comes_close(coords, ring, tolerance) for ring in rings):
+                return True
+            continue
+        for first in range(0, len(rings), BATCH):
+            points = coords[rings[first : first + BATCH]]
+            along = np.roll(points, -1, axis=1) - points
+            square = (along * along).sum(axis=2)
+            for step in range(2, count):  # from each side to the vertices that do not end it
+                to_vertex = np.roll(points, -step, axis=1) - points
+                share = ((to_vertex * along).sum(axis=2) / square).clip(0, 1)
+                away = to_vertex - share[:, :, None] * along
+                if ((away * away).sum(axis=2) <= (tolerance * (1 + 1e-9)) ** 2).any():
+                    return True
+    return False
+
+
+def _comes_close(coords: Floats, ring: Ints, tolerance: float) -> bool:
+    ends = np.stack([ring, np.roll(ring, -1)], axis=1)
+    tree = shapely.STRtree(shapely.linestrings(coords[ends]))
+    vertex, side = tree.query(shapely.points(coords[ring]), predicate="dwithin", distance=tolerance * (1 + 1e-9))
+    return bool((ends[side] != ring[vertex][:, None]).all(axis=1).any())
+
+
+def _repeated(keys: Keys) -> Numbers:
+    """The places of keys that have come before, ascending."""
+    order = np.argsort(keys, kind="stable")
+    return np.sort(order[1:][keys[order[1:]] == keys[order[:-1]]])
+
+
+def _is_among(keys: Keys, known: Keys) -> Bools:
+    """Which keys are known ones."""
+    known = np.sort(known)
+    at = np.minimum(np.searchsorted(known, keys), len(known) - 1)
+    found: Bools = known[at] == keys
+    return found
+
+
+def _check_sides(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints) -> list[Finding]:
+    """Find sides of faces that do not pair up at the edges."""
+    at_edge = np.zeros(len(pattern.faces_vertices.values), dtype=np.bool_)
+    at_edge[sides[sides >= 0]] = True
+    findings = [] if at_edge.all() else _unmatched_sides(pattern)
+    borders = (faces_of_edges >= 0).sum(axis=1)
     border = pattern.edges_assignment == "B"
     for wrong, problem in (
         (borders == 0, "borders no face"),
@@ -200,6 +270,23 @@ def _check_sides(pattern: CreasePattern) -> list[Finding]:
         findings += [
             _at_edge(pattern, edge, "planar", f"edge {edge} {problem}") for edge in np.flatnonzero(wrong).tolist()
         ]
+    return findings
+
+
+def _unmatched_sides(pattern: CreasePattern) -> list[Finding]:
+    """Find sides that are there twice, or are no edges."""
+    start, end = half_edges(pattern.faces_vertices)
+    rows = pattern.faces_vertices.rows
+    keys = pair_keys(start, end)
+    findings = []
+    for side in _repeated(keys).tolist():
+        message = f"face {rows[side]} lies on the same side of an edge as another face; faces must not overlap"
+        findings.append(_at_side(pattern, start[side], end[side], message))
+    known = pair_keys(*np.sort(pattern.edges_vertices, axis=1).T)
+    sides = pair_keys(np.minimum(start, end), np.maximum(start, end))
+    for side in np.flatnonzero(~_is_among(sides, known)).tolist():
+        message = f"face {rows[side]} has a side, vertices {start[side]} to {end[side]}, that is not an edge"
+        findings.append(_at_side(pattern, start[side], end[side], message))
     return findings
 
 
@@ -225,12 +312,12 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
     return findings
 
 
-def _check_outline(pattern: CreasePattern) -> list[Finding]:
+def _check_outline(pattern: CreasePattern, sides: Numbers) -> list[Finding]:
     """Find out whether the border edges make one simple counter-clockwise curve."""
     start, end = half_edges(pattern.faces_vertices)
-    border = ~np.isin(pair_keys(start, end), pair_keys(end, start))
+    border = np.sort(sides[(sides < 0).any(axis=1)].max(axis=1))
     following = dict(zip(start[border].tolist(), end[border].tolist(), strict=True))
-    if len(following) < border.sum():
+    if len(following) < len(border):
         values, counts = np.unique(start[border], return_counts=True)
         place = pattern.vertices_coords[values[counts > 1][0]]
         return [_finding("planar", "the sheet's border meets itself; the sheet must be one piece there", place)]
@@ -240,7 +327,8 @@ def _check_outline(pattern: CreasePattern) -> list[Finding]:
         outline.append(following[outline[-1]])
     coords = pattern.vertices_coords
     if len(outline) < len(following):
-        rest = next(vertex for vertex in following if vertex not in set(outline))
+        known = set(outline)
+        rest = next(vertex for vertex in following if vertex not in known)
         message = "the sheet has a second border; it must be one piece without holes"
         return [_finding("planar", message, coords[rest])]
     ring = shapely.linearrings(coords[outline])
@@ -263,7 +351,8 @@ def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: flo
     kind = np.tile(np.where(pattern.edges_assignment[crease] == "M", 1, -1), 2)
     dx, dy = (coords[head] - coords[tail]).T
     angle, length = np.arctan2(dy, dx), np.hypot(dx, dy)
-    order = np.lexsort((angle, tail))
+    # by vertex, then by angle; angles nearer to each other than 6e-12 may lie in either order
+    order = np.argsort((tail.astype(np.int64) << 40) + ((angle + np.pi) * ((2**40 - 1) / (2 * np.pi + 1e-9))).astype(np.int64))
     tail, angle, kind, length = tail[order], angle[order], kind[order], length[order]
 
     count = len(coords)
@@ -273,7 +362,9 @@ def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: flo
     alternating = np.bincount(tail, weights=np.where(position % 2, -angle, angle), minlength=count)
     excess = alternating + np.pi
     shortest = np.full(count, np.inf)
-    np.minimum.at(shortest, tail, length)
+    starts = np.flatnonzero(np.append(True, tail[1:] != tail[:-1])) if len(tail) else np.empty(0, dtype=np.intp)
+    if len(tail):
+        shortest[tail[starts]] = np.minimum.reduceat(length, starts)
     surplus = np.bincount(tail, weights=kind, minlength=count)
 
     creased = inner & (degree > 0)

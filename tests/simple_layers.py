@@ -1,0 +1,95 @@
+"""The folded state, face by face and as simply as can be: what ``foldcut.layers`` and ``foldcut.faces`` do on arrays."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from foldcut.assignment import Assignment
+from foldcut.faces import Edge, Ring, merge_stacks, outlines
+from foldcut.layers import join_unfolded, sheet_corners, walk
+from foldcut.model import CreasePattern, Floats, FoldedState, Ints, Ragged, index_array, points_array
+from foldcut.molecules import Molecules
+from foldcut.plane import signed_area
+
+
+def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePattern, FoldedState]:
+    """Return the crease pattern with facets merged into faces, and its folded state with the layer order.
+
+    Vertices that only lie on a straight line (two creases of one kind, or none on the border) are left out.
+    Source: paper section 4.
+    """
+    inside_root, outside_root = assignment.roots
+    entry, parent = assignment.entry_side.tolist(), assignment.parent.tolist()
+    inside = walk(molecules, entry, parent, inside_root)
+    outside = walk(molecules, entry, parent, outside_root)[::-1]
+    joined, face_of = join_unfolded(molecules, molecules.creases[assignment.crease_assignment == "F"])
+    shared = {face for face, parts in joined.items() if len(parts) > 1}
+    order = merge_stacks([face_of[f] for f in inside], [face_of[f] for f in outside], shared)[::-1]
+    rings = [ring for face in order for ring in outlines([molecules.facets[f].tolist() for f in joined[face]])]
+    keep = np.isin(assignment.crease_assignment, ("M", "V", "B"))
+    edges = [(a, b) for a, b in molecules.creases[keep].tolist()]
+    kinds = assignment.crease_assignment[keep].tolist()
+    return assemble(molecules.vertices, molecules.folded, rings, edges, kinds, sheet_corners(molecules))
+
+
+def assemble(
+    flat: Floats,
+    folded: Floats,
+    rings: Sequence[Ring],
+    edges: Sequence[Edge],
+    kinds: Sequence[str],
+    sheet_corners: set[int],
+) -> tuple[CreasePattern, FoldedState]:
+    """Return the pattern and its folded state.
+
+    ``flat`` and ``folded`` ``(v, 2)`` mm; ``rings`` the faces from bottom to top, counter-clockwise on the sheet;
+    ``edges`` with their ``kinds`` "M", "V", "B". Vertices on which nothing turns are left out, the rest numbered anew;
+    face 0 is the lowest that looks up, the others follow the layer order.
+    """
+    joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners)
+    used = np.unique(np.array(joined, dtype=np.int32))
+    renumber = np.full(len(flat), -1, dtype=np.int32)
+    renumber[used] = np.arange(len(used), dtype=np.int32)
+    faces = [renumber[[v for v in ring if v not in straight]].tolist() for ring in rings]
+    first = next(k for k, ring in enumerate(faces) if signed_area(folded[used][ring]) > 0)
+    layers: Ints = np.arange(len(faces), dtype=np.int32)
+    layers[[0, first]] = layers[[first, 0]]
+    faces[0], faces[first] = faces[first], faces[0]
+    pattern = CreasePattern(
+        points_array(flat[used]),
+        index_array(renumber[np.array(joined, dtype=np.int32)]),
+        np.array(types, dtype="<U1"),
+        Ragged.from_rows(faces),
+    )
+    pattern.edges_assignment.setflags(write=False)
+    return pattern, FoldedState(points_array(folded[used]), index_array(layers))
+
+
+def _dissolve_straight(
+    edges: Sequence[Edge], kinds: Sequence[str], sheet_corners: set[int]
+) -> tuple[list[Edge], list[str], set[int]]:
+    """Join the two edges at every vertex where nothing turns: by Kawasaki's theorem two creases alone are one line."""
+    at: dict[int, list[int]] = defaultdict(list)
+    for number, (a, b) in enumerate(edges):
+        at[a].append(number)
+        at[b].append(number)
+    straight = {v for v, mine in at.items() if len(mine) == 2 and v not in sheet_corners}
+    joined, types = [], []
+    done: set[int] = set()
+    for first, (a, b) in enumerate(edges):
+        if first in done or (a in straight and b in straight):
+            continue
+        vertex, number = (b, first) if a not in straight else (a, first)
+        start = a if vertex == b else b
+        done.add(number)
+        while vertex in straight:
+            number = next(other for other in at[vertex] if other != number)
+            done.add(number)
+            one, other_end = edges[number]
+            vertex = other_end if one == vertex else one
+        joined.append((start, vertex))
+        types.append(kinds[first])
+    return joined, types, straight
