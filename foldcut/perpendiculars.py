@@ -25,9 +25,10 @@ import numpy as np
 import shapely
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Floats, Shape, Sheet, index_array
+from foldcut.model import Floats, Shape, Sheet, index_array, points_array
 from foldcut.planar import trace_faces
 from foldcut.plane import left_normal
 
@@ -45,6 +46,11 @@ SNAP = 1e-9
 
 FRAME = 6.0
 """How far around the sheet the paper is taken to go on, in diagonals: so far that its border changes nothing on it."""
+
+ROUNDS, NEWTON_STEPS = 6, 12
+
+FREE = 100.0
+"""How much more freely nodes are moved than corners."""
 
 NEEDS_EXTRA = "straight skeletons need the extra 'skeleton'; install it with pip install 'foldcut[skeleton]'"
 
@@ -158,6 +164,15 @@ class _Drawn:
             self.edges += [(numbers[a], numbers[b]) for a, b in edges.tolist()]
 
     def skeleton(self) -> Skeleton:
+        points, rings = self.faces()
+        points, height = self._exact(points, rings)
+        skeleton = Skeleton(points, height, self.starts, self.along, [], self.sides)
+        for side, left, ring in rings:
+            skeleton.regions.append(self._region(skeleton, side, left, ring))
+        return skeleton
+
+    def faces(self) -> tuple[Floats, list[tuple[int, bool, Ring]]]:
+        """Return points, and each face's side, whether it is at the side's left, and its ring."""
         points, edges = self._joined()
         faces = trace_faces(points, index_array(edges)).to_lists()
         rings: list[tuple[int, bool, Ring]] = []
@@ -170,11 +185,7 @@ class _Drawn:
             rings += [(side, left, ring) for side, left in sides]
         if len(rings) != 2 * self.count:
             raise UnfoldableError("the straight skeleton is not complete; move a corner a little")
-        points, height = self._exact(points, rings)
-        skeleton = Skeleton(points, height, self.starts, self.along, [], self.sides)
-        for side, left, ring in rings:
-            skeleton.regions.append(self._region(skeleton, side, left, ring))
-        return skeleton
+        return points, rings
 
     def _joined(self) -> tuple[Floats, list[Edge]]:
         """Return points and edges without edges shorter than a tie."""
@@ -233,6 +244,100 @@ class _Drawn:
         lower = [ring[k % len(ring)] for k in range(low, high + 1 if high >= low else high + len(ring) + 1)]
         upper = [ring[k % len(ring)] for k in range(high, low + 1 if low >= high else low + len(ring) + 1)][::-1]
         return Region(side, sign, ring, lower, upper)
+
+
+def tie_nodes(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, float]:
+    """Move corners so that nodes of the straight skeleton that are nearer than ``near``, in mm, become one.
+
+    Returns the shape, and how far in mm its corners were moved at most. Nodes that would need more than ``near`` are
+    left as they are. Curves and symmetric shapes are drawn with rounded numbers; without this each rounding error
+    has creases of its own.
+    """
+    ties: list[frozenset[tuple[int, bool]]] = []
+    now = shape
+    for _ in range(ROUNDS):
+        drawn = _Drawn(now, sheet, TIES[-1])
+        found = [tie for tie in _near_ties(drawn, near) if not any(tie <= known for known in ties)]
+        if not found:
+            break
+        ties = [known for known in ties if not any(known < tie for tie in found)] + found
+        moved = _moved(shape, sheet, ties)
+        if moved is None or max(map(_farthest, moved.loops, shape.loops)) > near:
+            break
+        now = moved
+    return now, max(map(_farthest, now.loops, shape.loops))
+
+
+def _farthest(one: Floats, other: Floats) -> float:
+    return float(np.hypot(*(one - other).T).max())
+
+
+def _near_ties(drawn: _Drawn, near: float) -> Iterator[frozenset[tuple[int, bool]]]:
+    """Yield the sides, and whether a face is at their left, that meet in nodes that are near to each other."""
+    points, rings = drawn.faces()
+    beside: dict[int, set[tuple[int, bool]]] = defaultdict(set)
+    edges = set()
+    for side, left, ring in rings:
+        for vertex in ring:
+            beside[vertex].add((side, left))
+        edges |= {(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True) if min(a, b) >= drawn.count}
+    ends = np.array(sorted(edges)).reshape(-1, 2)
+    short = ends[np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) < near]
+    graph = coo_array((np.ones(len(short)), short.T), shape=(len(points), len(points)))
+    _, label = connected_components(graph, directed=False)
+    for number in np.unique(label[short[:, 0]]).tolist():
+        yield frozenset().union(*(beside[v] for v in np.flatnonzero(label == number).tolist()))
+
+
+def _moved(shape: Shape, sheet: Sheet, ties: Sequence[frozenset[tuple[int, bool]]]) -> Shape | None:
+    """Return the shape with corners moved as little as possible so that each tie's sides are equally far from a point.
+
+    Newton's method, each step the least one; None where that does not lead to it.
+    """
+    ends = np.cumsum([len(loop) for loop in shape.loops])
+    corners = np.concatenate(shape.loops)
+    following = np.concatenate([np.roll(np.arange(b - len(loop), b), -1) for b, loop in zip(ends, shape.loops, strict=True)])
+    original, count = corners.copy(), len(corners)
+    nodes: list[Floats] = []
+    exact = EXACT * sheet.diagonal / 10
+    for step in range(NEWTON_STEPS):
+        along = corners[following] - corners
+        length = np.hypot(*along.T)
+        along /= length[:, None]
+        normal = left_normal(along)
+        rows: list[Floats] = []
+        values: list[float] = []
+        for k, tie in enumerate(ties):
+            number = [side for side, _ in tie]
+            turn = np.where([left for _, left in tie], 1.0, -1.0)
+            if step == 0:
+                system = np.column_stack([turn[:, None] * normal[number], -np.ones(len(number))])
+                right = (turn[:, None] * normal[number] * corners[number]).sum(axis=1)
+                nodes.append(np.linalg.lstsq(system, right, rcond=1e-12)[0])
+            place, height = nodes[k][:2], nodes[k][2]
+            for side, sign in zip(number, turn.tolist(), strict=True):
+                away = place - corners[side]
+                part = float(away @ along[side]) / length[side]
+                row = np.zeros(2 * count + 3 * len(ties))
+                row[2 * side : 2 * side + 2] = -sign * (1 - part) * normal[side]
+                row[2 * following[side] : 2 * following[side] + 2] -= sign * part * normal[side]
+                at = 2 * count + 3 * k
+                row[at : at + 2] = sign * normal[side]
+                row[at + 2] = -1.0
+                rows.append(row)
+                values.append(height - sign * float(away @ normal[side]))
+        if max(map(abs, values)) <= exact:
+            loops = tuple(points_array(loop) for loop in np.split(corners, ends[:-1]))
+            return Shape(loops, shape.parent)
+        system = np.array(rows)
+        # the least way from the drawing, not from the last step
+        system[:, 2 * count :] *= FREE
+        behind = np.concatenate([(corners - original).ravel(), np.zeros(3 * len(ties))])
+        change = np.linalg.lstsq(system, np.array(values) + system @ behind, rcond=1e-10)[0] - behind
+        corners = corners + change[: 2 * count].reshape(-1, 2)
+        for k, node in enumerate(change[2 * count :].reshape(-1, 3)):
+            nodes[k] = nodes[k] + FREE * node
+    return None
 
 
 def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
