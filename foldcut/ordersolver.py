@@ -30,7 +30,7 @@ Crease = tuple[Edge, tuple[int, int]]
 
 NEEDS_EXTRA = "layer orders need the extra 'skeleton'; install it with pip install 'foldcut[skeleton]'"
 
-OVERLAP = 1e-7
+OVERLAP = 1e-9
 """Facets overlap when they do so by more than this, relative to the size of the folded sheet."""
 
 MOST_PAIRS = 400_000

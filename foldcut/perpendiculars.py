@@ -16,7 +16,7 @@ Nothing ensures that a perpendicular ends: it can go around for ever. Then there
 from __future__ import annotations
 
 import math
-from collections import defaultdict, deque
+from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -377,6 +377,8 @@ class Perpendiculars:
         for a, b in self.ridges():
             self.degree[a] += 1
             self.degree[b] += 1
+        corners = {vertex for side in skeleton.base for vertex in side}
+        self.nodes = [v for v in self.degree if v not in corners and self.on_sheet(skeleton.points[v])]
         self.odd = [v for v, count in self.degree.items() if count % 2 and self.on_sheet(skeleton.points[v])]
         self.paths: list[Path] = []
         self.endless = 0
@@ -399,17 +401,22 @@ class Perpendiculars:
         """Whether a point is strictly on the sheet."""
         return bool(((point > self.snap) & (point < self.size - self.snap)).all())
 
-    def trace_all(self) -> None:
-        """Find all perpendiculars between nodes on the sheet, and from these to its border."""
+    def trace(self, nodes: Sequence[int]) -> None:
+        """Find the perpendiculars from nodes, and from the nodes that these come to, as far as they end."""
+        self.paths = []
+        self.endless = 0
         known: set[tuple[int, int, int]] = set()  # the ends' node, region and chain of paths between two nodes
-        queue, seen = deque(self.odd), set(self.odd)
+        around: dict[int, list[int]] = defaultdict(list)
+        for number, region in enumerate(self.skeleton.regions):
+            for node in region.ring:
+                around[node].append(number)
+        queue, seen = deque(nodes), set(nodes)
         while queue:
             node = queue.popleft()
-            for number, region in enumerate(self.skeleton.regions):
-                if node not in region.ring:
-                    continue
-                for chain in (0, 1):
-                    if (node, number, chain) in known or node not in (region.lower, region.upper)[chain]:
+            for number in around[node]:
+                region = self.skeleton.regions[number]
+                for chain, row in enumerate((region.lower, region.upper)):
+                    if node not in row or (node, number, chain) in known:
                         continue
                     path, arrived = self._trace(node, number, chain)
                     if path is None:
@@ -482,14 +489,9 @@ class Perpendiculars:
         place[axis] = self.size[axis] if step[axis] > 0 else 0.0
         return place
 
-    def choices(self) -> Iterator[list[Path]]:
-        """Yield sets of perpendiculars that make the creases at every node even, those with the fewest pieces first.
-
-        Raises ``UnfoldableError`` with a node none of whose perpendiculars ends, if that is why there are none.
-        """
-        nodes = sorted({node for path in self.paths for node in (path.start, path.end) if node >= 0} | set(self.odd))
-        row = {node: k for k, node in enumerate(nodes)}
-        ending = {path.start for path in self.paths} | {path.end for path in self.paths}
+    def require_ends(self) -> None:
+        """Raise ``UnfoldableError`` with a node that needs a perpendicular when none of its perpendiculars ends."""
+        ending = {node for path in self.paths for node in (path.start, path.end)}
         for node in self.odd:
             if node not in ending:
                 x, y = self.skeleton.points[node]
@@ -497,34 +499,120 @@ class Perpendiculars:
                     f"no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
                     f"{MOST_CROSSINGS} crossings"
                 )
-        if not self.odd:
-            yield []
-            return
+
+    def fewest(self, count: int) -> Iterator[list[int]]:
+        """Yield so many sets of perpendiculars that make the creases at every node even, the fewest pieces first."""
+        cost = np.array([float(len(path.steps)) for path in self.paths])
+        cuts: list[tuple[Floats, float]] = []
+        for _ in range(count):
+            taken = self._even(cost, cuts)
+            if taken is None:
+                return
+            yield taken
+            sign = np.full(len(self.paths), -1.0)
+            sign[taken] = 1.0
+            cuts.append((sign, len(taken) - 1.0))
+
+    def _even(self, cost: Floats, cuts: Sequence[tuple[Floats, float]] = ()) -> list[int] | None:
+        """The cheapest set of perpendiculars that makes the creases at every node even, or None."""
+        nodes = sorted({node for path in self.paths for node in (path.start, path.end) if node >= 0} | set(self.odd))
+        if not self.odd and (cost >= 0).all():
+            return None if cuts else []
+        row = {node: k for k, node in enumerate(nodes)}
         n, m = len(self.paths), len(nodes)
         entries = [(row[v], k, 1.0) for k, path in enumerate(self.paths) for v in (path.start, path.end) if v >= 0]
         entries += [(k, n + k, -2.0) for k in range(m)]
         i, j, value = zip(*entries, strict=True)
-        parity = coo_array((value, (i, j)), shape=(m, n + m)).tocsr()
         wanted = np.array([self.degree[node] % 2 for node in nodes], dtype=np.float64)
-        cost = np.concatenate([[len(path.steps) for path in self.paths], np.zeros(m)])
-        upper = np.concatenate([np.ones(n), np.full(m, 100.0)])
-        cuts: list[LinearConstraint] = []
-        while True:
-            found = milp(
-                cost,
-                constraints=[LinearConstraint(parity, wanted, wanted), *cuts],
-                integrality=np.ones(n + m),
-                bounds=Bounds(0, upper),
-            )
-            if found.x is None:
-                if not cuts:
-                    raise UnfoldableError("no set of perpendiculars makes the creases at every node even")
-                return
-            taken = found.x[:n] > 0.5
-            yield [path for path, yes in zip(self.paths, taken, strict=True) if yes]
-            cuts.append(
-                LinearConstraint(np.concatenate([np.where(taken, 1.0, -1.0), np.zeros(m)])[None], -np.inf, taken.sum() - 1)
-            )
+        rules = [LinearConstraint(coo_array((value, (i, j)), shape=(m, n + m)).tocsr(), wanted, wanted)]
+        rules += [LinearConstraint(np.append(sign, np.zeros(m))[None], -np.inf, most) for sign, most in cuts]
+        found = milp(
+            np.append(cost, np.zeros(m)),
+            constraints=rules,
+            integrality=np.ones(n + m),
+            bounds=Bounds(0, np.append(np.ones(n), np.full(m, float(n)))),
+        )
+        return None if found.x is None else np.flatnonzero(found.x[:n] > 0.5).tolist()
+
+    def rooted(self) -> list[list[int]]:
+        """Return the sets of perpendiculars that fold all paper away from one corridor, those with the fewest first.
+
+        A corridor is a strip of paper between perpendiculars; where these all end, corridors hang together like a tree.
+        Folded away from the root, each as far from it as the way along the tree is, no corridor comes back to where
+        it is joined to the last one, so that the folds there hold nothing that runs across them.
+        """
+        division = _Division(self, range(len(self.paths)))
+        rings, creases = division.planar()
+        owner = list(range(len(rings)))
+
+        def corridor(k: int) -> int:
+            while owner[k] != k:
+                owner[k] = owner[owner[k]]
+                k = owner[k]
+            return k
+
+        for edge, (left, right) in creases:
+            if edge not in division.path_of:
+                owner[corridor(left)] = corridor(right)
+        beside: dict[int, set[int]] = defaultdict(set)
+        for edge, facets in creases:
+            if edge in division.path_of:
+                beside[division.path_of[edge]] |= {corridor(facet) for facet in facets}
+        joint = self._joints()
+        around: dict[int, set[int]] = defaultdict(set)
+        joints: dict[int, set[int]] = defaultdict(set)
+        for path, mine in beside.items():
+            around[joint[path]] |= mine
+            for one in mine:
+                joints[one].add(joint[path])
+        found: dict[frozenset[int], float] = {}
+        for root in sorted(joints):
+            above = _parents(root, joints, around)
+            folded = {path for path, mine in beside.items() if len(mine) == 1 or above.get(joint[path]) not in mine}
+            cost = np.array([len(path.steps) / 1e4 for path in self.paths])
+            cost += np.where(np.isin(np.arange(len(cost)), list(folded)), -1.0, 1.0)
+            if self._is_even(folded):
+                taken = sorted(folded)
+            else:
+                taken = self._even(cost) or []
+            if taken or not self.odd:
+                found[frozenset(taken)] = sum(len(self.paths[k].steps) for k in taken)
+        return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
+
+    def _is_even(self, taken: set[int]) -> bool:
+        count = Counter(v for k in taken for v in (self.paths[k].start, self.paths[k].end) if v >= 0)
+        return all((count[v] + self.degree[v]) % 2 == 0 for v in {*count, *self.odd})
+
+    def _joints(self) -> list[int]:
+        """For each perpendicular a number that those have in common which are joined by nodes."""
+        at: dict[int, int] = {}
+        joint = list(range(len(self.paths)))
+
+        def find(k: int) -> int:
+            while joint[k] != k:
+                k = joint[k]
+            return k
+
+        for number, path in enumerate(self.paths):
+            for node in (path.start, path.end):
+                if node >= 0:
+                    joint[find(number)] = find(at.setdefault(node, number))
+        return [find(k) for k in range(len(joint))]
+
+
+def _parents(root: int, joints: dict[int, set[int]], around: dict[int, set[int]]) -> dict[int, int]:
+    """For each joint the corridor through which it is reached from a root."""
+    above: dict[int, int] = {}
+    seen, stack = {root}, [root]
+    while stack:
+        here = stack.pop()
+        for joint in joints[here]:
+            if joint not in above:
+                above[joint] = here
+                following = around[joint] - seen
+                seen |= following
+                stack += following
+    return above
 
 
 @dataclass(frozen=True, eq=False)
@@ -543,8 +631,8 @@ class Facets:
     sheet_corners: set[int]
 
 
-def divide_sheet(perpendiculars: Perpendiculars, paths: Sequence[Path]) -> Facets:
-    """Divide the sheet by the skeleton's ridges and some perpendiculars, and fold it.
+def divide_sheet(perpendiculars: Perpendiculars, paths: Sequence[int]) -> Facets:
+    """Divide the sheet by the skeleton's ridges and some perpendiculars, by number, and fold it.
 
     Raises ``UnfoldableError`` where it does not hold together.
     """
@@ -552,16 +640,17 @@ def divide_sheet(perpendiculars: Perpendiculars, paths: Sequence[Path]) -> Facet
 
 
 class _Division:
-    def __init__(self, perpendiculars: Perpendiculars, paths: Sequence[Path]) -> None:
+    def __init__(self, perpendiculars: Perpendiculars, paths: Sequence[int]) -> None:
         self.all = perpendiculars
         self.skeleton = perpendiculars.skeleton
         self.points = [*self.skeleton.points]
         self.edges: list[Edge] = []
+        self.path_of: dict[Edge, int] = {}
         self.corners = [self._add(corner) for corner in perpendiculars.sheet.corners]
         self.border = list(self.corners)
         on_ridge: dict[Edge, list[int]] = defaultdict(list)
-        for path in paths:
-            self._draw(path, on_ridge)
+        for number in paths:
+            self._draw(number, on_ridge)
         for ridge in perpendiculars.ridges():
             self._draw_ridge(ridge, on_ridge)
         self._draw_border()
@@ -577,7 +666,8 @@ class _Division:
         self.border.append(self._add(point))
         return self.border[-1]
 
-    def _draw(self, path: Path, on_ridge: dict[Edge, list[int]]) -> None:
+    def _draw(self, number: int, on_ridge: dict[Edge, list[int]]) -> None:
+        path = self.all.paths[number]
         vertex = path.start
         base = self.skeleton.base
         for k, step in enumerate(path.steps):
@@ -589,6 +679,7 @@ class _Division:
                 following = self._add(step.end)
                 on_ridge[min(step.edge, step.edge[::-1])].append(following)
             self.edges.append((vertex, following))
+            self.path_of[min(vertex, following), max(vertex, following)] = number
             vertex = following
 
     def _draw_ridge(self, ridge: Edge, on_ridge: dict[Edge, list[int]]) -> None:
@@ -617,20 +708,19 @@ class _Division:
         ring = [self.border[k] for k in order.tolist()]
         self.edges += zip(ring, ring[1:] + ring[:1], strict=True)
 
+    def planar(self) -> tuple[list[Ring], list[tuple[Edge, tuple[int, int]]]]:
+        """The facets' rings, and the creases, their lesser vertex first, with the facets at their left and right."""
+        used, edges = np.unique(np.array(self.edges), return_inverse=True)
+        rings = trace_faces(np.array(self.points)[used], index_array(edges.reshape(-1, 2))).to_lists()
+        rings = [used[ring].tolist() for ring in rings]
+        beside = {pair: k for k, ring in enumerate(rings) for pair in zip(ring, ring[1:] + ring[:1], strict=True)}
+        return rings, [((a, b), (k, beside[b, a])) for (a, b), k in beside.items() if a < b and (b, a) in beside]
+
     def facets(self) -> Facets:
         points = np.array(self.points)
-        used, edges = np.unique(np.array(self.edges), return_inverse=True)
-        edges = edges.reshape(-1, 2)
-        points = points[used]
-        rings = trace_faces(points, index_array(edges)).to_lists()
-        beside = {pair: k for k, ring in enumerate(rings) for pair in zip(ring, ring[1:] + ring[:1], strict=True)}
-        creases = [
-            ((a, b), (k, beside[b, a])) for (a, b), k in beside.items() if a < b and (b, a) in beside
-        ]
-        maps = self._maps(points, rings)
-        folded, up = self._fold(points, rings, creases, maps)
-        number = {int(v): k for k, v in enumerate(used.tolist())}
-        return Facets(points, folded, rings, creases, up, {number[v] for v in self.corners})
+        rings, creases = self.planar()
+        folded, up = self._fold(points, rings, creases, self._maps(points, rings))
+        return Facets(points, folded, rings, creases, up, set(self.corners))
 
     def _maps(self, points: Floats, rings: list[Ring]) -> list[tuple[int, float]]:
         """For each facet, its side, and 1.0 where the shape is at the left of it, else -1.0."""
@@ -679,7 +769,8 @@ class _Division:
                     queue.append(other)
         if len(placed) < len(rings) or worst > 1e3 * self.all.snap:
             raise UnfoldableError("the facets do not meet when they are folded")
-        folded[:, 0] -= folded[:, 0].min()
+        folded[:, 0] -= np.nanmin(folded[:, 0])
+        folded[np.isnan(folded)] = 0.0  # of vertices that are not on the sheet
         up = [placed[k][0] * maps[k][1] > 0 for k in range(len(rings))]
         return folded, up
 
