@@ -166,7 +166,7 @@ def _circles(order: Bools, conditions: OrderSolver) -> Iterator[list[int]]:
     """Yield clauses that forbid circles: those of three facets, else shortest ones."""
     count = 0
     n = len(order)
-    parts, label = connected_components(csr_array(order), directed=True, connection="strong")
+    parts, label = connected_components(csr_array(order.astype(np.int8)), directed=True, connection="strong")
     if parts == n:
         return
     inside = np.bincount(label, minlength=parts)[label] > 1

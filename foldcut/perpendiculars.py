@@ -15,7 +15,6 @@ Nothing ensures that a perpendicular ends: it can go around for ever. Then there
 
 from __future__ import annotations
 
-import math
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -138,7 +137,9 @@ class _Drawn:
         following = np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])
         self.count = len(self.starts)
         self.along = (following - self.starts) / np.hypot(*(following - self.starts).T)[:, None]
-        self.inside_is_left = np.concatenate([[shape.depth(k) % 2 == 0] * len(loop) for k, loop in enumerate(shape.loops)])
+        self.inside_is_left = np.concatenate(
+            [[shape.depth(k) % 2 == 0] * len(loop) for k, loop in enumerate(shape.loops)]
+        )
         first = np.cumsum([0, *(len(loop) for loop in shape.loops)])
         self.sides = {
             (int(a + k), int(a + (k + 1) % (b - a))): int(a + k) for a, b in pairwise(first) for k in range(b - a)
@@ -190,24 +191,16 @@ class _Drawn:
     def _joined(self) -> tuple[Floats, list[Edge]]:
         """Return points and edges without edges shorter than a tie."""
         points = np.array(self.points)
-        owner = list(range(len(points)))
-
-        def find(k: int) -> int:
-            while owner[k] != k:
-                k = owner[k]
-            return k
-
         ends = np.array(self.edges)
-        for number in np.flatnonzero(np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) <= self.tie).tolist():
-            low, high = sorted(find(k) for k in self.edges[number])
-            owner[high] = low
-        joined = {tuple(sorted((find(a), find(b)))) for a, b in self.edges}
+        short = ends[np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) <= self.tie]
+        first = _groups(len(points), short.tolist())
+        joined = {(min(first[a], first[b]), max(first[a], first[b])) for a, b in self.edges}
         kept = [(a, b) for a, b in sorted(joined) if a != b]
-        if not set(kept) >= {tuple(sorted(side)) for side in self.sides}:
+        if not joined >= {(min(side), max(side)) for side in self.sides}:
             raise UnfoldableError("the shape has a side that is too short for its straight skeleton")
         used = sorted({k for edge in kept for k in edge})
-        number = {k: n for n, k in enumerate(used)}
-        return points[used], [(number[a], number[b]) for a, b in kept]
+        place = {k: n for n, k in enumerate(used)}
+        return points[used], [(place[a], place[b]) for a, b in kept]
 
     def _exact(self, points: Floats, rings: Sequence[tuple[int, bool, Ring]]) -> tuple[Floats, Floats]:
         """Return nodes moved to where they are equally far from all of their sides, and how far that is."""
@@ -225,7 +218,7 @@ class _Drawn:
             turn = np.where([left for _, left in around], 1.0, -1.0)[:, None]
             rows = np.concatenate([turn * normal[number], -np.ones((len(number), 1))], axis=1)
             right = (turn * normal[number] * (self.starts[number] - points[vertex])).sum(axis=1)
-            solution, _, rank, _ = np.linalg.lstsq(rows, right, rcond=1e-12)
+            solution = np.linalg.lstsq(rows, right, rcond=1e-12)[0]
             points[vertex] += solution[:2]
             height[vertex] = solution[2]
             off = float(np.abs(rows @ solution - right).max())
@@ -233,7 +226,9 @@ class _Drawn:
                 worst, at = off, vertex
         if worst > EXACT * self.diagonal:
             x, y = points[at]
-            raise UnfoldableError(f"the straight skeleton is too fine near ({x:.4g}, {y:.4g}) mm; simplify the drawing there")
+            raise UnfoldableError(
+                f"the straight skeleton is too fine near ({x:.4g}, {y:.4g}) mm; simplify the drawing there"
+            )
         return points, height
 
     def _region(self, skeleton: Skeleton, side: int, left: bool, ring: Ring) -> Region:
@@ -283,10 +278,9 @@ def _near_ties(drawn: _Drawn, near: float) -> Iterator[frozenset[tuple[int, bool
         edges |= {(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True) if min(a, b) >= drawn.count}
     ends = np.array(sorted(edges)).reshape(-1, 2)
     short = ends[np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) < near]
-    graph = coo_array((np.ones(len(short)), short.T), shape=(len(points), len(points)))
-    _, label = connected_components(graph, directed=False)
-    for number in np.unique(label[short[:, 0]]).tolist():
-        yield frozenset().union(*(beside[v] for v in np.flatnonzero(label == number).tolist()))
+    group = np.array(_groups(len(points), short.tolist()))
+    for number in np.unique(group[short[:, 0]]).tolist():
+        yield frozenset().union(*(beside[v] for v in np.flatnonzero(group == number).tolist()))
 
 
 def _moved(shape: Shape, sheet: Sheet, ties: Sequence[frozenset[tuple[int, bool]]]) -> Shape | None:
@@ -296,7 +290,9 @@ def _moved(shape: Shape, sheet: Sheet, ties: Sequence[frozenset[tuple[int, bool]
     """
     ends = np.cumsum([len(loop) for loop in shape.loops])
     corners = np.concatenate(shape.loops)
-    following = np.concatenate([np.roll(np.arange(b - len(loop), b), -1) for b, loop in zip(ends, shape.loops, strict=True)])
+    following = np.concatenate(
+        [np.roll(np.arange(b - len(loop), b), -1) for b, loop in zip(ends, shape.loops, strict=True)]
+    )
     original, count = corners.copy(), len(corners)
     nodes: list[Floats] = []
     exact = EXACT * sheet.diagonal / 10
@@ -356,6 +352,15 @@ def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> Iterator[tuple[Flo
     yield points[:, :2], np.array(ridges)
 
 
+def _groups(count: int, pairs: Sequence[Sequence[int]]) -> list[int]:
+    """For each of so many things the first of those that hang together with it by pairs."""
+    ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    graph = coo_array((np.ones(len(ends)), ends.T), shape=(count, count))
+    label = connected_components(graph, directed=False)[1]
+    first: list[int] = np.unique(label, return_index=True)[1][label].tolist()
+    return first
+
+
 class Perpendiculars:
     """All perpendiculars from a skeleton's nodes, and which of them to fold."""
 
@@ -394,7 +399,10 @@ class Perpendiculars:
         return [
             (a, b)
             for a, b in self.region_of
-            if a < b and (b, a) in self.region_of and (a, b) not in self.skeleton.base and (b, a) not in self.skeleton.base
+            if a < b
+            and (b, a) in self.region_of
+            and (a, b) not in self.skeleton.base
+            and (b, a) not in self.skeleton.base
         ]
 
     def on_sheet(self, point: Floats) -> bool:
@@ -451,7 +459,9 @@ class Perpendiculars:
             number = self.region_of.get((edge[1], edge[0]), -1) if left == number else (-1 if left is None else left)
             if number < 0:
                 return None, none
-            u = float((there - skeleton.starts[skeleton.regions[number].side]) @ skeleton.along[skeleton.regions[number].side])
+            u = float(
+                (there - skeleton.starts[skeleton.regions[number].side]) @ skeleton.along[skeleton.regions[number].side]
+            )
             chain = next((k for k in (0, 1) if self._on_chain(number, k, edge)), -1)
             if chain < 0:
                 return None, none
@@ -529,7 +539,7 @@ class Perpendiculars:
         found = milp(
             np.append(cost, np.zeros(m)),
             constraints=rules,
-            integrality=np.ones(n + m),
+            integrality=np.ones(n + m, dtype=np.int64),
             bounds=Bounds(0, np.append(np.ones(n), np.full(m, float(n)))),
         )
         return None if found.x is None else np.flatnonzero(found.x[:n] > 0.5).tolist()
@@ -543,21 +553,11 @@ class Perpendiculars:
         """
         division = _Division(self, range(len(self.paths)))
         rings, creases = division.planar()
-        owner = list(range(len(rings)))
-
-        def corridor(k: int) -> int:
-            while owner[k] != k:
-                owner[k] = owner[owner[k]]
-                k = owner[k]
-            return k
-
-        for edge, (left, right) in creases:
-            if edge not in division.path_of:
-                owner[corridor(left)] = corridor(right)
+        corridor = _groups(len(rings), [facets for edge, facets in creases if edge not in division.path_of])
         beside: dict[int, set[int]] = defaultdict(set)
         for edge, facets in creases:
             if edge in division.path_of:
-                beside[division.path_of[edge]] |= {corridor(facet) for facet in facets}
+                beside[division.path_of[edge]] |= {corridor[facet] for facet in facets}
         joint = self._joints()
         around: dict[int, set[int]] = defaultdict(set)
         joints: dict[int, set[int]] = defaultdict(set)
@@ -571,10 +571,7 @@ class Perpendiculars:
             folded = {path for path, mine in beside.items() if len(mine) == 1 or above.get(joint[path]) not in mine}
             cost = np.array([len(path.steps) / 1e4 for path in self.paths])
             cost += np.where(np.isin(np.arange(len(cost)), list(folded)), -1.0, 1.0)
-            if self._is_even(folded):
-                taken = sorted(folded)
-            else:
-                taken = self._even(cost) or []
+            taken = sorted(folded) if self._is_even(folded) else self._even(cost) or []
             if taken or not self.odd:
                 found[frozenset(taken)] = sum(len(self.paths[k].steps) for k in taken)
         return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
@@ -586,18 +583,10 @@ class Perpendiculars:
     def _joints(self) -> list[int]:
         """For each perpendicular a number that those have in common which are joined by nodes."""
         at: dict[int, int] = {}
-        joint = list(range(len(self.paths)))
-
-        def find(k: int) -> int:
-            while joint[k] != k:
-                k = joint[k]
-            return k
-
-        for number, path in enumerate(self.paths):
-            for node in (path.start, path.end):
-                if node >= 0:
-                    joint[find(number)] = find(at.setdefault(node, number))
-        return [find(k) for k in range(len(joint))]
+        ends = [
+            (number, node) for number, path in enumerate(self.paths) for node in (path.start, path.end) if node >= 0
+        ]
+        return _groups(len(self.paths), [(k, at.setdefault(node, k)) for k, node in ends])
 
 
 def _parents(root: int, joints: dict[int, set[int]], around: dict[int, set[int]]) -> dict[int, int]:
@@ -742,9 +731,9 @@ class _Division:
     ) -> tuple[Floats, list[bool]]:
         skeleton = self.skeleton
         beside: dict[int, list[tuple[int, int]]] = defaultdict(list)
-        for (a, _), (left, right) in creases:
-            beside[left].append((right, a))
-            beside[right].append((left, a))
+        for (a, _), (one, two) in creases:
+            beside[one].append((two, a))
+            beside[two].append((one, a))
         folded = np.full((len(points), 2), np.nan)
         placed: dict[int, tuple[float, float]] = {0: (1.0, 0.0)}
         queue = deque([0])
@@ -762,9 +751,9 @@ class _Division:
             folded[rings[facet]] = np.where(known[:, None], old, place)
             for other, vertex in beside[facet]:
                 if other not in placed:
-                    side, other_left = maps[other]
+                    other_side, other_left = maps[other]
                     turned = -turn * left * other_left
-                    u = float((points[vertex] - skeleton.starts[side]) @ skeleton.along[side])
+                    u = float((points[vertex] - skeleton.starts[other_side]) @ skeleton.along[other_side])
                     placed[other] = turned, float(folded[vertex, 0]) - turned * u
                     queue.append(other)
         if len(placed) < len(rings) or worst > 1e3 * self.all.snap:
@@ -779,7 +768,5 @@ def _around_square(away: Floats) -> Floats:
     """Return numbers that grow counter-clockwise along the square of half side 1."""
     x, y = away.T
     flat = np.abs(y) >= np.abs(x)
-    quarter: Floats = np.where(
-        flat & (y < 0), x, np.where(~flat & (x > 0), 2 + y, np.where(flat, 4 - x, 6 - y))
-    )
+    quarter: Floats = np.where(flat & (y < 0), x, np.where(~flat & (x > 0), 2 + y, np.where(flat, 4 - x, 6 - y)))
     return quarter

@@ -8,23 +8,27 @@ Which perpendiculars are folded is chosen in several ways, see ``perpendiculars`
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+
+import numpy as np
 
 from foldcut.errors import UnfoldableError
 from foldcut.faces import assemble, creases_of_stack
 from foldcut.foldability import crease_numbers
 from foldcut.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.ordersolver import layer_order
-from foldcut.perpendiculars import Perpendiculars, divide_sheet, straight_skeleton, tie_nodes
+from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton, tie_nodes
 from foldcut.search import Rank, rank, shortest_crease
 from foldcut.verify import verify
 
 __all__ = ["Skeletal", "fold_skeletal"]
 
-SECONDS = {"fast": 5.0, "normal": 20.0, "best": 120.0}
-"""How long choices are tried, by effort; the first is always looked at."""
+SECONDS = {"fast": 1.0, "normal": 8.0, "best": 60.0}
+"""How long choices are tried, by effort and the model of ``_cost``: what comes out does not depend on the machine."""
+
+NEAR_MM = 0.05
+"""How far corners may be moved; curves are drawn as segments that are no more than this off."""
 
 FEWEST = 4
 """So many of the sets of perpendiculars with the fewest pieces are tried."""
@@ -52,31 +56,41 @@ def fold_skeletal(
     shape: Shape,
     sheet: Sheet,
     *,
-    near: float = 0.0,
+    ribbon: float = 0.0,
+    near: float = NEAR_MM,
     effort: str = "normal",
     seconds: float | None = None,
+    share: float = 1.0,
     progress: Callable[[str, float], None] | None = None,
 ) -> Skeletal:
     """Fold a shape along its straight skeleton.
 
     ``shape`` is in the sheet's mm; corners may be moved by ``near`` mm where that joins nodes of the skeleton.
+    ``ribbon`` is a half-width in mm: so near to the cut, creases run straight across it or along a corner's bisector.
     Raises ``UnfoldableError`` with the reason where perpendiculars do not end, creases are too many, or no choice has
     a layer order.
     """
-    limit = seconds if seconds is not None else SECONDS[effort]
-    start = time.monotonic()
+    limit = share * (seconds if seconds is not None else SECONDS[effort])
     shape, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
-    perpendiculars = Perpendiculars(straight_skeleton(shape, sheet), sheet)
+    skeleton = straight_skeleton(shape, sheet)
+    perpendiculars = Perpendiculars(skeleton, sheet)
+    lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
+    if lowest <= ribbon:
+        raise UnfoldableError(
+            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
+        )
     best: tuple[Rank, Skeletal] | None = None
-    problem = ""
+    problem, spent = "", 0.0
     for taken in _choices(perpendiculars):
-        spent = time.monotonic() - start
         if progress is not None:
-            progress("perpendiculars", min(1.0, spent / limit))
-        if spent > limit and (best or problem):
-            break
+            progress("layer orders", min(1.0, spent / limit))
         try:
-            made = _ordered(shape, moved, perpendiculars, taken, max(limit - spent, 1.0))
+            facets = divide_sheet(perpendiculars, taken)
+            cost = _cost(len(facets.rings))
+            if spent + cost > limit and (best or spent):
+                break
+            spent += cost
+            made = _ordered(shape, moved, facets, len(taken))
         except UnfoldableError as error:
             problem = problem or str(error)
             continue
@@ -86,6 +100,11 @@ def fold_skeletal(
     if best is None:
         raise UnfoldableError(problem or "no set of perpendiculars makes the creases at every node even")
     return best[1]
+
+
+def _cost(facets: int) -> float:
+    """About how many seconds it takes to order so many facets."""
+    return 0.03 + (facets / 120) ** 3 / 4
 
 
 def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
@@ -104,17 +123,16 @@ def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
         yield from perpendiculars.rooted()
 
 
-def _ordered(
-    shape: Shape, moved: float, perpendiculars: Perpendiculars, taken: list[int], seconds: float
-) -> Skeletal:
-    facets = divide_sheet(perpendiculars, taken)
+def _ordered(shape: Shape, moved: float, facets: Facets, perpendiculars: int) -> Skeletal:
     if len(facets.creases) > MOST_CREASES:
-        raise UnfoldableError(f"the pattern has {len(facets.creases):,} creases; at most {MOST_CREASES:,} are looked at")
-    order = layer_order(facets.folded, facets.rings, facets.creases, facets.up, seconds=seconds)
+        raise UnfoldableError(
+            f"the pattern has {len(facets.creases):,} creases; at most {MOST_CREASES:,} are looked at"
+        )
+    order = layer_order(facets.folded, facets.rings, facets.creases, facets.up)
     rings = [facets.rings[k] for k in order]
     edges, kinds = creases_of_stack(facets.folded, rings)
     creases, folded = assemble(facets.flat, facets.folded, rings, edges, kinds, facets.sheet_corners)
     findings = verify(creases, folded.layers, shape)
     if findings:
         raise UnfoldableError(f"the pattern fails verification ({findings[0]})")
-    return Skeletal(shape, moved, len(taken), creases, folded)
+    return Skeletal(shape, moved, perpendiculars, creases, folded)
