@@ -133,6 +133,7 @@ class _Drawn:
     def __init__(self, shape: Shape, sheet: Sheet, tie: float) -> None:
         self.diagonal = sheet.diagonal
         self.tie = tie * self.diagonal
+        self.exact = EXACT * self.diagonal
         self.starts = np.concatenate(shape.loops)
         following = np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])
         self.count = len(self.starts)
@@ -175,18 +176,42 @@ class _Drawn:
     def faces(self) -> tuple[Floats, list[tuple[int, bool, Ring]]]:
         """Return points, and each face's side, whether it is at the side's left, and its ring."""
         points, edges = self._joined()
-        faces = trace_faces(points, index_array(edges)).to_lists()
-        rings: list[tuple[int, bool, Ring]] = []
-        for ring in faces:
+        owned = self._owned(points, edges)
+        owner = {pair: k for k, (_, ring) in enumerate(owned) for pair in zip(ring, ring[1:] + ring[:1], strict=True)}
+        # behind a gap between sides on one line their faces are one; any edge may be drawn between them
+        needless = {
+            (a, b)
+            for a, b in edges
+            if (a, b) in owner
+            and (b, a) in owner
+            and owner[a, b] != owner[b, a]
+            and self._on_one_line(owned[owner[a, b]][0][0], owned[owner[b, a]][0][0])
+        }
+        if needless:
+            owned = self._owned(points, [edge for edge in edges if edge not in needless])
+        if sum(len(sides) for sides, _ in owned) != 2 * self.count or not all(
+            sides and all(self._on_one_line(sides[0], side) for side in sides) for sides, _ in owned
+        ):
+            raise UnfoldableError("the straight skeleton is not complete; move a corner a little")
+        return points, [(*sides[0], ring) for sides, ring in owned if sides]
+
+    def _owned(self, points: Floats, edges: list[Edge]) -> list[tuple[list[tuple[int, bool]], Ring]]:
+        """Return the sides, and whether it is at their left, and the ring of each face that is not the frame's."""
+        owned = []
+        for ring in trace_faces(points, index_array(edges)).to_lists():
             pairs = list(zip(ring, ring[1:] + ring[:1], strict=True))
             sides = [(self.sides[pair], True) for pair in pairs if pair in self.sides]
             sides += [(self.sides[b, a], False) for a, b in pairs if (b, a) in self.sides]
-            if len(sides) > 1:
-                raise UnfoldableError("the straight skeleton is not complete; move a corner a little")
-            rings += [(side, left, ring) for side, left in sides]
-        if len(rings) != 2 * self.count:
-            raise UnfoldableError("the straight skeleton is not complete; move a corner a little")
-        return points, rings
+            if sides:
+                owned.append((sides, ring))
+        return owned
+
+    def _on_one_line(self, one: tuple[int, bool], other: tuple[int, bool]) -> bool:
+        """Whether two sides are on one line and have their faces on the same side of it."""
+        (a, left), (b, other_left) = one, other
+        away = np.abs(left_normal(self.along[a]) @ (self.starts[b] - self.starts[a]))
+        turn = self.along[a] - (1 if left == other_left else -1) * self.along[b]
+        return bool(away <= self.exact and np.hypot(*turn) <= 1e-9)
 
     def _joined(self) -> tuple[Floats, list[Edge]]:
         """Return points and edges without edges shorter than a tie."""
@@ -224,7 +249,7 @@ class _Drawn:
             off = float(np.abs(rows @ solution - right).max())
             if np.hypot(*(points[vertex] - self.starts[number[0]])) < 2 * self.diagonal and off > worst:
                 worst, at = off, vertex
-        if worst > EXACT * self.diagonal:
+        if worst > self.exact:
             x, y = points[at]
             raise UnfoldableError(
                 f"the straight skeleton is too fine near ({x:.4g}, {y:.4g}) mm; simplify the drawing there"
