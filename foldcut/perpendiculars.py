@@ -214,8 +214,9 @@ class _Drawn:
         return bool(away <= self.exact and np.hypot(*turn) <= 1e-9)
 
     def _joined(self) -> tuple[Floats, list[Edge]]:
-        """Return points and edges without edges shorter than a tie."""
+        """Return points and edges, these at least as long as a tie, and none of them through a point or twice."""
         points = np.array(self.points)
+        self.edges = _divided(points, self.edges, self.tie)
         ends = np.array(self.edges)
         short = ends[np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) <= self.tie]
         first = _groups(len(points), short.tolist())
@@ -242,11 +243,12 @@ class _Drawn:
             number = [side for side, _ in around]
             turn = np.where([left for _, left in around], 1.0, -1.0)[:, None]
             rows = np.concatenate([turn * normal[number], -np.ones((len(number), 1))], axis=1)
-            right = (turn * normal[number] * (self.starts[number] - points[vertex])).sum(axis=1)
-            solution = np.linalg.lstsq(rows, right, rcond=1e-12)[0]
-            points[vertex] += solution[:2]
-            height[vertex] = solution[2]
-            off = float(np.abs(rows @ solution - right).max())
+            away = (turn * normal[number] * (points[vertex] - self.starts[number])).sum(axis=1)
+            middle = float(away.mean())
+            change = np.linalg.lstsq(rows, middle - away, rcond=1e-12)[0]
+            points[vertex] += change[:2]
+            height[vertex] = middle + change[2]
+            off = float(np.abs(rows @ change + away - middle).max())
             if np.hypot(*(points[vertex] - self.starts[number[0]])) < 2 * self.diagonal and off > worst:
                 worst, at = off, vertex
         if worst > self.exact:
@@ -375,6 +377,22 @@ def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> Iterator[tuple[Flo
     place = {number: k for k, number in enumerate(numbers)}
     ridges = [[place[a], place[b]] for (a, b), kind in zip(edges.tolist(), kinds, strict=True) if kind != 2]
     yield points[:, :2], np.array(ridges)
+
+
+def _divided(points: Floats, edges: Sequence[Edge], tie: float) -> list[Edge]:
+    """Divide edges at points that lie on them."""
+    lines = shapely.linestrings(points[np.array(edges)])
+    point, line = shapely.STRtree(lines).query(shapely.points(points), predicate="dwithin", distance=tie)
+    on: dict[int, list[int]] = defaultdict(list)
+    for vertex, number in zip(point.tolist(), line.tolist(), strict=True):
+        if vertex not in edges[number]:
+            on[number].append(vertex)
+    divided: list[Edge] = []
+    for number, (a, b) in enumerate(edges):
+        step = points[b] - points[a]
+        way = sorted(on[number], key=lambda vertex: float((points[vertex] - points[a]) @ step))
+        divided += pairwise([a, *way, b])
+    return divided
 
 
 def _groups(count: int, pairs: Sequence[Sequence[int]]) -> list[int]:

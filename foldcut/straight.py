@@ -33,6 +33,9 @@ NEAR_MM = 0.05
 FEWEST = 4
 """So many of the sets of perpendiculars with the fewest pieces are tried."""
 
+PATIENCE = 5.0
+"""How many times as long choices are tried while none has an order."""
+
 MOST_CREASES = 1000
 """Patterns with more creases are not looked at."""
 
@@ -87,7 +90,7 @@ def fold_skeletal(
         try:
             facets = divide_sheet(perpendiculars, taken)
             cost = _cost(len(facets.rings))
-            if spent + cost > limit and (best or spent):
+            if spent + cost > limit and (best or spent > PATIENCE * limit):
                 break
             spent += cost
             made = _ordered(shape, moved, facets, len(taken))
@@ -111,12 +114,11 @@ def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
     """Set up and yield choices of perpendiculars: the fewest, then those that fold away from a root."""
     perpendiculars.trace(perpendiculars.odd)
     perpendiculars.require_ends()
+    fewest, rooted = list(perpendiculars.fewest(FEWEST)), perpendiculars.rooted()
     seen: set[tuple[int, ...]] = set()
-    for taken in perpendiculars.fewest(FEWEST):
-        seen.add(tuple(taken))
-        yield taken
-    for taken in perpendiculars.rooted():
+    for taken in [*fewest[:1], *rooted[:1], *fewest[1:], *rooted[1:]]:
         if tuple(taken) not in seen:
+            seen.add(tuple(taken))
             yield taken
     if len(perpendiculars.nodes) > len(perpendiculars.odd):
         perpendiculars.trace(perpendiculars.nodes)
