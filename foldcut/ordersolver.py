@@ -145,7 +145,7 @@ def layer_order(
         raise UnfoldableError(NEEDS_EXTRA) from error
     end = time.monotonic() + seconds
     conditions = OrderSolver(folded, rings, creases, up)
-    with Solver(name="cadical195", bootstrap_with=list(conditions.clauses())) as solver:
+    with Solver(name="minisat22", bootstrap_with=list(conditions.clauses())) as solver:
         while True:
             if not solver.solve():
                 raise UnfoldableError("the facets cannot be put in an order in which no paper passes through paper")

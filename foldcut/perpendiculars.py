@@ -33,6 +33,7 @@ from foldcut.plane import left_normal
 
 Edge = tuple[int, int]
 Ring = list[int]
+Tie = frozenset[tuple[int, bool]]  # sides that are equally far from one point, and whether it is at their left
 
 TIES = (1e-6, 1e-8, 1e-10)
 """Nodes that are so near to each other, relative to the sheet's diagonal, are one if that is exact enough."""
@@ -47,6 +48,9 @@ FRAME = 6.0
 """How far around the sheet the paper is taken to go on, in diagonals: so far that its border changes nothing on it."""
 
 ROUNDS, NEWTON_STEPS = 6, 12
+
+REACH, MOST_TRIALS = 60.0, 40
+"""Ridges this many times longer than corners may be moved are tried to be made to vanish, so many in a round."""
 
 FREE = 100.0
 """How much more freely nodes are moved than corners."""
@@ -275,42 +279,77 @@ def tie_nodes(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, float]:
     left as they are. Curves and symmetric shapes are drawn with rounded numbers; without this each rounding error
     has creases of its own.
     """
-    ties: list[frozenset[tuple[int, bool]]] = []
+    ties: list[Tie] = []
+    refused: set[Tie] = set()
     now = shape
     for _ in range(ROUNDS):
-        drawn = _Drawn(now, sheet, TIES[-1])
-        found = [tie for tie in _near_ties(drawn, near) if not any(tie <= known for known in ties)]
+        found = [tie for _, tie in _near_ties(_Drawn(now, sheet, TIES[-1]), near) if not _is_known(tie, ties)]
         if not found:
             break
-        ties = [known for known in ties if not any(known < tie for tie in found)] + found
-        moved = _moved(shape, sheet, ties)
-        if moved is None or max(map(_farthest, moved.loops, shape.loops)) > near:
+        moved = _with_ties(shape, sheet, ties, found, near)
+        if moved is None:
             break
-        now = moved
+        now, ties = moved
+    for _ in range(ROUNDS):
+        ridges = sorted(_near_ties(_Drawn(now, sheet, TIES[-1]), REACH * near, single=True), key=lambda one: one[0])
+        new = [tie for _, tie in ridges if not _is_known(tie, ties) and tie not in refused]
+        changed = False
+        for tie in new[:MOST_TRIALS]:
+            moved = _with_ties(shape, sheet, ties, [tie], near)
+            if moved is None:
+                refused.add(tie)
+            else:
+                changed = True
+                now, ties = moved
+        if not changed:
+            break
     return now, max(map(_farthest, now.loops, shape.loops))
+
+
+def _is_known(tie: Tie, ties: Sequence[Tie]) -> bool:
+    return any(tie <= known for known in ties)
+
+
+def _with_ties(
+    shape: Shape, sheet: Sheet, ties: list[Tie], more: list[Tie], near: float
+) -> tuple[Shape, list[Tie]] | None:
+    """Return the shape with more ties, and all its ties, or None if corners are moved by more than ``near``."""
+    ties = [known for known in ties if not any(known < tie for tie in more)] + more
+    moved = _moved(shape, sheet, ties)
+    if moved is None or max(map(_farthest, moved.loops, shape.loops)) > near:
+        return None
+    return moved, ties
 
 
 def _farthest(one: Floats, other: Floats) -> float:
     return float(np.hypot(*(one - other).T).max())
 
 
-def _near_ties(drawn: _Drawn, near: float) -> Iterator[frozenset[tuple[int, bool]]]:
-    """Yield the sides, and whether a face is at their left, that meet in nodes that are near to each other."""
+def _near_ties(drawn: _Drawn, near: float, *, single: bool = False) -> Iterator[tuple[float, Tie]]:
+    """Yield the sides that meet in nodes with a way along ridges shorter than ``near`` between them, and its length.
+
+    ``single``: for each ridge by itself.
+    """
     points, rings = drawn.faces()
     beside: dict[int, set[tuple[int, bool]]] = defaultdict(set)
     edges = set()
     for side, left, ring in rings:
         for vertex in ring:
             beside[vertex].add((side, left))
-        edges |= {(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True) if min(a, b) >= drawn.count}
+        edges |= {(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True) if b > a >= drawn.count}
     ends = np.array(sorted(edges)).reshape(-1, 2)
-    short = ends[np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) < near]
+    length = np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T)
+    short = ends[length < near]
+    if single:
+        for (a, b), way in zip(short.tolist(), length[length < near].tolist(), strict=True):
+            yield way, frozenset(beside[a] | beside[b])
+        return
     group = np.array(_groups(len(points), short.tolist()))
     for number in np.unique(group[short[:, 0]]).tolist():
-        yield frozenset().union(*(beside[v] for v in np.flatnonzero(group == number).tolist()))
+        yield near, frozenset().union(*(beside[v] for v in np.flatnonzero(group == number).tolist()))
 
 
-def _moved(shape: Shape, sheet: Sheet, ties: Sequence[frozenset[tuple[int, bool]]]) -> Shape | None:
+def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
     """Return the shape with corners moved as little as possible so that each tie's sides are equally far from a point.
 
     Newton's method, each step the least one; None where that does not lead to it.
