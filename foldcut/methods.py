@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-METHODS = ("auto", "mirror", "compact", "paper", "gate")
+METHODS = ("auto", "mirror", "compact", "paper", "skeleton", "gate")
 DEFAULT_METHOD = "auto"
-"""Of "mirror" and "compact" the one whose pattern is easiest to fold; "gate" where neither folds several loops."""
+"""Of "mirror", "compact" and, for several loops, "skeleton" the one whose pattern is easiest to fold; else "gate"."""
 
 EFFORTS = ("fast", "normal", "best")
 """How long there is a search for the best pattern."""
 
-MIN_CREASE_MM = {"mirror": 0.5, "compact": 0.5, "paper": 0.0, "gate": 0.0}
-"""The shortest crease that a method's patterns may have unless told otherwise; disk packings have tiny ones."""
+MIN_CREASE_MM = {"mirror": 0.5, "compact": 0.5, "paper": 0.0, "skeleton": 0.0, "gate": 0.0}
+"""The shortest crease that a method's patterns may have unless told otherwise; some have no say in it."""

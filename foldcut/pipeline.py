@@ -50,6 +50,7 @@ from foldcut.search import Compact, fold_compact, rank, shortest_crease
 from foldcut.shape import LARGEST_NUMBER, make_shape
 from foldcut.sheet import as_it_lies, parse_sheet, place
 from foldcut.simplify import simplify as simplify_shape
+from foldcut.straight import Skeletal, fold_skeletal
 from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.tolerance import Tolerance
 from foldcut.verify import COINCIDENT, verify
@@ -101,7 +102,7 @@ class Result:
 
     folded_pattern: FoldedPattern
     findings: tuple[Finding, ...]
-    stages: PaperStages | Compact | Mirrored | Gated
+    stages: PaperStages | Compact | Mirrored | Gated | Skeletal
     method: str
     actions: int
     attempts: tuple[Attempt, ...]
@@ -171,7 +172,8 @@ def fold(
     mm, ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
     ``rotation`` in degrees counter-clockwise. ``method`` is "mirror" (the shape's mirror axes are folded first, the
     rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), "gate"
-    (the same for several loops), or "auto": of the first two, the one with fewer folding actions, else the gate.
+    (the same for several loops), "skeleton" (Demaine, Demaine and Lubiw), or "auto": of mirror, compact and, for
+    several loops, skeleton the one with the fewest folding actions, else the gate.
     ``ribbon`` is the half-width in mm of the strip along the shape's boundary that is not folded; None is the
     method's default, which for "paper" is a small one: without, creases fold onto the cut line. ``min_crease`` is
     the shortest crease in mm that a pattern may have, None the method's default (0.5, "paper": 0). ``simplify``
@@ -295,7 +297,7 @@ class _Made:
     """What a method made of a shape on its sheet."""
 
     method: str
-    stages: PaperStages | Compact | Mirrored | Gated
+    stages: PaperStages | Compact | Mirrored | Gated | Skeletal
     laid: _Laid
     ribbon: float
     actions: int
@@ -324,6 +326,9 @@ class _Trials:
         self.fold_mirrored = partial(
             fold_mirrored, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
         )
+        self.fold_skeletal = partial(
+            fold_skeletal, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
+        )
         self.attempts: list[Attempt] = []
 
     def run(self, method: str, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
@@ -332,6 +337,8 @@ class _Trials:
             return self._kept(self._paper(laid))
         if method == "gate":
             return self._kept(self._gate(laid))
+        if method == "skeleton":
+            return self._kept(self._skeleton(laid, 1.0))
         made: list[_Made] = []
         reasons: list[str] = []
         interrupted = False
@@ -351,6 +358,14 @@ class _Trials:
                 if method == "compact":
                     raise
                 reasons.append(self._failed("compact", error))
+            except KeyboardInterrupt:
+                if not made:
+                    raise
+        if method == "auto" and len(laid.shape.loops) > 1 and not interrupted:
+            try:
+                made.append(self._kept(self._skeleton(laid, AFTER_MIRROR if made else 1.0)))
+            except UnfoldableError as error:
+                reasons.append(self._failed("skeleton", error))
             except KeyboardInterrupt:
                 if not made:
                     raise
@@ -423,6 +438,15 @@ class _Trials:
             f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; "
             f"make it so with --symmetry {math.ceil(off * 100) / 100:g}mm"
         )
+
+    def _skeleton(self, laid: _Laid, share: float) -> _Made:
+        with self.stages("straight skeleton"):
+            made = self.fold_skeletal(laid.shape, laid.sheet, share=share)
+        notes = list(laid.notes)
+        if made.moved_mm > COINCIDENT[0] * laid.sheet.diagonal:
+            notes.append(f"corners moved by at most {made.moved_mm:.2g} mm, so that creases meet")
+        on = _Laid(laid.sheet, made.shape, laid.placement, notes)
+        return _Made("skeleton", made, on, self.free, crease_numbers(made.creases).lines)
 
     def _gate(self, laid: _Laid) -> _Made:
         ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon

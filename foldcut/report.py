@@ -176,6 +176,8 @@ def _method_numbers(result: Result) -> Report:
     if result.method in ("compact", "mirror"):
         found = stages if result.method == "compact" else stages.found
         return {"tried": found.tried, "interrupted": found.interrupted}
+    if result.method == "skeleton":
+        return {"perpendiculars": stages.perpendiculars, "moved_mm": stages.moved_mm}
     numbers = {"disks": len(stages.packing.radii), "molecules": len(stages.molecules.corners)}
     return numbers | ({"rings": len(stages.rings)} if result.method == "gate" else {})
 
@@ -189,6 +191,8 @@ def _method_rows(report: Report) -> list[tuple[str, str]]:
         return [("packing", packing), ("", ribbon)]
     if report["method"] == "gate":
         rows = [("method", f"gate: {report['rings']} rings, {packing}")]
+    elif report["method"] == "skeleton":
+        rows = [("method", f"skeleton: {report['perpendiculars']} perpendiculars")]
     else:
         best = f"{report['method']}, best of {report['tried']} tried"
         rows = [("method", f"interrupted: {best}" if report["interrupted"] else best)]

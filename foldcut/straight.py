@@ -1,0 +1,140 @@
+"""Several loops, or one, with few creases: along the straight skeleton, the layers ordered by a solver.
+
+``Shape`` on its sheet -> ``Skeletal``: a verified pattern (Demaine, Demaine and Lubiw 1998; docs/several-loops.md).
+
+Which perpendiculars are folded is chosen in several ways, see ``perpendiculars``; for each of these choices
+``ordersolver`` looks for a layer order, and ``verify`` has the last word. The pattern that is easiest to fold is taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from foldcut.errors import UnfoldableError
+from foldcut.faces import assemble, creases_of_stack
+from foldcut.foldability import crease_numbers
+from foldcut.model import CreasePattern, FoldedState, Shape, Sheet
+from foldcut.ordersolver import layer_order
+from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton, tie_nodes
+from foldcut.search import Rank, rank, shortest_crease
+from foldcut.verify import verify
+
+__all__ = ["Skeletal", "fold_skeletal"]
+
+SECONDS = {"fast": 1.0, "normal": 8.0, "best": 60.0}
+"""How long choices are tried, by effort and the model of ``_cost``: what comes out does not depend on the machine."""
+
+NEAR_MM = 0.05
+"""How far corners may be moved; curves are drawn as segments that are no more than this off."""
+
+FEWEST = 4
+"""So many of the sets of perpendiculars with the fewest pieces are tried."""
+
+PATIENCE = 5.0
+"""How many times as long choices are tried while none has an order."""
+
+MOST_CREASES = 1000
+"""Patterns with more creases are not looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Skeletal:
+    """What the method made.
+
+    ``shape`` is the drawing with nodes tied, ``moved_mm`` how far its corners were moved for that at most;
+    ``perpendiculars`` how many there are.
+    """
+
+    shape: Shape
+    moved_mm: float
+    perpendiculars: int
+    creases: CreasePattern
+    folded: FoldedState
+
+
+def fold_skeletal(
+    shape: Shape,
+    sheet: Sheet,
+    *,
+    ribbon: float = 0.0,
+    near: float = NEAR_MM,
+    effort: str = "normal",
+    seconds: float | None = None,
+    share: float = 1.0,
+    progress: Callable[[str, float], None] | None = None,
+) -> Skeletal:
+    """Fold a shape along its straight skeleton.
+
+    ``shape`` is in the sheet's mm; corners may be moved by ``near`` mm where that joins nodes of the skeleton.
+    ``ribbon`` is a half-width in mm: so near to the cut, creases run straight across it or along a corner's bisector.
+    Raises ``UnfoldableError`` with the reason where perpendiculars do not end, creases are too many, or no choice has
+    a layer order.
+    """
+    limit = share * (seconds if seconds is not None else SECONDS[effort])
+    shape, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
+    skeleton = straight_skeleton(shape, sheet)
+    perpendiculars = Perpendiculars(skeleton, sheet)
+    lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
+    if lowest <= ribbon:
+        raise UnfoldableError(
+            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
+        )
+    best: tuple[Rank, Skeletal] | None = None
+    problem, spent = "", 0.0
+    for taken in _choices(perpendiculars):
+        if progress is not None:
+            progress("layer orders", min(1.0, spent / limit))
+        try:
+            facets = divide_sheet(perpendiculars, taken)
+            cost = _cost(len(facets.rings))
+            if spent + cost > limit and (best or spent > PATIENCE * limit):
+                break
+            spent += cost
+            made = _ordered(shape, moved, facets, len(taken))
+        except UnfoldableError as error:
+            problem = problem or str(error)
+            continue
+        key = rank(crease_numbers(made.creases).lines, shortest_crease(made.creases))
+        if best is None or key < best[0]:
+            best = key, made
+    if best is None:
+        raise UnfoldableError(problem or "no set of perpendiculars makes the creases at every node even")
+    return best[1]
+
+
+def _cost(facets: int) -> float:
+    """About how many seconds it takes to order so many facets."""
+    return 0.03 + (facets / 120) ** 3 / 4
+
+
+def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
+    """Set up and yield choices of perpendiculars: the fewest, then those that fold away from a root."""
+    perpendiculars.trace(perpendiculars.odd)
+    perpendiculars.require_ends()
+    fewest, rooted = list(perpendiculars.fewest(FEWEST)), perpendiculars.rooted()
+    seen: set[tuple[int, ...]] = set()
+    for taken in [*fewest[:1], *rooted[:1], *fewest[1:], *rooted[1:]]:
+        if tuple(taken) not in seen:
+            seen.add(tuple(taken))
+            yield taken
+    if len(perpendiculars.nodes) > len(perpendiculars.odd):
+        perpendiculars.trace(perpendiculars.nodes)
+        yield from perpendiculars.rooted()
+
+
+def _ordered(shape: Shape, moved: float, facets: Facets, perpendiculars: int) -> Skeletal:
+    if len(facets.creases) > MOST_CREASES:
+        raise UnfoldableError(
+            f"the pattern has {len(facets.creases):,} creases; at most {MOST_CREASES:,} are looked at"
+        )
+    order = layer_order(facets.folded, facets.rings, facets.creases, facets.up)
+    rings = [facets.rings[k] for k in order]
+    edges, kinds = creases_of_stack(facets.folded, rings)
+    creases, folded = assemble(facets.flat, facets.folded, rings, edges, kinds, facets.sheet_corners)
+    findings = verify(creases, folded.layers, shape)
+    if findings:
+        raise UnfoldableError(f"the pattern fails verification ({findings[0]})")
+    return Skeletal(shape, moved, perpendiculars, creases, folded)

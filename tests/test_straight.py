@@ -1,0 +1,203 @@
+"""Folding along the straight skeleton: skeletons, perpendiculars, layer orders, whole patterns."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from several_loops import random_loops
+from strategies import Points, rectangle, star
+
+import foldcut
+from foldcut.cli import main
+from foldcut.errors import UnfoldableError
+from foldcut.model import Shape, Sheet, index_array
+from foldcut.ordersolver import layer_order
+from foldcut.perpendiculars import Perpendiculars, divide_sheet, straight_skeleton, tie_nodes
+from foldcut.planar import edge_faces
+from foldcut.samples import sample_path
+from foldcut.shape import make_shape
+from foldcut.sheet import parse_sheet, place
+from foldcut.straight import fold_skeletal
+from foldcut.verify import verify
+
+SHEET = parse_sheet("a4-portrait")
+# No side is on a line with another: the hole turned by a little.
+HOLED: list[Points] = [rectangle(12, 9), [(-2.1, -1.6), (1.9, -2.0), (2.2, 1.7), (-1.8, 2.0)]]
+ROOF: list[Points] = [[(0, 0), (10, 0), (10, 4), (7, 4), (7, 7), (5, 7), (5, 4), (0, 4)]]
+
+
+def placed(loops: list[Points], margin: float = 30.0) -> Shape:
+    return place(make_shape(loops), SHEET, margin=margin)[0]
+
+
+def perpendiculars(loops: list[Points]) -> Perpendiculars:
+    found = Perpendiculars(straight_skeleton(placed(loops), SHEET), SHEET)
+    found.trace(found.odd)
+    return found
+
+
+def rough(loops: list[Points], off: float, seed: int = 0) -> list[Points]:
+    """The loops with corners moved at random, relative to the shape's size."""
+    random = np.random.default_rng(seed)
+    size = np.ptp(np.concatenate(loops), axis=0).max()
+    return [(np.array(loop) + random.uniform(-off, off, (len(loop), 2)) * size).tolist() for loop in loops]
+
+
+def test_the_skeleton_of_a_rectangle_has_the_two_nodes_that_one_expects() -> None:
+    sheet = Sheet(200.0, 200.0)
+    shape = make_shape([[(40, 60), (160, 60), (160, 140), (40, 140)]])
+    skeleton = straight_skeleton(shape, sheet)
+    inside = skeleton.points[4:][skeleton.height[4:] > 0]
+    inside = inside[(inside > 40).all(axis=1) & (inside < 160).all(axis=1)]
+    np.testing.assert_allclose(inside[np.argsort(inside[:, 0])], [(80, 100), (120, 100)], atol=1e-9)
+
+
+@pytest.mark.parametrize("loops", [HOLED, ROOF, random_loops(0, holes=True), random_loops(2, holes=False)])
+def test_nodes_are_equally_far_from_all_sides_around_them(loops: list[Points]) -> None:
+    skeleton = straight_skeleton(placed(loops), SHEET)
+    for region in skeleton.regions:
+        away = skeleton.points[region.ring] - skeleton.starts[region.side]
+        x, y = skeleton.along[region.side]
+        height = np.abs(away @ (-y, x))
+        near = np.hypot(*away.T) < SHEET.diagonal
+        np.testing.assert_allclose(height[near], skeleton.height[region.ring][near], atol=1e-8)
+
+
+def test_sides_on_one_line_share_their_region() -> None:
+    skeleton = straight_skeleton(placed(ROOF), SHEET)
+    assert len(skeleton.regions) == 2 * 8 - 1  # inside the two halves of the roof are one
+
+
+@pytest.mark.parametrize("loops", [HOLED, random_loops(1, holes=True), random_loops(1, holes=False)])
+def test_perpendiculars_are_at_right_angles_to_their_sides_and_make_the_creases_at_nodes_even(
+    loops: list[Points],
+) -> None:
+    found = perpendiculars(loops)
+    skeleton = found.skeleton
+    for path in found.paths:
+        for step in path.steps:
+            along = skeleton.along[skeleton.regions[step.region].side]
+            assert abs((step.end - step.start) @ along) < 1e-9 * SHEET.diagonal
+    for taken in [*found.fewest(3), *found.rooted()]:
+        count = dict.fromkeys(found.odd, 0)
+        for number in taken:
+            for node in (found.paths[number].start, found.paths[number].end):
+                if node >= 0:
+                    count[node] = count.get(node, 0) + 1
+        assert all((found.degree[node] + number) % 2 == 0 for node, number in count.items())
+
+
+@pytest.mark.parametrize("loops", [HOLED, random_loops(3, holes=True), random_loops(3, holes=False)])
+def test_folded_facets_keep_their_form_and_the_shape_is_above_the_cut_line(loops: list[Points]) -> None:
+    found = perpendiculars(loops)
+    facets = divide_sheet(found, next(found.fewest(1)))
+    ends = np.array([edge for edge, _ in facets.creases])
+    for points in (facets.flat, facets.folded):
+        assert np.isfinite(points[ends]).all()
+    flat, folded = (np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) for points in (facets.flat, facets.folded))
+    np.testing.assert_allclose(flat, folded, atol=1e-9)
+    for ring, up in zip(facets.rings, facets.up, strict=True):
+        x, y = facets.folded[ring].T
+        area = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum()
+        assert (area > 0) == up
+
+
+def test_corners_are_moved_so_that_nodes_of_a_roughly_drawn_star_meet() -> None:
+    drawn = placed(rough([star(5, 0.4)], 1e-4))
+    tied, moved = tie_nodes(drawn, SHEET, 0.1)
+    assert 0 < moved <= 0.1
+    assert moved == pytest.approx(np.hypot(*(tied.loops[0] - drawn.loops[0]).T).max())
+    assert len(Perpendiculars(straight_skeleton(drawn, SHEET), SHEET).odd) > 0
+    assert Perpendiculars(straight_skeleton(tied, SHEET), SHEET).odd == []
+    # not farther than allowed
+    same, none = tie_nodes(drawn, SHEET, 1e-4)
+    assert none <= 1e-4
+    assert Perpendiculars(straight_skeleton(same, SHEET), SHEET).odd != []
+
+
+def test_a_rough_star_has_ten_creases_once_its_nodes_are_tied() -> None:
+    made = fold_skeletal(placed(rough([star(5, 0.4)], 1e-4)), SHEET, near=0.1)
+    assert made.creases.crease_count == 10
+    assert verify(made.creases, made.folded.layers, made.shape) == []
+
+
+def test_choices_without_a_layer_order_are_refused_by_the_solver() -> None:
+    found = perpendiculars([loop.tolist() for loop in random_loops(0, holes=True)])
+    first = divide_sheet(found, next(found.fewest(1)))
+    with pytest.raises(UnfoldableError, match="cannot be put in an order"):
+        layer_order(first.folded, first.rings, first.creases, first.up)
+    rooted = divide_sheet(found, found.rooted()[0])
+    order = layer_order(rooted.folded, rooted.rings, rooted.creases, rooted.up)
+    assert sorted(order) == list(range(len(rooted.rings)))
+
+
+def test_an_order_with_one_pair_the_other_way_is_rejected() -> None:
+    result = foldcut.fold(HOLED, method="skeleton")
+    creases, layers = result.folded_pattern.creases, result.folded_pattern.folded.layers
+    shape = result.folded_pattern.shape
+    assert verify(creases, layers, shape) == []
+    rank = np.argsort(layers)
+    for one, other in edge_faces(creases).tolist():
+        if min(one, other) >= 0:
+            swapped = layers.copy()
+            swapped[[rank[one], rank[other]]] = other, one
+            assert verify(creases, index_array(swapped), shape) != []
+
+
+@pytest.mark.parametrize(("name", "creases"), [("ring", 12), ("two-triangles", 9), ("letter-a", 46)])
+def test_samples_are_verified_with_few_creases(name: str, creases: int) -> None:
+    result = foldcut.fold(sample_path(name), method="skeleton")
+    assert result.findings == ()
+    assert result.folded_pattern.creases.crease_count <= creases
+
+
+@pytest.mark.parametrize("holes", [True, False], ids=["holes", "components"])
+@pytest.mark.parametrize("seed", [3, 6, 9])
+def test_random_shapes_are_verified(seed: int, holes: bool) -> None:
+    result = foldcut.fold(random_loops(seed, holes=holes), method="skeleton", margin=40, effort="fast")
+    assert result.findings == ()
+    assert result.folded_pattern.creases.crease_count < 300
+
+
+def test_where_no_perpendicular_ends_the_reason_names_the_node() -> None:
+    with pytest.raises(UnfoldableError, match=r"no perpendicular from the skeleton's node at \(.*\) mm ends within 600"):
+        fold_skeletal(placed(rough([star(5, 0.4)], 1e-4)), SHEET, near=0.0)
+
+
+def test_a_ribbon_wider_than_the_skeleton_is_refused() -> None:
+    assert foldcut.fold(HOLED, method="skeleton", ribbon=1.0).findings == ()
+    with pytest.raises(UnfoldableError, match="within the ribbon of 60 mm"):
+        foldcut.fold(HOLED, method="skeleton", ribbon=60.0)
+
+
+@pytest.mark.parametrize("module", ["compas_cgal.straight_skeleton_2", "pysat.solvers"])
+def test_without_the_extra_the_error_names_it_and_auto_takes_the_gate(
+    module: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(UnfoldableError, match=r"install it with pip install 'foldcut\[skeleton\]'"):
+        foldcut.fold(HOLED, method="skeleton")
+    result = foldcut.fold(HOLED, effort="fast")
+    assert (result.method, result.findings) == ("gate", ())
+
+
+def test_auto_takes_the_skeleton_for_several_loops_and_the_command_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drawing = tmp_path / "holed.json"
+    drawing.write_text(json.dumps({"loops": HOLED}))
+    assert main(["make", str(drawing), "--effort", "fast", "-o", str(tmp_path / "holed.fold")]) == 0
+    said = capsys.readouterr().out
+    assert "skeleton: " in said
+    assert "verified  " in said
+    assert main(["check", str(tmp_path / "holed.fold"), "--shape", str(drawing)]) == 0
+
+
+def test_moved_corners_are_told() -> None:
+    result = foldcut.fold(rough([rectangle(12, 12), rectangle(6, 6)], 5e-5), method="skeleton")
+    assert result.findings == ()
+    assert any("corners moved by at most 0.0" in note for note in result.notes)
