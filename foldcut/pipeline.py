@@ -269,6 +269,8 @@ def _regions(made: _Made) -> tuple[Region, ...]:
         return compact.regions(stages.walk, stages.molecules, made.laid.sheet)
     if isinstance(stages, Mirrored):
         return stages.regions
+    if isinstance(stages, Skeletal):
+        return ()  # all of it hangs together by the perpendiculars
     parent = stages.parent if isinstance(stages, Gated) else stages.assignment.parent
     return molecules.regions(stages.molecules, parent.tolist())
 
