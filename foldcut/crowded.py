@@ -9,12 +9,13 @@ come near each other. Source: paper section 2.
 from __future__ import annotations
 
 import numpy as np
+import shapely
 
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, Floats, Numbers
 from foldcut.zigzag import Outline, Solution, Turns
 
-MOST_DISKS = 1500
+MOST_DISKS = 30_000
 
 
 def crowded_solution(outline: Outline, clearance: float, shrink: Floats | float = 0.0) -> Solution:
@@ -22,14 +23,11 @@ def crowded_solution(outline: Outline, clearance: float, shrink: Floats | float 
 
     Raises ``UnfoldableError`` with the place of a feature that needs too many.
     """
-    loop, length, direction = outline.loop, outline.length, outline.direction
+    loop, length = outline.loop, outline.length
     count = len(loop)
-    to_corner = loop[:, None] - loop[None]
-    part = np.clip(np.sum(to_corner * direction[None], axis=2), 0, length[None])
-    away = np.hypot(*np.moveaxis(to_corner - part[:, :, None] * direction[None], 2, 0))
     row = np.arange(count)
-    away[row, row] = away[row, row - 1] = np.inf
-    radius = (1 - shrink) * (0.5 - clearance) * np.minimum(away.min(axis=1), np.minimum(length, np.roll(length, 1)))
+    away = np.array([_away(outline, corner) for corner in range(count)])
+    radius = (1 - shrink) * (0.5 - clearance) * np.minimum(away, np.minimum(length, np.roll(length, 1)))
     side = row
     ends = np.stack([radius, length - np.roll(radius, -1)], axis=1)
     while (crowded := _crowded(outline, side, ends, radius, clearance)).any():
@@ -57,6 +55,15 @@ def crowded_solution(outline: Outline, clearance: float, shrink: Floats | float 
     return Solution(Turns(sides, corner, peak), x, along, np.zeros(len(x)), clearance)
 
 
+def _away(outline: Outline, corner: int) -> float:
+    """How far a corner is from the nearest side that does not end in it."""
+    to_corner = outline.loop[corner] - outline.loop
+    part = np.clip(np.sum(to_corner * outline.direction, axis=1), 0, outline.length)
+    away = np.hypot(*(to_corner - part[:, None] * outline.direction).T)
+    away[[corner, corner - 1]] = np.inf
+    return float(away.min())
+
+
 def _crowded(outline: Outline, side: Numbers, ends: Floats, radius: Floats, clearance: float) -> Bools:
     """Which stretches have a disk that comes near another, no larger one, of another side."""
     loop = outline.loop
@@ -64,13 +71,17 @@ def _crowded(outline: Outline, side: Numbers, ends: Floats, radius: Floats, clea
     middle = loop[side] + outline.direction[side] * ends.mean(axis=1)[:, None]
     half = np.diff(ends)[:, 0] / 2
     centres, radii = np.concatenate([middle, loop]), np.concatenate([half, radius])
-    apart = centres[:, None] - centres[None]
-    near = np.hypot(apart[:, :, 0], apart[:, :, 1]) * (1 - 2 * clearance) < radii[:, None] + radii[None]
+    x, y = centres.T
+    reach = radii / (1 - 2 * clearance) * (1 + 1e-9)
+    boxes = shapely.box(x - reach, y - reach, x + reach, y + reach)
+    i, j = shapely.STRtree(boxes).query(boxes[: len(side)])
+    apart = centres[i] - centres[j]
+    near = np.hypot(*apart.T) * (1 - 2 * clearance) < radii[i] + radii[j]
     # disks of one side, its corners' among them, do not crowd each other
     first = np.concatenate([side, np.arange(count)])
     second = np.concatenate([side, (np.arange(count) - 1) % count])
-    same = (first[:, None] == first) | (first[:, None] == second) | (second[:, None] == first)
-    corner = np.arange(len(radii)) >= len(side)
-    same |= (second[:, None] == second) & ~(corner[:, None] & corner)
-    larger = (radii[:, None] >= radii[None] * (1 - 1e-9)) | corner[None]
-    return np.asarray((near & ~same & larger).any(axis=1)[: len(side)])
+    same = (first[i] == first[j]) | (first[i] == second[j]) | (second[i] == first[j]) | (second[i] == second[j])
+    larger = (radii[i] >= radii[j] * (1 - 1e-9)) | (j >= len(side))
+    crowded = np.zeros(len(side), dtype=bool)
+    crowded[i[near & ~same & larger]] = True
+    return crowded

@@ -167,8 +167,16 @@ class _Budget:
         self.allowed = max(self.spent, self.allowed) + part * self.allowed
         self.started = time.monotonic()
 
+    def is_less_than_program(self, turns: int) -> bool:
+        """Whether all that may be spent would not be enough for one linear program."""
+        return self.program_cost(turns) > PATIENCE * self.allowed
+
+    @staticmethod
+    def program_cost(turns: int) -> float:
+        return 0.002 + 2e-7 * turns**3
+
     def program(self, turns: int) -> None:
-        self.spent += 0.002 + 2e-7 * turns**3
+        self.spent += self.program_cost(turns)
 
     def fold(self, turns: int) -> None:
         self.spent += 0.002 + 0.0003 * turns + 3e-6 * turns**2
@@ -211,7 +219,9 @@ class _Search:
         self.solved: list[tuple[float, Solution, _Plan]] = []
 
     def run(self) -> None:
-        """Search until the budget is spent."""
+        """Search until the budget is spent, if it is enough for one linear program."""
+        if self.budget.seconds is None and self.budget.is_less_than_program(2 * len(self.outline.loop)):
+            return
         plain, turned = self._ranked(self._plans(turned=False)), self._ranked(self._plans(turned=True))
         while (plain or turned) and (self.best is None or self.budget.part < 0.3):
             for plans, share in ((plain, 1), (turned, 3)):
@@ -230,7 +240,8 @@ class _Search:
             return
         self.budget.seconds = None
         self.budget.more(np.inf)
-        plan = _Plan(np.ones(len(self.outline.loop), dtype=bool), 0, at_corner=False, turned=0)
+        # all corners are peaks and no pocket is turned, so no corner falls
+        plan = _Plan(np.ones(len(self.outline.loop), dtype=bool), 0, at_corner=False, turned=0, careful=False)
         for shrunk in (0.0, 0.01, 0.03, 0.06):
             # the exact ties of symmetric shapes are where a molecule may not close; a little noise undoes them
             noise = shrunk * self.rng.random(len(self.outline.loop))

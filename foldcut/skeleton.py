@@ -138,23 +138,23 @@ class _Wavefront:
             times = np.where(rate > 1e-12, np.maximum(length, 0) / rate, np.inf)
         k = int(times.argmin())
         best, split = float(times[k]), -1
-        for v, corner in enumerate(corners):
-            if not corner.reflex:
+        # a split is rare: the pairs that may come first are told at once, and looked at one by one
+        some = np.array([v for v, corner in enumerate(corners) if corner.reflex], dtype=np.int64)
+        closing = 1 - velocity[some] @ self.normal[sides].T
+        with np.errstate(all="ignore"):
+            until = (place[some] @ self.normal[sides].T - self.offset[sides] - height) / closing
+        until[closing <= 1e-12] = np.inf
+        near = np.argwhere((until >= -self.tie) & (until < best - self.tie))
+        for row, s in near.tolist():
+            v, time = int(some[row]), float(until[row, s])
+            if s in (v, (v - 1) % count) or time >= best - self.tie:
                 continue
-            closing = 1 - self.normal[sides] @ corner.velocity
-            gap = self.normal[sides] @ place[v] - self.offset[sides] - height
-            for s in range(count):
-                if s in (v, (v - 1) % count) or closing[s] <= 1e-12:
-                    continue
-                time = gap[s] / closing[s]
-                if not -self.tie <= time < best - self.tie:
-                    continue
-                hit = place[v] + corner.velocity * time
-                left = (hit - place[s] - velocity[s] * time) @ direction[s]
-                end = (s + 1) % count
-                right = (place[end] + velocity[end] * time - hit) @ direction[s]
-                if min(left, right) > self.tie:
-                    best, k, split = max(0.0, float(time)), s, v
+            hit = place[v] + velocity[v] * time
+            left = (hit - place[s] - velocity[s] * time) @ direction[s]
+            end = (s + 1) % count
+            right = (place[end] + velocity[end] * time - hit) @ direction[s]
+            if min(left, right) > self.tie:
+                best, k, split = max(0.0, time), s, v
         if not math.isfinite(best):
             return []
         height += best

@@ -26,18 +26,21 @@ Rabbit ear and gusset are the cases k = 3 and k = 4 with all valleys at x = 0.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
+import shapely
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Floats, Numbers
+from foldcut.model import Bools, Floats, Numbers, index_array
 from foldcut.plane import cross
 
 # Distances that differ by less than this part of the shape's size are equal.
 TIE = 1e-9
 # Sides that differ by less than this angle in radians run back on each other.
 SPIKE = 1e-9
+# Parts of more turns than this look for gussets among pairs that are near each other only.
+FEW = 100
 
 
 @dataclass
@@ -57,15 +60,6 @@ class Vertices:
         self.folded.append(folded)
         return len(self.flat) - 1
 
-    def at(self, flat: Floats, folded: tuple[float, float], tie: float, first: int) -> int:
-        """Return the vertex at a place, looking back as far as vertex ``first``, or add it."""
-        x, y = float(flat[0]), float(flat[1])
-        for number in range(len(self.flat) - 1, first - 1, -1):
-            there = self.flat[number]
-            if abs(there[0] - x) <= tie and abs(there[1] - y) <= tie:
-                return number
-        return self.add(flat, folded)
-
 
 @dataclass(eq=False)
 class _Turn:
@@ -82,6 +76,7 @@ class _Turn:
     vertex: int
     pockets: int  # bits
     level: float
+    number: int = -1  # in the molecule's table
 
     def __post_init__(self) -> None:
         (a, b), (c, d) = self.arriving.tolist(), self.leaving.tolist()
@@ -116,12 +111,35 @@ class _Facet:
 
 @dataclass
 class _Part:
-    """A polygon on its way up: its turns counter-clockwise from the one where the list of its layers is cut."""
+    """A polygon on its way up: its turns counter-clockwise from the one where the list of its layers is cut.
+
+    ``near``: what is known of its pairs of turns, if it has many.
+    """
 
     turns: list[_Turn]
     height: float
     unbounded: bool
     number: int = -1
+    near: _Near | None = None
+
+
+class _Table:
+    """What is known of all turns of a molecule, a row each: see ``_Turn.row``."""
+
+    def __init__(self) -> None:
+        self.rows = np.empty((64, 10))
+        self.count = 0
+
+    def numbers(self, turns: list[_Turn]) -> Numbers:
+        """The turns' numbers; new ones get theirs."""
+        for turn in turns:
+            if turn.number < 0:
+                if self.count == len(self.rows):
+                    self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
+                self.rows[self.count] = turn.row
+                turn.number = self.count
+                self.count += 1
+        return index_array([turn.number for turn in turns])
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +182,7 @@ class Molecule:
         self.parts: list[tuple[Floats, int]] = []
         self._levels = dict(zip(border.levels.tolist(), border.vertices, strict=True))
         self.lowest_event = math.inf
-        self.first_vertex = len(vertices.flat)
+        self._places: dict[tuple[int, int], list[int]] = {}  # this molecule's vertices, by small squares
         count = self.border_facets = len(border.vertices)
         self.facets = [_Facet([a], [b]) for a, b in zip(border.vertices, _after(border.vertices), strict=True)]
         self.order = list(range(count))
@@ -184,6 +202,7 @@ class Molecule:
             )
             for k, v in enumerate(border.vertices)
         ]
+        self._table = _Table()
         stack = [_Part(turns, 0.0, limit is not None)]
         steps = 0
         while stack:
@@ -217,9 +236,9 @@ class Molecule:
     def _step(self, part: _Part) -> list[_Part]:
         """Move a part up to its next event and return what becomes of it."""
         if len(part.turns) == 2:
-            self._raise(part, _State(part, self.turned), 0.0)
+            self._raise(part, _State(part, self.turned, self._table), 0.0)
             return []
-        state = _State(part, self.turned)
+        state = _State(part, self.turned, self._table)
         for k, turn in enumerate(part.turns):
             if turn.spike:
                 return [self._zip(part, state, k)]
@@ -227,9 +246,9 @@ class Molecule:
         if collapse > 0 and (pair := state.coincident(self.tie)):
             return self._pinch(part, state, *pair)
         crossing = state.next_crossing(self.tie)
-        gusset = state.next_gusset(min(collapse, crossing), self.tie)
+        gusset = state.next_gusset(min(collapse, crossing, self.limit - part.height), self.tie)
         if gusset is None and crossing < collapse and part.height + crossing <= self.limit:
-            return [_Part(part.turns, part.height + crossing, part.unbounded)]
+            return [_Part(part.turns, part.height + crossing, part.unbounded, part.near)]
         event = part.height + (collapse if gusset is None else gusset.time)
         self.lowest_event = min(self.lowest_event, event)
         if event > self.limit:
@@ -243,7 +262,23 @@ class Molecule:
 
     def _vertex_at(self, position: Floats, x: float, height: float) -> int:
         """The vertex of this molecule at a place, or a new one; events at one place share it."""
-        return self.vertices.at(position, (float(x), self.sign * height), self.tie, self.first_vertex)
+        place = float(position[0]), float(position[1])
+        # squares of some ties: what is within one tie is in the same or the next
+        columns, rows = (
+            {math.floor((at - self.tie) / (8 * self.tie)), math.floor((at + self.tie) / (8 * self.tie))} for at in place
+        )
+        latest = -1
+        for column in columns:
+            for row in rows:
+                for number in self._places.get((column, row), ()):
+                    there = self.vertices.flat[number]
+                    if abs(there[0] - place[0]) <= self.tie and abs(there[1] - place[1]) <= self.tie:
+                        latest = max(latest, number)
+        if latest < 0:
+            latest = self.vertices.add(position, (float(x), self.sign * height))
+            square = math.floor(place[0] / (8 * self.tie)), math.floor(place[1] / (8 * self.tie))
+            self._places.setdefault(square, []).append(latest)
+        return latest
 
     def _push(self, turn: _Turn, vertex: int) -> None:
         """Let a turn's trajectory go on to ``vertex``."""
@@ -309,7 +344,7 @@ class Molecule:
             else:
                 middle = position[run].mean(axis=0)
                 left.append(self._joined([turns[k] for k in run], middle, float(x[run].mean()), height))
-        return [_Part(left[cut:] + left[:cut], height, part.unbounded)]
+        return [_Part(left[cut:] + left[:cut], height, part.unbounded, part.near)]
 
     def _zip(self, part: _Part, state: _State, k: int) -> _Part:
         """The sides at a spike lie on each other: join them along a ridge up to the turns next to it."""
@@ -325,7 +360,7 @@ class Molecule:
         rest = [turns[(after + n) % count] for n in range(1, count - 2)]
         ring = [joined, *rest]
         cut = 0 if {before, k, after} & {0} else ring.index(turns[0])
-        return _Part(ring[cut:] + ring[:cut], part.height, part.unbounded)
+        return _Part(ring[cut:] + ring[:cut], part.height, part.unbounded, part.near)
 
     def _split(self, part: _Part, state: _State, gusset: _Gusset) -> list[_Part]:
         r"""Split a part along the crease between turns i and j, which wraps the turns between them.
@@ -419,7 +454,8 @@ class Molecule:
 
     def _part(self, turns: list[_Turn], height: float, whole: _Part) -> _Part:
         """What a part falls into; the turning number tells the unbounded one from a pocket."""
-        return _Part(turns, height, whole.unbounded and sum(math.pi - turn.angle for turn in turns) < 0)
+        unbounded = whole.unbounded and sum(math.pi - turn.angle for turn in turns) < 0
+        return _Part(turns, height, unbounded, whole.near)
 
     def _pinch(self, part: _Part, state: _State, i: int, j: int) -> list[_Part]:
         """Two turns i < j that are not neighbours meet in a point: the part falls in two, and no crease is needed."""
@@ -484,13 +520,34 @@ class _Gusset:
     x: float
 
 
+@dataclass(frozen=True, eq=False)
+class _Near:
+    """Pairs of turns that may come too near before a height, and since when they may: those and no others.
+
+    ``first``, ``last`` ``(k,)`` numbers of turns, ``height`` ``(k,)`` ascending, from ``start`` on; the ``active``
+    pairs ``(2, m)`` are past that. Turns from ``count`` on are newer than that. Pairs of turns that have met, or are in
+    different parts, stay in the lists.
+
+    Two turns whose disks, of radius x less the least x of all, do not overlap are not too near, whatever the tree.
+    """
+
+    first: Numbers
+    last: Numbers
+    height: Floats
+    start: int
+    active: Numbers
+    until: float
+    count: int
+
+
 class _State:
     """A part's turns as arrays, at its own height."""
 
-    def __init__(self, part: _Part, turned: int) -> None:
-        self.part = part
+    def __init__(self, part: _Part, turned: int, table: _Table) -> None:
+        self.part, self.table = part, table
         turns = part.turns
-        columns = np.array([t.row for t in turns]).T
+        self.numbers = table.numbers(turns)
+        columns = table.rows[self.numbers].T
         self.velocity = columns[2:4].T.copy()
         self.slope, height, self.shrink, self.up, level = columns[5:].copy()
         rise = part.height - height
@@ -503,8 +560,9 @@ class _State:
         outwards = (self.shrink < 0) & (self.up * (level - self.x) > 0)
         self.level = np.where(outwards, level, self.x)
         self.level_slope = np.where(outwards, 0.0, self.slope)
-        pockets = np.array([t.pockets for t in turns])
-        self.turned = (pockets & turned) if turned else np.zeros(len(turns), dtype=np.int64)
+        self.turned = np.zeros(len(turns), dtype=np.int64)
+        if turned:
+            self.turned = np.array([t.pockets for t in turns]) & turned
 
     def positions(self, time: float) -> Floats:
         moved: Floats = self.position + self.velocity * time
@@ -543,18 +601,22 @@ class _State:
 
     def coincident(self, tie: float) -> tuple[int, int] | None:
         """Two turns, not neighbours, that are in the same place now, both on the sheet and when folded."""
-        near = np.abs(self.position[:, None, 0] - self.position[:, 0]) <= tie
-        if np.count_nonzero(near) == len(near):
-            return None
-        near &= np.abs(self.position[:, None, 1] - self.position[:, 1]) <= tie
-        near &= np.abs(self.x[:, None] - self.x) <= tie
-        for i, j in np.argwhere(np.triu(near, 2)).tolist():
-            if (i or j < len(self.x) - 1) and self.peak[i] == self.peak[j]:
+        # only turns that some line's direction does not tell apart are worth a closer look
+        along = self.position @ (0.8, 0.6)
+        order = np.argsort(along)
+        equal = np.diff(along[order]) <= 2 * tie
+        some = np.unique(np.concatenate([order[:-1][equal], order[1:][equal]]))
+        x, y = self.position[some].T
+        near = np.abs(x[:, None] - x) <= tie
+        near &= np.abs(y[:, None] - y) <= tie
+        near &= np.abs(self.x[some][:, None] - self.x[some]) <= tie
+        for i, j in some[np.argwhere(np.triu(near, 1))].tolist():
+            if j > i + 1 and (i or j < len(self.x) - 1) and self.peak[i] == self.peak[j]:
                 return i, j
         return None
 
-    def _pairs(self, tie: float) -> tuple[Numbers, Numbers, Numbers]:
-        """Pairs of turns that may come too near, and the turn between them where the tree's path turns.
+    def _pairs(self, tie: float, until: float) -> tuple[Numbers, Numbers, Numbers]:
+        """Pairs of turns that may come too near before a time, and the turn between them where the tree's path turns.
 
         A pair goes from the first on to the last and around what lies between. Pairs with the turn 0, where the list
         of the layers is cut, go both ways.
@@ -564,6 +626,8 @@ class _State:
         over, under = ~self.peak | bent, self.peak | bent
         # the root is a leaf, too, when it alone is the lowest
         under[0] |= bool((self.x[1:] > self.x[0] + tie).all())
+        if count > FEW and not self.turned.any():
+            return self._near_pairs(under, until)
         place = np.arange(count + 1) % count
         x, step = self.level[place], np.arange(count + 1)
         ahead = step >= step[:-1, None]
@@ -581,11 +645,90 @@ class _State:
         i, j = np.nonzero(keep)
         return i, place[j], place[at[i, j]]
 
+    def _near_pairs(self, under: Bools, until: float) -> tuple[Numbers, Numbers, Numbers]:
+        """The same where there are many turns, and no pocket is turned: of all pairs only those that are near."""
+        count = len(self.x)
+        near = self._known(until)
+        end = near.start + int(np.searchsorted(near.height[near.start :], self.part.height + until, side="right"))
+        place = np.full(self.table.count, -1)
+        place[self.numbers] = np.arange(count)
+        active = np.concatenate([near.active, [near.first[near.start : end], near.last[near.start : end]]], axis=1)
+        here = place[active]
+        alive = (here >= 0).all(axis=0)
+        self.part.near = replace(near, start=end, active=active[:, alive])
+        i, j = np.sort(here[:, alive], axis=0)
+        keep = under[i] & under[j]
+        i, j = i[keep], j[keep]
+        around = (i == 0) & (j <= count - 2)
+        straight = (j >= i + 2) & ~((i == 0) & (j == count - 1))
+        i, j = np.concatenate([i[straight], j[around]]), np.concatenate([j[straight], np.full(around.sum(), count)])
+        order = np.lexsort([j, i])
+        i, j = i[order], j[order]
+        return i, j % count, _lowest(np.append(self.level, self.level[0]), i, j) % count
+
+    def _known(self, until: float) -> _Near:
+        """The pairs that may come too near before a time, as far as that is known; looked for where it is not."""
+        near, height = self.part.near, self.part.height
+        if near is None or height + until > near.until:
+            ahead = self._ahead(until)
+            pairs = shapely.STRtree(self._boxes(ahead)).query(self._boxes(ahead))
+            pairs = pairs[:, pairs[0] < pairs[1]]
+            first, last, since = self._since(pairs, ahead)
+            empty = np.empty((2, 0), dtype=np.int64)
+            return _Near(first, last, since, 0, empty, height + ahead, self.table.count)
+        new = np.flatnonzero(self.numbers >= near.count)
+        if not len(new):
+            return near
+        pairs = np.stack([np.repeat(new, len(self.x)), np.tile(np.arange(len(self.x)), len(new))])
+        pairs = pairs[:, (pairs[0] < pairs[1]) | (self.numbers[pairs[1]] < near.count)]
+        first, last, since = self._since(pairs, near.until - height)
+        at = near.start + np.searchsorted(near.height[near.start :], since, side="right")
+        return _Near(
+            np.insert(near.first, at, first),
+            np.insert(near.last, at, last),
+            np.insert(near.height, at, since),
+            near.start,
+            near.active,
+            near.until,
+            self.table.count,
+        )
+
+    def _ahead(self, until: float) -> float:
+        """How far ahead it is best to look for pairs, at least to a time: about as far as most disks are large."""
+        radius, speed = self._reach()
+        ahead = max(until, 2 * float(np.median(radius[self.peak]) / np.median(speed)))
+        return ahead if math.isfinite(ahead) else float(np.ptp(self.position, axis=0).sum())
+
+    def _reach(self) -> tuple[Floats, Floats]:
+        """The radii of the turns' disks, and by how much they and their centres may grow and move per unit of time."""
+        lowest = min(float(self.x.min()), float(self.level.min()))
+        speed = np.hypot(*self.velocity.T) + np.abs(self.slope)
+        return self.x - lowest, speed + float(np.abs(self.slope[~self.peak]).max(initial=0.0))
+
+    def _boxes(self, ahead: float) -> Bools:
+        radius, speed = self._reach()
+        reach = radius + speed * ahead
+        x, y = self.position.T
+        boxes: Bools = shapely.box(x - reach, y - reach, x + reach, y + reach)
+        return boxes
+
+    def _since(self, pairs: Numbers, ahead: float) -> tuple[Numbers, Numbers, Floats]:
+        """The numbers of pairs that may come too near by then, and the heights from which on they may, ascending."""
+        radius, speed = self._reach()
+        i, j = pairs
+        apart = np.hypot(*(self.position[j] - self.position[i]).T)
+        since = (apart - radius[i] - radius[j]) / (speed[i] + speed[j])
+        some = np.flatnonzero(since <= ahead)
+        some = some[np.argsort(since[some], kind="stable")]
+        # a little sooner: what is equal but for rounding may not be missed
+        heights = self.part.height + since[some] * (1 - 1e-9) - 1e-9 * radius.max()
+        return self.numbers[i[some]], self.numbers[j[some]], heights
+
     def next_gusset(self, before: float, tie: float) -> _Gusset | None:
         """The first pair that comes too near before the given time."""
-        if len(self.x) < 4:
-            return None
-        i, j, at = self._pairs(tie)
+        if len(self.x) < 4 or (self.part.unbounded and (self.shrink <= 0).all()):
+            return None  # around a convex polygon no two turns see each other
+        i, j, at = self._pairs(tie, before)
         apart, parting = self.position[j] - self.position[i], self.velocity[j] - self.velocity[i]
         sign = np.where((self.turned[i] & self.turned[j]) != 0, -1.0, 1.0)
         own = (at == i) | (at == j)
@@ -624,11 +767,9 @@ class _State:
             angle = math.atan2(float(cross(leaving, toward)), float(leaving @ toward)) % (2 * math.pi)
             if not 1e-9 < angle < turns[k].angle - 1e-9:
                 return False
-        count = len(turns)
-        others = np.array(
-            [k for k in range(count) if k not in (i, j) and (k + 1) % count not in (i, j)], dtype=np.int64
-        )
-        start, end = place[others], place[(others + 1) % count]
+        others = np.ones(len(turns), dtype=bool)
+        others[[i, i - 1, j, j - 1]] = False
+        start, end = place[others], place[self.after[others]]
         return not bool(_crosses(place[i], line, start, end).any())
 
 
@@ -640,6 +781,24 @@ def _crosses(origin: Floats, line: Floats, start: Floats, end: Floats) -> Bools:
     level = 1e-10 * np.hypot(along[:, 0], along[:, 1]) * math.hypot(*line)
     in_line = (np.abs(side_start) <= level) & (np.abs(side_end) <= level)
     return (side_start * side_end <= 0) & (near * far <= 0) & ~in_line
+
+
+def _lowest(level: Floats, i: Numbers, j: Numbers) -> Numbers:
+    """Where the least of ``level[i]`` to ``level[j]`` is, the last of equal ones."""
+    step = np.arange(len(level))
+    tables = [step]
+    while 2 ** len(tables) <= len(level):
+        before = tables[-1]
+        half = 2 ** (len(tables) - 1)
+        one, other = before[:-half], before[half:]
+        tables.append(np.where(level[other] <= level[one], other, one))
+    size = np.frexp(j - i + 1)[1] - 1
+    lowest = np.empty_like(i)
+    for power in np.unique(size).tolist():
+        some = size == power
+        one, other = tables[power][i[some]], tables[power][j[some] + 1 - 2**power]
+        lowest[some] = np.where(level[other] <= level[one], other, one)
+    return lowest
 
 
 def _outermost(turns: list[_Turn]) -> float:

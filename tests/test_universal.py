@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 from strategies import cross, rectangle, regular, star
 
+import foldcut
+from foldcut import universal
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
+from foldcut.crowded import crowded_solution
 from foldcut.model import Finding, Floats, Shape, Sheet, points_array
 from foldcut.molecules import Kind
+from foldcut.readers import read_shape
+from foldcut.samples import sample_path
+from foldcut.search import fold_compact
 from foldcut.shape import make_shape
 from foldcut.sheet import place
 from foldcut.verify import verify
+from foldcut.zigzag import Outline
 
 SHEET = Sheet(200.0, 200.0)
 
@@ -165,3 +173,42 @@ def test_the_checker_sees_a_reach_that_does_not_fit() -> None:
     shift = np.where(np.arange(10) == 5, 1.0, 0.0)
     wrong = dataclasses.replace(right, x=right.x + shift)
     assert molecule_faults(build_molecules(wrong, SHEET)) != []
+
+
+def crowded_walk(corners: int) -> Walk:
+    """Many small disks along a star-shaped polygon: one hub."""
+    random = np.random.default_rng(corners)
+    angles = (np.arange(corners) + random.uniform(0.1, 0.9, corners)) * 2 * np.pi / corners
+    reach = random.uniform(0.5, 1.0, corners) * 60
+    outline = Outline(points_array(100 + np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1)))
+    return crowded_solution(outline, 0.02).walk(outline, careful=False)
+
+
+def searched_walk(name: str) -> Walk:
+    """What the search finds for a sample with no pocket turned: a tree of several hubs."""
+    shape, _ = place(make_shape(read_shape(sample_path(name)).loops), SHEET, margin=30)
+    return fold_compact(shape.loops[0], SHEET, effort="fast").walk
+
+
+@pytest.mark.parametrize("made", [lambda: crowded_walk(8), lambda: crowded_walk(20), lambda: searched_walk("fish")])
+def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
+    made: Callable[[], Walk], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    walk = made()
+    monkeypatch.setattr(universal, "FEW", 10**9)
+    every = build_molecules(walk, SHEET)
+    monkeypatch.setattr(universal, "FEW", 4)
+    near = build_molecules(walk, SHEET)
+    assert every.inside.gussets > 0
+    assert every.vertices == near.vertices
+    for side in ("inside", "outside"):
+        one, other = getattr(every, side), getattr(near, side)
+        assert (one.order, one.rings()) == (other.order, other.rings())
+
+
+def test_two_hundred_corners_are_folded_with_crowded_disks() -> None:
+    angles = np.arange(200) * 2 * np.pi / 200
+    reach = 100 + 15 * np.sin(7 * angles) + 3 * np.sin(31 * angles)
+    loop = np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1)
+    result = foldcut.fold([loop], method="compact", effort="fast", min_crease=0)
+    assert result.findings == ()

@@ -1,0 +1,49 @@
+"""Seconds and creases of the compact method for polygons with many corners.
+
+Run it with ``python tests/bench/large.py [CORNERS ...]``: star-shaped polygons, one line of JSON each. The seconds are
+of this machine's processor, not of the clock; ``exponent`` is by what power of the corners they grew.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import resource
+import sys
+import time
+
+import numpy as np
+
+import foldcut
+from foldcut.model import Floats, points_array
+
+
+def polygon(corners: int) -> Floats:
+    """A wavy star-shaped polygon with uneven sides, the same for each number of corners."""
+    random = np.random.default_rng(0)
+    angles = (np.arange(corners) + random.uniform(0.1, 0.9, corners)) * 2 * np.pi / corners
+    reach = 80 + 15 * np.sin(7 * angles) + 5 * np.sin(31 * angles)
+    return points_array(np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1))
+
+
+def main(sizes: list[int]) -> None:
+    """Fold a polygon of each size on A4, fast."""
+    before: tuple[int, float] | None = None
+    for corners in sizes:
+        start = time.process_time()
+        result = foldcut.fold([polygon(corners)], method="compact", effort="fast", min_crease=0)
+        seconds = time.process_time() - start
+        row = {
+            "corners": corners,
+            "creases": result.folded_pattern.creases.crease_count,
+            "verified": result.verified,
+            "seconds": round(seconds, 2),
+            "exponent": round(math.log(seconds / before[1]) / math.log(corners / before[0]), 2) if before else None,
+            "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,
+        }
+        before = corners, seconds
+        print(json.dumps(row), flush=True)
+
+
+if __name__ == "__main__":
+    main([int(text) for text in sys.argv[1:]] or [100, 300, 1000])
