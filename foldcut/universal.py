@@ -119,8 +119,8 @@ class _Part:
     turns: list[_Turn]
     height: float
     unbounded: bool
-    number: int = -1
     near: _Near | None = None
+    number: int = -1
 
 
 class _Table:
