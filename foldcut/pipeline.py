@@ -263,16 +263,17 @@ def fold(
 
 
 def _regions(made: _Made) -> tuple[Region, ...]:
-    """Return how the molecules that a method made hang together."""
+    """Return how the molecules that a method made hang together, if it says so."""
     stages = made.stages
-    if isinstance(stages, Compact):
-        return compact.regions(stages.walk, stages.molecules, made.laid.sheet)
+    if isinstance(stages, PaperStages):
+        return molecules.regions(stages.molecules, stages.assignment.parent.tolist())
+    if isinstance(stages, Gated):
+        return molecules.regions(stages.molecules, stages.parent.tolist())
     if isinstance(stages, Mirrored):
         return stages.regions
-    if isinstance(stages, Skeletal):
-        return ()  # all of it hangs together by the perpendiculars
-    parent = stages.parent if isinstance(stages, Gated) else stages.assignment.parent
-    return molecules.regions(stages.molecules, parent.tolist())
+    if isinstance(stages, Compact):
+        return compact.regions(stages.walk, stages.molecules, made.laid.sheet)
+    return ()
 
 
 def _hull(loops: Sequence[ArrayLike]) -> Shape:
