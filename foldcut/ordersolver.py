@@ -12,7 +12,7 @@ Source: Akitaya, Demaine and Ku, "Computing Flat-Folded States", 2024 (the unkno
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import shapely
@@ -32,6 +32,9 @@ NEEDS_EXTRA = "layer orders need the extra 'skeleton'; install it with pip insta
 
 OVERLAP = 1e-9
 """Facets overlap when they do so by more than this, relative to the size of the folded sheet."""
+
+MOST_CONFLICTS, MOST_CIRCLES = 100_000, 20_000
+"""What the solver may run into before it gives up, and how many circles are forbidden at a time."""
 
 MOST_PAIRS = 400_000
 """With more pairs of overlapping facets no order is looked for."""
@@ -131,8 +134,7 @@ def layer_order(
     creases: Sequence[Crease],
     up: Sequence[bool],
     *,
-    seconds: float = 30.0,
-    progress: Callable[[float], None] | None = None,
+    seconds: float = 20.0,
 ) -> list[int]:
     """Return the facets from bottom to top, in an order in which no paper passes through paper.
 
@@ -147,19 +149,18 @@ def layer_order(
     conditions = OrderSolver(folded, rings, creases, up)
     with Solver(name="minisat22", bootstrap_with=list(conditions.clauses())) as solver:
         while True:
-            if not solver.solve():
+            solver.conf_budget(MOST_CONFLICTS)
+            found = solver.solve_limited()
+            if found is False:
                 raise UnfoldableError("the facets cannot be put in an order in which no paper passes through paper")
+            if found is None or time.monotonic() > end:
+                raise UnfoldableError(f"no order of the {len(rings)} facets was found; there may be one")
             order = conditions.above(solver.get_model() or [])
             circles = list(_circles(order, conditions))
             if not circles:
                 return _sorted(order)
             for clause in circles:
                 solver.add_clause(clause)
-            if time.monotonic() > end:
-                raise UnfoldableError(f"no order of the {len(rings)} facets was found within {seconds:g} s")
-
-
-MOST_CIRCLES = 20_000
 
 
 def _circles(order: Bools, conditions: OrderSolver) -> Iterator[list[int]]:

@@ -33,7 +33,7 @@ NEAR_MM = 0.05
 FEWEST = 4
 """So many of the sets of perpendiculars with the fewest pieces are tried."""
 
-PATIENCE = 5.0
+PATIENCE = 3.0
 """How many times as long choices are tried while none has an order."""
 
 MOST_CREASES = 1000
@@ -74,7 +74,24 @@ def fold_skeletal(
     a layer order.
     """
     limit = share * (seconds if seconds is not None else SECONDS[effort])
-    shape, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
+    tied, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
+    try:
+        return _fold(tied, moved, sheet, ribbon, limit, progress)
+    except UnfoldableError:
+        if not moved:
+            raise
+    return _fold(shape, 0.0, sheet, ribbon, limit, progress)
+
+
+def _fold(
+    shape: Shape,
+    moved: float,
+    sheet: Sheet,
+    ribbon: float,
+    limit: float,
+    progress: Callable[[str, float], None] | None,
+) -> Skeletal:
+    """Fold a shape as it is; ``moved`` is only noted."""
     skeleton = straight_skeleton(shape, sheet)
     perpendiculars = Perpendiculars(skeleton, sheet)
     lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
@@ -88,7 +105,7 @@ def fold_skeletal(
         if progress is not None:
             progress("layer orders", min(1.0, spent / limit))
         try:
-            facets = divide_sheet(perpendiculars, taken)
+            facets = _divided(perpendiculars, taken)
             cost = _cost(len(facets.rings))
             if spent + cost > limit and (best or spent > PATIENCE * limit):
                 break
@@ -97,6 +114,10 @@ def fold_skeletal(
         except UnfoldableError as error:
             problem = problem or str(error)
             continue
+        except KeyboardInterrupt:
+            if best is None:
+                raise
+            break
         key = rank(crease_numbers(made.creases).lines, shortest_crease(made.creases))
         if best is None or key < best[0]:
             best = key, made
@@ -125,11 +146,17 @@ def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
         yield from perpendiculars.rooted()
 
 
-def _ordered(shape: Shape, moved: float, facets: Facets, perpendiculars: int) -> Skeletal:
+def _divided(perpendiculars: Perpendiculars, taken: list[int]) -> Facets:
+    facets = divide_sheet(perpendiculars, taken)
     if len(facets.creases) > MOST_CREASES:
         raise UnfoldableError(
             f"the pattern has {len(facets.creases):,} creases; at most {MOST_CREASES:,} are looked at"
         )
+    return facets
+
+
+def _ordered(shape: Shape, moved: float, facets: Facets, perpendiculars: int) -> Skeletal:
+    """Find a layer order, and verify what it makes."""
     order = layer_order(facets.folded, facets.rings, facets.creases, facets.up)
     rings = [facets.rings[k] for k in order]
     edges, kinds = creases_of_stack(facets.folded, rings)

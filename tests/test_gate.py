@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -59,10 +60,17 @@ def test_random_shapes_are_verified(seed: int, holes: bool) -> None:
     assert foldcut.fold(random_loops(seed, holes=holes), method="gate", margin=40).findings == ()
 
 
-def test_auto_takes_the_gate_where_no_mirror_axis_helps() -> None:
+@pytest.fixture
+def no_skeleton(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As without the extra ``skeleton``."""
+    monkeypatch.setitem(sys.modules, "pysat.solvers", None)
+
+
+@pytest.mark.usefixtures("no_skeleton")
+def test_auto_takes_the_gate_where_nothing_else_helps() -> None:
     result = foldcut.fold(TRIANGULAR_HOLE, effort="fast")
     assert result.findings == ()
-    assert [attempt.method for attempt in result.attempts] == ["mirror", "compact", "gate"]
+    assert [attempt.method for attempt in result.attempts] == ["mirror", "compact", "skeleton", "gate"]
 
 
 def test_rings_are_equal_disks_that_touch_and_the_packing_is_one() -> None:
@@ -106,6 +114,7 @@ def test_one_loop_needs_no_gate() -> None:
         foldcut.fold(sample_path("fish"), method="gate")
 
 
+@pytest.mark.usefixtures("no_skeleton")
 def test_the_command_reports_rings_and_why_the_others_lost(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     drawing = tmp_path / "two.json"
     drawing.write_text(json.dumps({"loops": [loop.tolist() for loop in random_loops(3, holes=True)]}))

@@ -164,7 +164,9 @@ def test_random_shapes_are_verified(seed: int, holes: bool) -> None:
 
 
 def test_where_no_perpendicular_ends_the_reason_names_the_node() -> None:
-    with pytest.raises(UnfoldableError, match=r"no perpendicular from the skeleton's node at \(.*\) mm ends within 600"):
+    with pytest.raises(
+        UnfoldableError, match=r"no perpendicular from the skeleton's node at \(.*\) mm ends within 600"
+    ):
         fold_skeletal(placed(rough([star(5, 0.4)], 1e-4)), SHEET, near=0.0)
 
 
