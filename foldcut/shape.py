@@ -231,8 +231,8 @@ def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
     corners = sorted(set(kept))
     while len(corners) > 2:  # some may have been kept only because of points left out beside them
         ring = unit[corners]
-        off = _distance_to_segment(ring, np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0))
-        straight = off <= COLLINEAR_TOLERANCE
+        distances = _distance_to_segment(ring, np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0))
+        straight = distances <= COLLINEAR_TOLERANCE
         if not straight.any():
             break
         even = straight & (np.arange(len(ring)) % 2 == 0)  # neighbours not at once
