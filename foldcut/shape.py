@@ -229,12 +229,14 @@ def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
         kept.append(index)
         slack.append(edge_slack)
     corners = sorted(set(kept))
-    while len(corners) > 2:  # one may have been kept only because of points left out beside it
+    while len(corners) > 2:  # some may have been kept only because of points left out beside them
         ring = unit[corners]
-        off = _distance_to_segment(ring, np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0))
-        if off.min() > COLLINEAR_TOLERANCE:
+        distances = _distance_to_segment(ring, np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0))
+        straight = distances <= COLLINEAR_TOLERANCE
+        if not straight.any():
             break
-        del corners[int(off.argmin())]
+        even = straight & (np.arange(len(ring)) % 2 == 0)  # neighbours not at once
+        corners = np.array(corners)[~(even if even.any() else straight)].tolist()
     if len(corners) < 3:
         raise ShapeError(
             f"loop {number} encloses no area near {frame.at(unit[start])}: its points lie on one line; "
