@@ -209,9 +209,11 @@ def _folded(source: Path, args: argparse.Namespace) -> Result:
             _drawing(args, source),
             parse_sheet(args.sheet),
             margin=parse_length(args.margin),
-            scale=_parse_scale(args.scale),
+            scale=_scale(args),
             offset=_parse_offset(args.offset),
-            rotation=args.rotate,
+            rotation=_parse_rotation(args.rotate),
+            width=None if args.width is None else parse_length(args.width),
+            height=None if args.height is None else parse_length(args.height),
             method=args.method,
             ribbon=None if args.ribbon is None else parse_length(args.ribbon),
             min_crease=None if args.min_crease is None else parse_length(args.min_crease),
@@ -568,6 +570,24 @@ def _profiles(args: argparse.Namespace) -> int:
     return DONE
 
 
+def _scale(args: argparse.Namespace) -> str | float:
+    """Return the scale; raises BadInputError where the drawing's size is asked for twice."""
+    if args.scale is not None and (args.width is not None or args.height is not None):
+        other = "--width" if args.width is not None else "--height"
+        raise BadInputError(f"--scale and {other} both say how large the drawing is; give one of them")
+    return _parse_scale(args.scale or "fit")
+
+
+def _parse_rotation(text: str | None) -> str | float | None:
+    """Return degrees or "best"; None if nothing is asked for."""
+    if text in (None, "best"):
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise BadInputError(f"--rotate {text} is no angle; give degrees such as 45, or best") from None
+
+
 def _parse_scale(text: str) -> str | float:
     """Return "fit" or the factor that "1.5" or "1:2" (half size) means."""
     if text == "fit":
@@ -885,8 +905,13 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     make.add_argument("--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)")
     make.add_argument(
         "--scale",
-        default="fit",
-        help="fit, or a factor on the size of the drawing such as 1.5 or 1:2 (default: %(default)s)",
+        help="fit, or a factor on the size of the drawing such as 1.5 or 1:2 (default: fit, within the margin)",
+    )
+    make.add_argument("--width", metavar="LENGTH", help="scale the drawing to this width on the sheet")
+    make.add_argument(
+        "--height",
+        metavar="LENGTH",
+        help="scale it to this height; with --width, as large as neither is exceeded: it is never stretched",
     )
     make.add_argument(
         "--offset",
@@ -896,9 +921,8 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
     make.add_argument(
         "--rotate",
         metavar="DEG",
-        type=float,
-        default=0.0,
-        help="turn the drawing counter-clockwise (default: 0)",
+        help="turn the drawing counter-clockwise; best: as it is largest on the sheet (default: a quarter if it has "
+        "more room so, and as its mirror axes ask for; 0 forbids that)",
     )
     make.add_argument(
         "--method",
