@@ -323,6 +323,7 @@ def _check(args: argparse.Namespace) -> int:
     shape, notes = None, read.notes
     if args.shape:
         drawing = _drawing(args, _source(args))
+        notes += drawing.repairs
         if read.placement is not None:
             loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
         else:
@@ -1079,7 +1080,8 @@ def _add_reading(command: argparse.ArgumentParser) -> None:
         metavar="NAME=NUMBER",
         action="append",
         default=[],
-        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000); repeatable",
+        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000), "
+        "pixels (40 million), nesting (100); repeatable",
     )
 
 

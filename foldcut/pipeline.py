@@ -42,7 +42,7 @@ from foldcut.model import (
 )
 from foldcut.molecules import Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
-from foldcut.prepare import Preparation, Prepared, prepare
+from foldcut.prepare import Preparation, Prepared, prepare, refuse_changes
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.search import Compact, fold_compact, rank, shortest_crease
 from foldcut.shape import LARGEST_NUMBER, make_shape
@@ -200,7 +200,9 @@ def fold(
         y_down = read is not None and read.y_down
         if isinstance(drawing, Drawing):
             title = title or drawing.title
-            notes += drawing.notes
+            notes += (*drawing.notes, *drawing.repairs)
+            if preparation is not None and preparation.strict:
+                refuse_changes(drawing.repairs)
             scale = scale if isinstance(scale, str) else scale * (drawing.unit_mm or 1.0)
             drawing = drawing.loops
         paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet

@@ -84,8 +84,8 @@ def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
 
 def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
     mended, changes = _mended(drawn)
-    if changes and preparation.strict:
-        raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or do so yourself")
+    if preparation.strict:
+        refuse_changes(changes)
     if preparation.min_feature:
         mended = _noted(changes, *_without_narrow_parts(mended, preparation.min_feature))
     if preparation.separate:
@@ -96,6 +96,12 @@ def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
         mended = tuple(points_array(loop * (-1.0, 1.0)) for loop in mended)
         changes.append("mirrored, left to right")
     return Prepared(drawn, mended, tuple(changes))
+
+
+def refuse_changes(changes: Sequence[str]) -> None:
+    """Raise ``ShapeError`` if there are changes that mend a drawing: what ``strict`` does."""
+    if changes:
+        raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or do so yourself")
 
 
 def preview(before: Sequence[Floats], after: Sequence[Floats]) -> bytes:

@@ -21,6 +21,7 @@ from reportlab.pdfgen.canvas import Canvas
 from foldcut import fold
 from foldcut.cli import main
 from foldcut.errors import BadInputError, FileFormatError
+from foldcut.limits import Limits
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.readers.text import draw_text
 from foldcut.shape import make_shape
@@ -255,8 +256,8 @@ def test_bad_pictures_are_refused_in_one_line(tmp_path: Path) -> None:
     Image.new("L", (300, 200), 255).save(buffer, "PNG")
     with pytest.raises(FileFormatError, match="the picture has no silhouette; give a dark shape"):
         read(tmp_path, "a.png", buffer.getvalue())
-    with pytest.raises(FileFormatError, match="the picture has 300 x 200 pixels; give one of at most 0.05 million"):
-        read(tmp_path, "a.png", good, largest_pixels=50_000)
+    with pytest.raises(FileFormatError, match="the picture has 60,000 pixels, and at most 50,000 are"):
+        read(tmp_path, "a.png", good, limits=Limits(pixels=50_000))
     for data in (b"hello", good[:100], b"GIF89a" + good):
         with pytest.raises(FileFormatError, match=r"not a PNG or JPEG that can be read: .*; save the picture again"):
             read(tmp_path, "a.png", data)
