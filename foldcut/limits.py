@@ -50,7 +50,11 @@ class Limits:
     def check_nesting(self, depth: int) -> None:
         """Raise for things that are so deep in each other."""
         if depth > self.nesting:
-            raise FileFormatError(self._message("things are nested too deep", "nesting", "give a flat drawing"))
+            raise self.too_deep()
+
+    def too_deep(self) -> FileFormatError:
+        """Return the error for things that are too deep in each other."""
+        return FileFormatError(self._message("things are nested too deep", "nesting", "give a flat drawing"))
 
     def check_pixels(self, pixels: int) -> None:
         """Raise for a picture of so many pixels."""

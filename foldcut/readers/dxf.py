@@ -43,6 +43,8 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         return _read(document, source.name, options)
     except FileFormatError:
         raise
+    except RecursionError:  # ezdxf looks into blocks by recursion
+        raise options.limits.too_deep() from None
     except Exception as error:  # ezdxf lets all kinds of errors out where a file is broken
         about = " ".join(str(error).split())[:120] or type(error).__name__
         raise FileFormatError(f"not a DXF file that can be read: {about}; save the drawing again as DXF") from None
