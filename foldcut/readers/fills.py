@@ -33,6 +33,9 @@ ROUNDING = 2e-6
 FLAT = 1e-12
 """A loop that is thinner than this, relative to its length, is one line."""
 
+LARGEST = 1e100
+"""Lines that end farther away are refused."""
+
 _BATCH = 256
 
 
@@ -202,8 +205,8 @@ def join(chains: Sequence[Floats], gap: float, *, alone: bool) -> tuple[list[Flo
     if not chains:
         return [], [], ""
     ends = np.array([(chain[0], chain[-1]) for chain in chains]).reshape(-1, 2)
-    if not np.isfinite(ends).all():
-        raise FileFormatError("a line ends at a place that is not finite; give finite numbers")
+    if not (np.abs(ends) < LARGEST).all():  # distances overflow
+        raise FileFormatError(f"a line ends at a place that is not finite; give numbers below {LARGEST:g}")
     tree = KDTree(ends)
     if tree.count_neighbors(tree, gap) > MOST_MEETING * len(ends):
         raise FileFormatError("too many lines end at the same places; draw an outline, or give a smaller --join")
