@@ -184,6 +184,24 @@ def test_the_paths_of_a_pdf_page_are_loops(tmp_path: Path, draw: Any, expected: 
         assert corners.min(axis=0).tolist() == pytest.approx([100, 200 - 90])
 
 
+def test_gaps_and_strays_of_a_pdf_page_are_mended_and_told(tmp_path: Path) -> None:
+    pytest.importorskip("pypdfium2")
+    lines = [(0, 0, 40, 0), (40.005, 0, 40, 30), (40, 30, 0, 0), (60, 60, 70, 70)]
+    drawing = read(tmp_path, "a.pdf", pdf(lambda canvas: canvas.lines(lines)))
+    assert area(drawing) == pytest.approx(600, rel=1e-3)
+    gap, stray = drawing.repairs
+    assert gap.startswith("closed 1 gap of at most 0.0018 mm")
+    assert stray.startswith("left out a line that ends where no other goes on")
+
+
+def test_forms_of_a_pdf_page_nest_as_deep_as_is_allowed(tmp_path: Path) -> None:
+    pytest.importorskip("pypdfium2")
+    data = pdf(in_a_form)
+    assert area(read(tmp_path, "a.pdf", data, limits=Limits(nesting=4))) == pytest.approx(800, rel=2e-3)
+    with pytest.raises(FileFormatError, match="nested too deep, and at most 1 are allowed"):
+        read(tmp_path, "a.pdf", data, limits=Limits(nesting=1))
+
+
 def test_bad_pdfs_are_refused_in_one_line(tmp_path: Path) -> None:
     pytest.importorskip("pypdfium2")
     good = pdf(holed)
