@@ -5,8 +5,8 @@ wholly within another is its hole (as for cutters, whatever the colours). An ele
 outline it draws; open lines are joined end to end. Curves become segments within the tolerance.
 y goes up in a ``Drawing`` and down in SVG: every y changes its sign. Loops are in the user units of the outermost
 viewBox; ``unit_mm`` follows from width and height (a px is 1/96 in, SVG 2 section 8). Nothing outside the file is
-opened, and a file that declares XML entities is refused. svgelements interprets path data and transforms; both are
-checked first, because it skips what it cannot read.
+opened, and a file that declares XML entities is refused. svgelements interprets transforms, which are checked first,
+because it skips what it cannot read. Single elements are ``svg_paths``'s.
 """
 
 from __future__ import annotations
@@ -15,33 +15,26 @@ import math
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import fromstring
-from svgelements import Arc, Close, CubicBezier, Line, Matrix, Move, QuadraticBezier
-from svgelements import Path as PathData
+from svgelements import Matrix
 
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.fills import Outline, loops_of
+from foldcut.readers.svg_paths import NEXT, NUMBER, Size, flattened, number_list, path_of, tag_of, user_units
 from foldcut.units import MM_PER_UNIT
 
 #: A file that shows more elements, clones counted as often as they are shown, is refused.
 MOST_ELEMENTS = 200_000
 
-#: A curve has no more segments than this.
-MOST_STEPS = 1000
-
-Point = tuple[float, float]
-
-_NAMESPACE = "{http://www.w3.org/2000/svg}"
 _XLINK_HREF = "{http://www.w3.org/1999/xlink}href"
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _GROUPS = {"g", "a", "switch", "svg", "symbol", "use"}
@@ -49,29 +42,12 @@ _OUTLINES = {"polygon", "polyline", "rect", "path", "circle", "ellipse", "line"}
 _UNSEEN = {"title", "desc", "metadata", "style", "view", "defs", "clipPath", "mask"}
 _NO_PAINT = ("none", "transparent")
 _WHITE = ("white", "#fff", "#ffffff", "rgb(255,255,255)")
-_WHOLE: dict[str, Callable[[float, float], float]] = {
-    **dict.fromkeys(("x", "cx", "x1", "x2", "width", "rx"), lambda width, _: width),
-    **dict.fromkeys(("y", "cy", "y1", "y2", "height", "ry"), lambda _, height: height),
-    "r": lambda width, height: math.hypot(width, height) / math.sqrt(2),
-}
-"""What a percentage of a length is of, by the width and height of the viewport (SVG 2, section 8.9)."""
-
 _STYLES = ("display", "visibility", "fill", "fill-rule", "stroke")
 
-# Possessive (++, ?+), so that no run of digits is split in more than one way.
-_NUMBER = r"[+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+"
-_NEXT = rf"[\s,]*+{_NUMBER}"
-_NUMBERS = re.compile(rf"(?:{_NEXT})*+[\s,]*+")
-_ARC = rf"{_NEXT}{_NEXT}{_NEXT}[\s,]*+[01][\s,]*+[01]{_NEXT}{_NEXT}"
-_PATH = re.compile(
-    rf"(?:\s*+(?=[Mm])(?:[\s,]*+(?:[Zz]|[HhVv](?:{_NEXT})++|[MmLlTt](?:{_NEXT}{_NEXT})++"
-    rf"|[QqSs](?:(?:{_NEXT}){{4}})++|[Cc](?:(?:{_NEXT}){{6}})++|[Aa](?:{_ARC})++))++)?+[\s,]*+"
-)
 _TRANSFORM = re.compile(
-    rf"(?:[\s,]*+(?:matrix\s*\((?:{_NEXT}){{6}}|(?:translate|scale)\s*\((?:{_NEXT}){{1,2}}"
-    rf"|rotate\s*\((?:{_NEXT})(?:{_NEXT}{_NEXT})?|skew[XY]\s*\({_NEXT})\s*\))*+[\s,]*+"
+    rf"(?:[\s,]*+(?:matrix\s*\((?:{NEXT}){{6}}|(?:translate|scale)\s*\((?:{NEXT}){{1,2}}"
+    rf"|rotate\s*\((?:{NEXT})(?:{NEXT}{NEXT})?|skew[XY]\s*\({NEXT})\s*\))*+[\s,]*+"
 )
-_LENGTH = re.compile(rf"\s*({_NUMBER})\s*(mm|cm|in|px|pt|pc|%)?\s*")
 _RULE = re.compile(r"([^{}]*+)\{([^{}]*+)\}")
 
 
@@ -117,18 +93,13 @@ def _parse(text: str) -> ET.Element:
         raise FileFormatError("the file declares XML entities; save it as plain SVG without a DOCTYPE") from None
     except ValueError as error:  # an encoding that Python does not know
         raise FileFormatError(f"not XML: {error}; save the file as UTF-8 text") from None
-    if _tag(root) != "svg":
+    if tag_of(root) != "svg":
         raise FileFormatError(f"the outermost element is {root.tag!r}, not svg; give an SVG file")
     return root
 
 
-def _tag(element: ET.Element) -> str:
-    """Return the element's name without SVG's namespace; other namespaces stay in it."""
-    return element.tag.removeprefix(_NAMESPACE)
-
-
 def _title(root: ET.Element) -> str:
-    titles = [element.text or "" for element in root if _tag(element) == "title"]
+    titles = [element.text or "" for element in root if tag_of(element) == "title"]
     return " ".join(titles[0].split()) if titles else ""
 
 
@@ -151,7 +122,7 @@ def _side_mm(root: ET.Element, attribute: str) -> float | None:
     text = root.get(attribute, "auto").strip()
     if text == "auto" or text.endswith("%"):
         return None
-    side = _user_units(text, f"the {attribute} of the file") * MM_PER_UNIT["px"]
+    side = user_units(text, f"the {attribute} of the file") * MM_PER_UNIT["px"]
     if not 0 < side < np.inf:
         raise FileFormatError(f"the {attribute} of the file is {text!r}; give a positive length such as 100mm")
     return side
@@ -194,11 +165,8 @@ class _Element:
 
     def _lines(self, tolerance: float) -> Iterator[tuple[Floats, bool]]:
         scale = float(np.linalg.norm(self.matrix[:2, :2], 2)) if np.isfinite(self.matrix).all() else 1.0
-        for points, closed in _path_lines(self.path, tolerance / scale if scale else math.inf):
+        for points, closed in flattened(self.path, tolerance / scale if scale else math.inf):
             yield self.matrix[:2, :2] @ np.array(points).reshape(-1, 2).T + self.matrix[:2, 2:], closed
-
-
-Size = tuple[float, float] | None
 
 
 @dataclass(frozen=True)
@@ -237,7 +205,7 @@ class _Page:
     @cached_property
     def rules(self) -> list[tuple[str, dict[str, str]]]:
         """The simple selectors (element, .class, #id) of the file's style sheets, and what they say."""
-        sheets = " ".join(element.text or "" for element in self.root.iter() if _tag(element) == "style")
+        sheets = " ".join(element.text or "" for element in self.root.iter() if tag_of(element) == "style")
         sheets = re.sub(r"/\*.*?(?:\*/|\Z)", "", sheets, flags=re.DOTALL)
         pairs = ((names, _declarations(body)) for names, body in _RULE.findall(sheets))
         rules = [(name.strip(), said) for names, said in pairs for name in names.split(",")]
@@ -277,7 +245,7 @@ class _Page:
         while waiting:  # a stack, not recursion: files nest as deep as they like
             seen = waiting.pop()
             self.options.limits.check_nesting(seen.depth)
-            element, tag = seen.element, _tag(seen.element)
+            element, tag = seen.element, tag_of(seen.element)
             if tag in _UNSEEN or tag.startswith("{") or (tag == "symbol" and seen.given is None):
                 continue
             count[tag] += 1
@@ -303,10 +271,10 @@ class _Page:
                 elif seen.layer and seen.chosen:
                     filled = tag != "line" and style.get("fill") not in _NO_PAINT
                     even_odd = style.get("fill-rule") == "evenodd" or not filled
-                    self.numbers += len(re.findall(_NUMBER, element.get("points", element.get("d", ""))))
+                    self.numbers += len(re.findall(NUMBER, element.get("points", element.get("d", ""))))
                     if self.numbers > 4 * self.options.limits.points:
                         raise _too_many(self.options)
-                    if path := _path(element, name, seen.viewport):
+                    if path := path_of(element, name, seen.viewport):
                         stroked = style.get("stroke", "black" if tag == "line" else "none") not in _NO_PAINT
                         white = style.get("fill", "").lower().replace(" ", "") in _WHITE and not stroked
                         yield _Element(path, matrix, filled, stroked, even_odd, white)
@@ -316,7 +284,7 @@ class _Page:
         style = {name: value for name, value in outer.items() if name != "display"}
         style |= {name: element.attrib[name].strip() for name in _STYLES if element.get(name, "inherit") != "inherit"}
         if self.rules:
-            selectors = {_tag(element), f"#{element.get('id')}", *(f".{c}" for c in element.get("class", "").split())}
+            selectors = {tag_of(element), f"#{element.get('id')}", *(f".{c}" for c in element.get("class", "").split())}
             for selector, said in self.rules:
                 if selector in selectors or selector == "*":
                     style |= said
@@ -327,9 +295,9 @@ class _Page:
         own_id, label = seen.element.get("id"), seen.element.get(_LABEL)
         if own_id:
             self.named.add(own_id)
-        if _tag(seen.element) == "g" and (label or own_id):
+        if tag_of(seen.element) == "g" and (label or own_id):
             self.labels.add(label or own_id or "")
-        layer = seen.layer or (_tag(seen.element) == "g" and bool({own_id, label} & set(self.options.layers)))
+        layer = seen.layer or (tag_of(seen.element) == "g" and bool({own_id, label} & set(self.options.layers)))
         chosen = seen.chosen or own_id in self.options.ids
         return replace(seen, layer=layer, chosen=chosen)
 
@@ -385,7 +353,7 @@ def _root_viewport(root: ET.Element) -> Size:
 def _place(seen: _Seen, name: str) -> list[float]:
     """Return x and y of an element."""
     sizes = zip(("x", "y"), seen.viewport or (None, None), strict=True)
-    return [_user_units(seen.element.get(side, "0"), f"{side} of {name}", whole) for side, whole in sizes]
+    return [user_units(seen.element.get(side, "0"), f"{side} of {name}", whole) for side, whole in sizes]
 
 
 def _viewport(seen: _Seen, matrix: Floats, name: str) -> tuple[Floats, Size]:
@@ -403,7 +371,7 @@ def _viewport(seen: _Seen, matrix: Floats, name: str) -> tuple[Floats, Size]:
         size: Size = (box[2], box[3]) if box else None  # as large as its content: the file does not say
     else:
         wholes = seen.viewport or (None, None)
-        width, height = (_user_units(text, f"size of {name}", whole) for text, whole in zip(texts, wholes, strict=True))
+        width, height = (user_units(text, f"size of {name}", whole) for text, whole in zip(texts, wholes, strict=True))
         size = width, height
     if box is None or size is None:
         return placed, size
@@ -421,120 +389,7 @@ def _viewport(seen: _Seen, matrix: Floats, name: str) -> tuple[Floats, Size]:
 
 
 def _view_box(element: ET.Element, what: str) -> list[float]:
-    box = _numbers(element.attrib["viewBox"], what)
+    box = number_list(element.attrib["viewBox"], what)
     if len(box) != 4 or not min(box[2:]) > 0:
         raise FileFormatError(f"{what} is {element.attrib['viewBox']!r}; give min-x min-y width height")
     return box
-
-
-def _path(element: ET.Element, name: str, viewport: Size) -> list[Any]:
-    """Return the element's outline as svgelements' segments; none where SVG draws nothing."""
-    tag = _tag(element)
-    if tag == "path":
-        data = element.get("d", "")
-        if rest := _PATH.sub("", data, count=1).lstrip():
-            raise FileFormatError(f"{name} has unreadable path data at {rest[:20]!r}; correct it there")
-        return _segments(data, name)
-    if tag in ("polygon", "polyline"):
-        numbers = _numbers(element.get("points", ""), f"points of {name}")
-        if not numbers or len(numbers) % 2:
-            raise FileFormatError(f"{name} has {len(numbers)} numbers in points; give an x and a y for each point")
-        points = list(zip(numbers[::2], numbers[1::2], strict=True))
-        lines = [Move(end=points[0]), *(Line(one, other) for one, other in pairwise(points))]
-        return [*lines, Close(points[-1], points[0])] if tag == "polygon" else lines
-
-    def length(attribute: str) -> float:
-        text = element.get(attribute, "0").strip()
-        whole = None if viewport is None else _WHOLE[attribute](*viewport)
-        return _user_units("0" if text == "auto" else text, f"{attribute} of {name}", whole)
-
-    if tag == "line":
-        return _segments(f"M{length('x1')!r} {length('y1')!r}L{length('x2')!r} {length('y2')!r}", name)
-    rx, ry = (length("r"),) * 2 if tag == "circle" else (length("rx"), length("ry"))
-    if element.get("rx", "auto") == "auto":
-        rx = ry
-    if element.get("ry", "auto") == "auto" and tag != "circle":
-        ry = rx
-    if tag == "rect":
-        x, y, width, height = map(length, ("x", "y", "width", "height"))
-        rx, ry = min(rx, width / 2), min(ry, height / 2)
-    else:
-        x, y, width, height = length("cx") - rx, length("cy") - ry, 2 * rx, 2 * ry
-    if not (width > 0 and height > 0):
-        return []
-    right, bottom = x + width, y + height
-    if not (rx > 0 and ry > 0):
-        return _segments(f"M{x!r} {y!r}H{right!r}V{bottom!r}H{x!r}Z", name)
-    arc = f"A{rx!r} {ry!r} 0 0 1"
-    return _segments(
-        f"M{x + rx!r} {y!r}H{right - rx!r}{arc} {right!r} {y + ry!r}V{bottom - ry!r}{arc} {right - rx!r} {bottom!r}"
-        f"H{x + rx!r}{arc} {x!r} {bottom - ry!r}V{y + ry!r}{arc} {x + rx!r} {y!r}Z",
-        name,
-    )
-
-
-def _segments(data: str, name: str) -> list[Any]:
-    try:
-        return list(PathData(data))
-    except (ValueError, ArithmeticError, AttributeError, TypeError):  # an arc of senseless numbers
-        raise FileFormatError(f"{name} has path data that cannot be drawn; correct its numbers") from None
-
-
-def _path_lines(path: list[Any], tolerance: float) -> Iterator[tuple[list[Point], bool]]:
-    """Yield the subpaths as points, and whether each is closed; a closed one may repeat its first point."""
-    points: list[Point] = []
-    for segment in path:
-        end = float(segment.end.x), float(segment.end.y)
-        if isinstance(segment, Close):
-            if len(points) > 1:
-                yield points, True
-            points = [end]
-        elif isinstance(segment, Move):
-            if len(points) > 1:
-                yield points, False
-            points = [end]
-        elif not points or end != points[-1] or isinstance(segment, CubicBezier | QuadraticBezier):
-            points += _inner(segment, tolerance)
-            points.append(end)
-    if len(points) > 1:
-        yield points, False
-
-
-def _inner(segment: Any, tolerance: float) -> list[Point]:
-    """Return the points between the ends of a segment whose joins are within ``tolerance`` of it."""
-    if isinstance(segment, Arc):
-        radius = max(float(segment.rx), float(segment.ry))
-        step = 2 * math.acos(max(1 - tolerance / radius, 0.0)) if radius > 0 else math.inf
-        count = abs(float(segment.sweep)) / min(step, math.pi / 2) if step > 0 else math.inf
-    elif isinstance(segment, CubicBezier | QuadraticBezier):
-        nodes = [complex(*node) for node in segment]
-        bends = [abs(a - 2 * b + c) for a, b, c in zip(nodes, nodes[1:], nodes[2:], strict=False)]
-        degree = len(nodes) - 1
-        count = math.sqrt(degree * (degree - 1) * max(bends) / (8 * tolerance)) if tolerance > 0 else math.inf
-        count = max(count, 2.0)
-    else:
-        return []
-    steps = math.ceil(round(min(count, MOST_STEPS), 6)) if count == count else 1
-    places = (segment.point(step / steps) for step in range(1, steps))
-    return [(float(place.x), float(place.y)) for place in places]
-
-
-def _numbers(text: str, what: str) -> list[float]:
-    if not _NUMBERS.fullmatch(text):
-        raise FileFormatError(f"{what} has something other than numbers: {text[:40]!r}; correct it")
-    return [float(number) for number in re.findall(_NUMBER, text)]
-
-
-def _user_units(text: str, what: str, whole: float | None = None) -> float:
-    """Return a length in user units; ``whole`` is what percentages are of."""
-    match = _LENGTH.fullmatch(text)
-    if not match:
-        raise FileFormatError(f"{what} is {text!r}; give a number, or one with mm, cm, in, px, pt, pc or %")
-    number, unit = float(match[1]), match[2]
-    if not math.isfinite(number):
-        raise FileFormatError(f"{what} is {text!r}; give a finite number")
-    if unit != "%":
-        return number * (MM_PER_UNIT[unit] / MM_PER_UNIT["px"] if unit else 1.0)
-    if whole is None:
-        raise FileFormatError(f"{what} is {text!r} of a size that the file does not say; give it a viewBox")
-    return number / 100 * whole
