@@ -55,6 +55,7 @@ examples:
   foldcut make --text A --font DejaVuSans-Bold.ttf
   foldcut make photo.png --threshold 0.4 --simplify 1mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
+  foldcut make logo.svg --width 80mm --sheet 100x150mm
   foldcut make fish -o fish.fold --json > report.json
   foldcut make swan --effort best --seconds 60
   foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm

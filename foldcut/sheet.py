@@ -173,11 +173,9 @@ class Layout:
 
         Last, whether it was turned a quarter to have more room. Errors as for ``place``.
         """
-        if isinstance(self.rotation, str):
-            _check_numbers(self.sheet, self.margin, self.scale, self.offset, 0.0)
-            angle = _best_rotation(shape, self.sheet, margin=self.margin)
-        else:
-            angle = self.rotation or 0.0
+        given = self.rotation if isinstance(self.rotation, int | float) else 0.0
+        _check_numbers(self.sheet, self.margin, self.scale, self.offset, given)
+        angle = _best_rotation(shape, self.sheet, margin=self.margin) if self.rotation == "best" else given
         scale = self.scale
         if self.width is not None or self.height is not None:
             scale = _scale_to(shape, self.width, self.height, angle)

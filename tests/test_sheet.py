@@ -296,3 +296,5 @@ def test_a_size_that_makes_no_sense_is_refused(options: dict[str, float]) -> Non
         Layout(A4, **options).place(SMALL)  # type: ignore[arg-type]
     with pytest.raises(SheetError, match="the rotation is 'beast'; give degrees, or 'best'"):
         Layout(A4, rotation="beast")
+    with pytest.raises(SheetError, match="the rotation is nan degrees; give a finite number"):
+        Layout(A4, rotation=math.nan).place(SMALL)
