@@ -909,9 +909,7 @@ def _add_options_of_fold(make: argparse.ArgumentParser) -> None:
         "--scale",
         help="fit, or a factor on the size of the drawing such as 1.5 or 1:2 (default: fit, within the margin)",
     )
-    make.add_argument(
-        "--width", metavar="LENGTH", help="scale the drawing to this width, as it is drawn or turned by --rotate"
-    )
+    make.add_argument("--width", metavar="LENGTH", help="scale the drawing to this width, turned as --rotate says")
     make.add_argument(
         "--height",
         metavar="LENGTH",
