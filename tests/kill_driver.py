@@ -68,7 +68,7 @@ def main(kills: int, mode: str) -> None:
         number = signal.SIGKILL if kill % 2 else signal.SIGTERM
         child = os.fork()
         if child == 0:
-            for size in cycle(SIZES):
+            for size in cycle(SIZES if kill % 4 < 2 else SIZES[::-1]):
                 status = run(size)
                 if status:
                     os._exit(status)
