@@ -166,7 +166,7 @@ BAD_INPUT = {
     "is not a length": ["make", "box.json", "--margin", "wide"],
     "is no scale": ["make", "box.json", "--scale", "1:0"],
     "is no pair": ["make", "box.json", "--offset", "3"],
-    "invalid float value": ["make", "box.json", "--rotate", "left"],
+    "--rotate left is no angle; give degrees such as 45, or best": ["make", "box.json", "--rotate", "left"],
     "invalid choice: 'origami'": ["make", "box.json", "--method", "origami"],
     "invalid choice: 'some'": ["make", "box.json", "--effort", "some"],
     "time to search is -1.0 s": ["make", "box.json", "--seconds", "-1"],
