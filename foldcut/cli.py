@@ -60,6 +60,7 @@ examples:
   foldcut make --text A --font DejaVuSans-Bold.ttf
   foldcut make photo.png --threshold 0.4 --simplify 1mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
+  foldcut make logo.svg --width 80mm --sheet 100x150mm
   foldcut make fish -o fish.fold --json > report.json
   foldcut make swan --effort best --seconds 60
   foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
@@ -241,9 +242,11 @@ def _fold_options(args: argparse.Namespace) -> dict[str, Any]:
     return {
         "sheet": parse_sheet(args.sheet),
         "margin": parse_length(args.margin),
-        "scale": _parse_scale(args.scale),
+        "scale": _scale(args),
         "offset": _parse_offset(args.offset),
-        "rotation": args.rotate,
+        "rotation": _parse_rotation(args.rotate),
+        "width": None if args.width is None else parse_length(args.width),
+        "height": None if args.height is None else parse_length(args.height),
         "method": args.method,
         "ribbon": None if args.ribbon is None else parse_length(args.ribbon),
         "min_crease": None if args.min_crease is None else parse_length(args.min_crease),
@@ -445,6 +448,7 @@ def _check(args: argparse.Namespace) -> int:
     shape, notes = None, read.notes
     if args.shape:
         drawing = _drawing(args, _source(args))
+        notes += drawing.repairs
         if read.placement is not None:
             loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
         else:
@@ -680,6 +684,24 @@ def _profiles(args: argparse.Namespace) -> int:
     else:
         _print_report({"ok": True, "profile": args.name}, [f"{args.name}: valid"], args.json)
     return DONE
+
+
+def _scale(args: argparse.Namespace) -> str | float:
+    """Return the scale; raises BadInputError where the drawing's size is asked for twice."""
+    if args.scale is not None and (args.width is not None or args.height is not None):
+        other = "--width" if args.width is not None else "--height"
+        raise BadInputError(f"--scale and {other} both say how large the drawing is; give one of them")
+    return _parse_scale(args.scale or "fit")
+
+
+def _parse_rotation(text: str | None) -> str | float | None:
+    """Return degrees or "best"; None if nothing is asked for."""
+    if text in (None, "best"):
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise BadInputError(f"--rotate {text} is no angle; give degrees such as 45, or best") from None
 
 
 def _parse_scale(text: str) -> str | float:
@@ -1049,8 +1071,13 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
     make.add_argument("--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)")
     make.add_argument(
         "--scale",
-        default="fit",
-        help="fit, or a factor on the size of the drawing such as 1.5 or 1:2 (default: %(default)s)",
+        help="fit, or a factor on the size of the drawing such as 1.5 or 1:2 (default: fit, within the margin)",
+    )
+    make.add_argument("--width", metavar="LENGTH", help="scale the drawing to this width, turned as --rotate says")
+    make.add_argument(
+        "--height",
+        metavar="LENGTH",
+        help="scale it to this height; with --width, as large as neither is exceeded: it is never stretched",
     )
     make.add_argument(
         "--offset",
@@ -1060,9 +1087,8 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
     make.add_argument(
         "--rotate",
         metavar="DEG",
-        type=float,
-        default=0.0,
-        help="turn the drawing counter-clockwise (default: 0)",
+        help="turn the drawing counter-clockwise; best: as it is largest on the sheet (default: a quarter if it has "
+        "more room so, and as its mirror axes ask for; 0 forbids that)",
     )
     make.add_argument(
         "--method",
@@ -1221,7 +1247,8 @@ def _add_reading(command: argparse.ArgumentParser) -> None:
         metavar="NAME=NUMBER",
         action="append",
         default=[],
-        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000); repeatable",
+        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000), "
+        "pixels (40 million), nesting (100); repeatable",
     )
 
 

@@ -19,22 +19,47 @@ from foldcut.errors import BadInputError, FileFormatError
 __all__ = ["Limits", "parse_limits"]
 
 
+DEEPEST = 500
+"""Python's recursion ends at 1000 by default; GEOS's, at many times that, in a crash."""
+
+
 @dataclass(frozen=True)
 class Limits:
-    """The largest drawing: ``bytes`` of its file, ``points`` and ``loops`` in it.
+    """The largest drawing: ``bytes`` of its file, ``points``, ``loops`` and ``pixels`` in it, and its ``nesting``.
 
-    The defaults are far beyond what anybody folds, and take less than 10 s and 1 GB to read or to refuse. Nesting has
-    no limit of its own: SVG's groups are walked without recursion, and JSON and WKT have theirs in the readers.
+    The defaults are far beyond what anybody folds, and take less than 10 s and 1 GB to read or to refuse. ``nesting``
+    is how deep groups, clones, blocks, collections or brackets are in each other. It is never more than ``DEEPEST``:
+    libraries that read by recursion go that deep.
     """
 
     bytes: int = 20 * 2**20
     points: int = 100_000
     loops: int = 1_000
+    pixels: int = 40_000_000
+    nesting: int = 100
+
+    def __post_init__(self) -> None:
+        if self.nesting > DEEPEST:
+            raise BadInputError(f"a nesting of {self.nesting:,} is too deep; give at most {DEEPEST}")
 
     def check_size(self, size: int) -> None:
         """Raise for a file of so many bytes."""
         if size > self.bytes:
             raise FileFormatError(self._message(f"the file has {size:,} bytes", "bytes", "give a smaller one"))
+
+    def check_nesting(self, depth: int) -> None:
+        """Raise for things that are so deep in each other."""
+        if depth > self.nesting:
+            raise self.too_deep()
+
+    def too_deep(self) -> FileFormatError:
+        """Return the error for things that are too deep in each other."""
+        return FileFormatError(self._message("things are nested too deep", "nesting", "give a flat drawing"))
+
+    def check_pixels(self, pixels: int) -> None:
+        """Raise for a picture of so many pixels."""
+        if pixels > self.pixels:
+            raise FileFormatError(self._message(f"the picture has {pixels:,} pixels", "pixels", "give a smaller one"))
 
     def check_numbers(self, data: builtins.bytes) -> None:
         """Raise for a text that has too many numbers to be that few points; images embedded as base64 do not count."""

@@ -11,7 +11,7 @@ import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from os import PathLike
 from pathlib import Path
@@ -44,11 +44,11 @@ from foldcut.model import (
 )
 from foldcut.molecules import Molecules, build_molecules
 from foldcut.packing import Packing, fill_gaps
-from foldcut.prepare import Preparation, Prepared, prepare
+from foldcut.prepare import Preparation, Prepared, prepare, refuse_changes
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.search import Compact, fold_compact, rank, shortest_crease
 from foldcut.shape import LARGEST_NUMBER, make_shape
-from foldcut.sheet import as_it_lies, parse_sheet, place
+from foldcut.sheet import Layout, parse_sheet
 from foldcut.simplify import simplify as simplify_shape
 from foldcut.straight import Skeletal, fold_skeletal
 from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
@@ -62,7 +62,7 @@ Progress = Callable[[str, float], None]
 NEARLY = 0.01
 """Corners that are off by less than this, relative to the shape's size, are worth a hint."""
 
-AFTER_MIRROR = 0.3
+AFTER_OTHERS = 0.3
 """The part of the effort that the compact method gets when a mirror axis has given a pattern."""
 
 
@@ -153,7 +153,9 @@ def fold(
     margin: float = 10.0,
     scale: str | float = "fit",
     offset: tuple[float, float] | None = None,
-    rotation: float = 0.0,
+    rotation: str | float | None = None,
+    width: float | None = None,
+    height: float | None = None,
     method: str = DEFAULT_METHOD,
     ribbon: float | None = None,
     min_crease: float | None = None,
@@ -169,16 +171,18 @@ def fold(
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
 
     ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path; ``margin`` and ``offset`` are in
-    mm, ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
-    ``rotation`` in degrees counter-clockwise. ``method`` is "mirror" (the shape's mirror axes are folded first, the
-    rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), "gate"
-    (the same for several loops), "skeleton" (Demaine, Demaine and Lubiw), or "auto": of mirror, compact and, for
-    several loops, skeleton the one with the fewest folding actions, else the gate.
-    ``ribbon`` is the half-width in mm of the strip along the shape's boundary that is not folded; None is the
-    method's default, which for "paper" is a small one: without, creases fold onto the cut line. ``min_crease`` is
-    the shortest crease in mm that a pattern may have, None the method's default (0.5, "paper": 0). ``simplify``
-    leaves out corners that are off by no more than so many mm on the sheet; ``symmetry`` takes a drawing as
-    symmetric whose corners are off by so much, and makes it so. ``effort`` ("fast", "normal", "best") and
+    mm, ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated);
+    instead, ``width`` and ``height`` say in mm how large the drawing is to be, both as the most it may be.
+    ``rotation`` is in degrees counter-clockwise, "best" is the angle at which the drawing is largest, and None turns it
+    a quarter where that lets it be larger, and as its mirror axes ask for. ``method`` is "mirror" (the shape's mirror
+    axes are folded first, the rest through two or four layers), "compact" (few creases), "skeleton" (Demaine, Demaine
+    and Lubiw), "paper" (Bern, Demaine, Eppstein and Hayes), "gate" (the same for several loops), or "auto": of the
+    first three, the one with the fewest folding actions, else the gate. ``ribbon`` is the half-width in mm of the
+    strip along the shape's boundary that is not folded; None is the method's default, which for "paper" is a small
+    one: without, creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may
+    have, None the method's default (0.5, "paper": 0).
+    ``simplify`` leaves out corners that are off by no more than so many mm on the sheet; ``symmetry`` takes a drawing
+    as symmetric whose corners are off by so much, and makes it so. ``effort`` ("fast", "normal", "best") and
     ``seconds`` bound the search. ``limits`` bound how large a file may be. ``preparation`` says how the drawing is
     mended and simplified, None that it must be a shape as it is. ``progress`` is called with a stage's name and the
     part of it that is done.
@@ -200,15 +204,16 @@ def fold(
         y_down = read is not None and read.y_down
         if isinstance(drawing, Drawing):
             title = title or drawing.title
-            notes += drawing.notes
+            notes += (*drawing.notes, *drawing.repairs)
+            if preparation is not None and preparation.strict:
+                refuse_changes(drawing.repairs)
             scale = scale if isinstance(scale, str) else scale * (drawing.unit_mm or 1.0)
             drawing = drawing.loops
         paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
+        layout = Layout(paper, margin, scale, offset, rotation, width, height)
         prepared, mirrored = None, preparation is not None and preparation.mirror
         if preparation is not None and not isinstance(drawing, Shape):
-            hull = _hull(drawing)
-            lying = as_it_lies(paper, hull, rotation)
-            unit = place(hull, lying, margin=margin, scale=scale, offset=offset, rotation=rotation)[1].scale
+            unit = layout.place(_hull(drawing))[2].scale
             prepared = prepare([points_array(loop) * unit for loop in drawing], preparation)
             notes += prepared.changes
             drawing = [loop / unit for loop in prepared.loops] if prepared.changes else drawing
@@ -216,19 +221,18 @@ def fold(
 
         def lay(turn: float) -> _Laid:
             """Lay the shape on the sheet, turned by so many degrees more."""
-            angle = rotation + turn
-            on = as_it_lies(paper, outline, angle)
-            placed, placement = place(outline, on, margin=margin, scale=scale, offset=offset, rotation=angle)
+            on, placed, placement, quarter = layout.place(outline, turn)
             notes = [f"turned by {turn:.4g} degrees, so that a mirror axis lies along the sheet"] if turn else []
+            notes += ["turned by a quarter, so that it has more room on the sheet"] * quarter
             if simplify:
                 simplified = simplify_shape(placed, simplify)
                 placed = simplified.shape
                 notes.append(str(simplified))
             placement = Placement(placement.matrix * (-1.0, 1.0, 1.0)) if mirrored else placement
-            return _Laid(on, placed, placement.from_y_down() if y_down else placement, notes)
+            return _Laid(on, placed, placement.from_y_down() if y_down else placement, notes, quarter)
 
         laid = lay(0.0)
-    trials = _Trials(stages, ribbon, effort, seconds, symmetry, may_turn=not rotation and offset is None)
+    trials = _Trials(stages, ribbon, effort, seconds, symmetry, may_turn=rotation is None and offset is None)
     made = trials.run(method, laid, lay)
     stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
@@ -293,6 +297,7 @@ class _Laid:
     shape: Shape
     placement: Placement
     notes: list[str]
+    quarter: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -354,21 +359,22 @@ class _Trials:
                 if method == "mirror":
                     raise
                 reasons.append(self._failed("mirror", error))
+        if method == "auto" and not interrupted:
+            try:
+                made.append(self._kept(self._skeleton(laid, AFTER_OTHERS if made else 1.0)))
+            except UnfoldableError as error:
+                reasons.append(self._failed("skeleton", error))
+            except KeyboardInterrupt:
+                if not made:
+                    raise
+                interrupted = True
         if method in ("auto", "compact") and not interrupted:
             try:
-                made.append(self._kept(self._compact(laid, AFTER_MIRROR if made else 1.0)))
+                made.append(self._kept(self._compact(laid, AFTER_OTHERS if made else 1.0)))
             except UnfoldableError as error:
                 if method == "compact":
                     raise
                 reasons.append(self._failed("compact", error))
-            except KeyboardInterrupt:
-                if not made:
-                    raise
-        if method == "auto" and len(laid.shape.loops) > 1 and not interrupted:
-            try:
-                made.append(self._kept(self._skeleton(laid, AFTER_MIRROR if made else 1.0)))
-            except UnfoldableError as error:
-                reasons.append(self._failed("skeleton", error))
             except KeyboardInterrupt:
                 if not made:
                     raise
@@ -411,6 +417,8 @@ class _Trials:
         found = False
         for turn, axes in sheet_axes(laid.shape, self.symmetry, may_turn=self.may_turn):
             on = lay(turn) if turn else laid
+            if on.quarter != laid.quarter:
+                axes = tuple(1 - axis for axis in axes)
             middle = np.array([on.sheet.width, on.sheet.height]) / 2
             shape, moved = symmetric(on.shape, middle, axes)
             if moved > max(self.symmetry, ROUNDING * on.sheet.diagonal):
@@ -419,7 +427,7 @@ class _Trials:
             notes = list(on.notes)
             if moved > COINCIDENT[0] * on.sheet.diagonal:
                 notes.append(f"made symmetric: corners moved by at most {moved:.2g} mm")
-            on = _Laid(on.sheet, shape, on.placement, notes)
+            on = _Laid(on.sheet, shape, on.placement, notes, on.quarter)
             try:
                 for half in halves(shape, on.sheet, axes):
                     found = True
@@ -448,7 +456,7 @@ class _Trials:
         notes = list(laid.notes)
         if made.moved_mm > COINCIDENT[0] * laid.sheet.diagonal:
             notes.append(f"corners moved by at most {made.moved_mm:.2g} mm, so that creases meet")
-        on = _Laid(laid.sheet, made.shape, laid.placement, notes)
+        on = replace(laid, shape=made.shape, notes=notes)
         return _Made("skeleton", made, on, self.free, crease_numbers(made.creases).lines)
 
     def _gate(self, laid: _Laid) -> _Made:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 import shapely
@@ -84,8 +83,8 @@ def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
 
 def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
     mended, changes = _mended(drawn)
-    if changes and preparation.strict:
-        raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or do so yourself")
+    if preparation.strict:
+        refuse_changes(changes)
     if preparation.min_feature:
         mended = _noted(changes, *_without_narrow_parts(mended, preparation.min_feature))
     if preparation.separate:
@@ -96,6 +95,12 @@ def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
         mended = tuple(points_array(loop * (-1.0, 1.0)) for loop in mended)
         changes.append("mirrored, left to right")
     return Prepared(drawn, mended, tuple(changes))
+
+
+def refuse_changes(changes: Sequence[str]) -> None:
+    """Raise ``ShapeError`` if there are changes that mend a drawing: what ``strict`` does."""
+    if changes:
+        raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or do so yourself")
 
 
 def preview(before: Sequence[Floats], after: Sequence[Floats]) -> bytes:
@@ -135,7 +140,7 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
         if not _ring_areas(loop):
             changes.append(f"dropped loop {number}: it bounds no area")
             continue
-        first = seen.setdefault(np.unique(loop, axis=0).tobytes(), number)
+        first = seen.setdefault(_walk(loop), number)
         if first != number:
             changes.append(f"dropped loop {number}: it repeats loop {first}")
             continue
@@ -153,15 +158,22 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
     if thin := len(parts) - len(solid) + holes - sum(len(part.interiors) for part in solid):
         changes.append(f"dropped {thin} sliver{'s' * (thin > 1)} thinner than {SLIVER_MM:g} mm")
     outlines = polygon_loops(solid)
-    if _shape(kept) is None:
-        before, after = sum(map(len, kept)), sum(map(len, outlines))
-        changes.append(
-            f"outlines that cross or overlap were made one by the even-odd rule: {len(kept)} -> {len(outlines)} loops, "
-            f"{before} -> {after} corners"
-        )
+    before, after = sum(map(len, kept)), sum(map(len, outlines))
+    changes.append(
+        f"outlines that cross or overlap were made one by the even-odd rule: {len(kept)} -> {len(outlines)} loops, "
+        f"{before} -> {after} corners"
+    )
     if _shape(outlines) is None:
         outlines = _noted(changes, *_without_spikes(outlines))
     return outlines, changes
+
+
+def _walk(loop: Floats) -> bytes:
+    """Return the same for the same loop, wherever it begins, and whichever way around it is drawn."""
+    points = (loop[:-1] if np.array_equal(loop[0], loop[-1]) else loop) + 0.0  # no -0
+    start = int(np.lexsort(points.T)[0])
+    onward = np.roll(points, -start, axis=0)
+    return min(onward.tobytes(), np.roll(onward[::-1], 1, axis=0).tobytes())
 
 
 def _without_spikes(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], str]:
@@ -198,7 +210,12 @@ def _thin(polygon: shapely.Polygon) -> bool:
 
 def _area(loops: Sequence[Floats]) -> shapely.Geometry:
     """Return what loops bound together by the even-odd rule."""
-    return reduce(shapely.symmetric_difference, (shapely.union_all(_ring_areas(loop)) for loop in loops))
+    areas = np.array([shapely.union_all(_ring_areas(loop)) for loop in loops])
+    while len(areas) > 1:  # in pairs, which is much faster than one by one
+        pairs = shapely.symmetric_difference(areas[: len(areas) // 2], areas[len(areas) // 2 : len(areas) // 2 * 2])
+        areas = np.concatenate([pairs, areas[len(areas) // 2 * 2 :]])
+    area: shapely.Geometry = areas[0]
+    return area
 
 
 def _without_narrow_parts(loops: tuple[Floats, ...], width: float) -> tuple[tuple[Floats, ...], str]:

@@ -12,8 +12,11 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import dataclass
 
 import numpy as np
+import shapely
+from scipy.optimize import minimize_scalar
 
 from foldcut.errors import ShapeError, SheetError
 from foldcut.model import Floats, Placement, Shape, Sheet, points_array
@@ -42,6 +45,9 @@ SMALLEST_SHAPE_MM = 0.1
 
 #: How far rounding may take a corner over the margin, relative to the sheet's diagonal.
 FIT_TOLERANCE = 1e-9
+
+#: How many angles are tried before the best of them is made better.
+ROTATIONS = 360
 
 _LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
 
@@ -137,6 +143,92 @@ def place(
     ends = np.cumsum([len(loop) for loop in shape.loops])[:-1]
     loops = tuple(points_array(loop) for loop in np.split(placed, ends))
     return Shape(loops, shape.parent), Placement(matrix)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a drawing is to lie on a sheet; lengths in mm.
+
+    ``margin``, ``scale`` and ``offset`` as for ``place``; instead of a scale, the ``width`` or ``height`` that the
+    drawing has, or with both, that it fits into. ``rotation`` is in degrees, or "best": the angle at which the drawing
+    is largest; None: a quarter if it fits larger so, or only so, and no offset is given.
+    """
+
+    sheet: Sheet
+    margin: float = 10.0
+    scale: str | float = "fit"
+    offset: tuple[float, float] | None = None
+    rotation: str | float | None = None
+    width: float | None = None
+    height: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.scale != "fit" and (self.width is not None or self.height is not None):
+            raise SheetError("the drawing has a scale and a width or height; give one or the other")
+        if isinstance(self.rotation, str) and self.rotation != "best":
+            raise SheetError(f"the rotation is {self.rotation!r}; give degrees, or 'best'")
+
+    def place(self, shape: Shape, turn: float = 0.0) -> tuple[Sheet, Shape, Placement, bool]:
+        """Return the sheet as it lies, ``shape`` on it turned by ``turn`` degrees more, and as ``place`` its placement.
+
+        Last, whether it was turned a quarter to have more room. Errors as for ``place``.
+        """
+        given = self.rotation if isinstance(self.rotation, int | float) else 0.0
+        _check_numbers(self.sheet, self.margin, self.scale, self.offset, given)
+        angle = _best_rotation(shape, self.sheet, margin=self.margin) if self.rotation == "best" else given
+        scale = self.scale
+        if self.width is not None or self.height is not None:
+            scale = _scale_to(shape, self.width, self.height, angle)
+        angle += turn
+        on = as_it_lies(self.sheet, shape, angle)
+        free = self.rotation is None and self.offset is None
+        quarter = free and _lies_better_turned(shape, on, margin=self.margin, scale=scale, rotation=angle)
+        angle += 90.0 * quarter
+        placed, placement = place(shape, on, margin=self.margin, scale=scale, offset=self.offset, rotation=angle)
+        return on, placed, placement, quarter
+
+
+def _scale_to(shape: Shape, width: float | None = None, height: float | None = None, rotation: float = 0.0) -> float:
+    """Return the mm per drawing unit that make ``shape``, turned by ``rotation``, so wide and so high in mm.
+
+    With both, the larger of the scales at which neither is exceeded. Raises ``SheetError`` for lengths that are none.
+    """
+    size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    scales = []
+    for name, length, extent in (("width", width, size[0]), ("height", height, size[1])):
+        if length is not None:
+            if not 0 < length < math.inf:
+                raise SheetError(f"the {name} of the drawing is {length:g} mm; give a length above 0")
+            scales.append(length / float(extent))
+    return min(scales)
+
+
+def _lies_better_turned(
+    shape: Shape, sheet: Sheet, *, margin: float = 10.0, scale: str | float = "fit", rotation: float = 0.0
+) -> bool:
+    """Whether ``shape`` fits ``sheet`` larger, or with a ``scale`` in numbers fits at all, if turned a quarter more."""
+    size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    room = np.array([sheet.width, sheet.height]) - 2 * margin
+    straight, turned = (float((room / extents).min()) for extents in (size, size[::-1]))
+    return straight * (1 + FIT_TOLERANCE) < turned and (
+        scale == "fit" or straight * (1 + FIT_TOLERANCE) < float(scale) <= turned * (1 + FIT_TOLERANCE)
+    )
+
+
+def _best_rotation(shape: Shape, sheet: Sheet, *, margin: float = 10.0) -> float:
+    """Return the degrees, from 0 up to 180, by which ``shape`` has to be turned to fit ``sheet`` as large as can be."""
+    points = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(np.concatenate(shape.loops))))
+    hull = Shape((points_array(points),), (-1,))
+
+    def taken(degrees: float) -> float:
+        on = as_it_lies(sheet, hull, degrees)
+        size = np.ptp(points @ _rotation_matrix(degrees).T, axis=0)
+        return float((size / (np.array([on.width, on.height]) - 2 * margin)).max())
+
+    step = 180 / ROTATIONS
+    start = min((number * step for number in range(ROTATIONS)), key=lambda degrees: round(taken(degrees), 12))
+    found = minimize_scalar(taken, bounds=(start - step, start + step), method="bounded", options={"xatol": 1e-9})
+    return float(found.x) % 180 if found.fun < taken(start) * (1 - FIT_TOLERANCE) else start
 
 
 def _box_centre(points: Floats) -> Floats:

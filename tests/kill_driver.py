@@ -1,8 +1,9 @@
 """Replace a FOLD, an SVG and a DXF file by the command line, again and again, and be killed; print what is left.
 
-``python kill_driver.py KILLS [careless]`` in an empty folder. Patterns are folded once; a forked child then runs
+``python kill_driver.py KILLS [careless|whole]`` in an empty folder. Patterns are folded once; a forked child then runs
 ``foldcut make --force`` with them in turns, until SIGTERM or SIGKILL ends it at a random moment. ``careless`` writes
-the files in place, in two halves, to show that torn files are found.
+the files in place, in two halves, to show that torn files are found. ``whole``: every run reads, searches and writes,
+and is killed at a moment within the time that one takes, ``run_s``.
 """
 
 from __future__ import annotations
@@ -14,13 +15,13 @@ import signal
 import sys
 import time
 from collections.abc import Mapping
+from functools import partial
 from itertools import cycle
 from pathlib import Path
 
 import ezdxf
 from patterns import square_out_of_square
 
-import foldcut
 from foldcut import cli, files, pipeline
 from foldcut.readers.fold import read_fold
 
@@ -39,21 +40,26 @@ def write_carelessly(contents: Mapping[Path, bytes], *, replace: bool) -> None:
             file.write(data[len(data) // 2 :])
 
 
-def main(kills: int, *, careless: bool) -> None:
+def main(kills: int, mode: str) -> None:
     loop = square_out_of_square().shape.loops[0]
     Path("box.json").write_text(json.dumps({"loops": [loop.tolist()]}))
-    made = {size: foldcut.fold("box.json", size, effort="fast") for size in SIZES}
+    fold = partial(pipeline.fold, effort="fast")
+    made = {size: fold("box.json", size) for size in SIZES} if mode != "whole" else {}
     versions: dict[Path, list[bytes]] = {path: [] for path in OUTPUTS}
 
     def run(size: str) -> int:
-        pipeline.fold = lambda *_, **__: made[size]  # type: ignore[assignment]
-        return cli.main([*COMMAND, *(f"-o{path}" for path in OUTPUTS)])
+        if mode != "whole":
+            pipeline.fold = lambda *_, **__: made[size]  # type: ignore[assignment]
+        return cli.main([*COMMAND, "--sheet", size, "--effort", "fast", *(f"-o{path}" for path in OUTPUTS)])
 
+    longest_s = LONGEST_S
     for size in SIZES:
+        started = time.monotonic()
         assert run(size) == 0
+        longest_s = time.monotonic() - started if mode == "whole" else LONGEST_S
         for path in OUTPUTS:
             versions[path].append(path.read_bytes())
-    if careless:
+    if mode == "careless":
         files.write_files = write_carelessly  # type: ignore[assignment]
 
     chance = random.Random(6)
@@ -62,11 +68,11 @@ def main(kills: int, *, careless: bool) -> None:
         number = signal.SIGKILL if kill % 2 else signal.SIGTERM
         child = os.fork()
         if child == 0:
-            for size in cycle(SIZES):
+            for size in cycle(SIZES if kill % 4 < 2 else SIZES[::-1]):
                 status = run(size)
                 if status:
                     os._exit(status)
-        time.sleep(chance.uniform(0, LONGEST_S))
+        time.sleep(chance.uniform(0, 1.3 * longest_s if mode == "whole" else longest_s))
         os.kill(child, number)
         code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         statuses.append([number.name, code])
@@ -83,8 +89,8 @@ def main(kills: int, *, careless: bool) -> None:
     if not torn:
         read_fold("box.fold")
         ezdxf.readfile("box.dxf")
-    print(json.dumps({"torn": torn, "statuses": statuses, "left": left, "seen": sorted(seen)}))
+    print(json.dumps({"torn": torn, "statuses": statuses, "left": left, "seen": sorted(seen), "run_s": longest_s}))
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), careless=sys.argv[2:] == ["careless"])
+    main(int(sys.argv[1]), "".join(sys.argv[2:]))

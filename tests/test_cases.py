@@ -71,7 +71,7 @@ def test_the_library_takes_or_refuses(name: str, tmp_path: Path) -> None:
             drawing = read_shape(path)
             prepared = prepare(drawing.loops, Preparation())
             assert invariant_faults(make_shape(prepared.loops)) == []
-            said = "; ".join((*drawing.notes, *drawing.ignored, *prepared.changes))
+            said = "; ".join((*drawing.notes, *drawing.ignored, *drawing.repairs, *prepared.changes))
             assert case.taken
     except FoldcutError as error:
         said = str(error)

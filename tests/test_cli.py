@@ -167,7 +167,7 @@ BAD_INPUT = {
     "is not a length": ["make", "box.json", "--margin", "wide"],
     "is no scale": ["make", "box.json", "--scale", "1:0"],
     "is no pair": ["make", "box.json", "--offset", "3"],
-    "invalid float value": ["make", "box.json", "--rotate", "left"],
+    "--rotate left is no angle; give degrees such as 45, or best": ["make", "box.json", "--rotate", "left"],
     "invalid choice: 'origami'": ["make", "box.json", "--method", "origami"],
     "invalid choice: 'some'": ["make", "box.json", "--effort", "some"],
     "time to search is -1.0 s": ["make", "box.json", "--seconds", "-1"],
@@ -593,3 +593,33 @@ def test_profiles_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> No
     assert '"kerf_mm": 0.1' in capsys.readouterr().out
     assert main(["profiles", "validate"]) == 2
     assert "needs the name" in capsys.readouterr().err
+
+
+def test_a_drawing_is_as_wide_or_high_as_asked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "box.json").write_text('{"loops": [[[0, 0], [40, 0], [40, 20], [0, 20]]]}')
+    command = ["make", "box.json", "--effort", "fast", "-o", "box.fold", "--force", "--sheet", "100x220mm"]
+    for options, width, height in (
+        (["--width", "5cm", "--rotate", "0"], 50, 25),
+        (["--height", "30", "--width", "70mm"], 60, 30),
+        ([], 80, 160),
+    ):
+        assert main([*command, *options]) == 0
+        report = capsys.readouterr().out
+        assert ("turned by a quarter, so that it has more room on the sheet" in report) == (not options)
+        placed = (
+            np.array([[0, 0], [40, 20]])
+            @ np.array(json.loads((tmp_path / "box.fold").read_text())["foldcut:placement"])[:, :2].T
+        )
+        assert np.abs(np.diff(placed, axis=0)[0]).tolist() == pytest.approx([width, height])
+    assert main([*command, "--rotate", "best", "--quiet"]) == 0
+    for options, fault in (
+        (["--scale", "2", "--height", "30"], "--scale and --height both say how large the drawing is; give one"),
+        (["--width", "0mm"], "the width of the drawing is 0 mm; give a length above 0"),
+        (["--width", "95mm", "--rotate", "0"], "the sheet 100 x 220 mm leaves 80.0 x 200.0 mm"),
+        (["--rotate", "half"], "--rotate half is no angle; give degrees such as 45, or best"),
+    ):
+        assert main([*command, *options]) == 2
+        assert fault in capsys.readouterr().err

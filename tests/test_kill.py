@@ -41,3 +41,12 @@ def test_files_are_whole_after_each_of_50_kills(tmp_path: Path) -> None:
 
 def test_torn_files_would_be_found(tmp_path: Path) -> None:
     assert killed(tmp_path, "20", "careless")["torn"]
+
+
+def test_files_are_whole_after_kills_at_any_moment_of_a_run(tmp_path: Path) -> None:
+    found = killed(tmp_path, "10", "whole")
+    assert found["torn"] == []
+    assert found["run_s"] > 0.05, "a run that searches takes longer than one that only writes"
+    for name, status in found["statuses"]:
+        assert status in ((143, -15) if name == "SIGTERM" else (-9,))
+    assert all(name == "SIGKILL" and re.fullmatch(r"\.foldcut-[0-9a-f]{16}\.tmp", left) for name, left in found["left"])

@@ -83,7 +83,9 @@ def test_limits_are_options(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     for text in ("points", "points=0", "points=-1", "pints=3", "points=1e3"):
         with pytest.raises(BadInputError, match="is no limit; give NAME=NUMBER"):
             parse_limits([text])
-    assert parse_limits(["points=7", "loops=8"]) == Limits(points=7, loops=8)
+    assert parse_limits(["points=7", "loops=8", "nesting=9"]) == Limits(points=7, loops=8, nesting=9)
+    with pytest.raises(BadInputError, match="a nesting of 501 is too deep; give at most 500"):
+        parse_limits(["nesting=501"])
 
 
 def test_a_timeout_ends_the_search_and_writes_nothing(

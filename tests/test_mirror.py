@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from math import comb
 
 import numpy as np
@@ -162,6 +163,18 @@ def test_near_symmetry_is_made_exact_on_request() -> None:
     result = foldcut.fold([loop], method="mirror", effort="fast", symmetry=0.5)
     assert result.findings == ()
     assert any(note.startswith("made symmetric: corners moved by at most 0.") for note in result.notes)
+
+
+@pytest.mark.parametrize("sheet", ["100x220", "220x100"])
+def test_an_axis_is_folded_however_the_drawing_is_turned_to_have_room(sheet: str) -> None:
+    angle = math.radians(60)
+    house = np.array([(-8, 0), (8, 0), (8, 30), (0, 40), (-8, 30)])
+    turned = house @ [(math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))]
+    result = foldcut.fold([turned], sheet, method="mirror", effort="fast", min_crease=0)
+    assert result.verified
+    size = np.ptp(result.folded_pattern.shape.loops[0], axis=0)
+    assert sorted(size.tolist()) == pytest.approx([80, 200])
+    assert sum("turned" in note for note in result.notes) == (2 if sheet == "100x220" else 1)
 
 
 def test_arcs_do_not_cross_and_are_all() -> None:

@@ -122,8 +122,12 @@ def test_layers_of_a_dxf_select_and_hidden_ones_are_told(tmp_path: Path) -> None
 
     drawing = read(tmp_path, "a.dxf", dxf(draw), layers=("cut",))
     assert (area(drawing), drawing.ignored) == (200, ("2 hidden objects",))
+    assert drawing.repairs == ()
     with pytest.raises(FileFormatError, match="a line ends at .1, 1., .* join ends that are farther apart with --join"):
-        read(tmp_path, "a.dxf", dxf(draw))
+        read(tmp_path, "a.dxf", dxf(draw), layers=("Notes",))
+    stray = read(tmp_path, "a.dxf", dxf(draw))
+    assert area(stray) == 200
+    assert stray.repairs == ("left out a line that ends where no other goes on, at (1, 1), 1.41 from the next end",)
     with pytest.raises(FileFormatError, match="no outline in --layer x; the file has the layers 0, CUT, Notes"):
         read(tmp_path, "a.dxf", dxf(draw), layers=("x",))
     assert "1 TEXT" in read(tmp_path, "a.dxf", dxf(draw), layers=("CUT", "0")).ignored
@@ -170,7 +174,7 @@ POLYGON = {"type": "Polygon", "coordinates": [RING, HOLE]}
 def test_polygons_of_a_geojson_file_are_loops(tmp_path: Path, document: dict[str, Any], suffix: str) -> None:
     drawing = read(tmp_path, f"a{suffix}", json.dumps(document))
     assert [loop.tolist() for loop in drawing.loops] == [RING, HOLE]
-    assert drawing.ignored == (("1 Point",) if "geometries" in document else ())
+    assert drawing.ignored == (("1 point",) if "geometries" in document else ())
 
 
 @pytest.mark.parametrize("form", ["binary", "hex", "big-endian", "z"])
@@ -206,6 +210,8 @@ DEEP = {"type": "GeometryCollection", "geometries": [POLYGON]}
 for _ in range(100):
     DEEP = {"type": "GeometryCollection", "geometries": [DEEP]}
 
+POINT = shapely.to_wkb(shapely.Point(1, 2))
+
 BAD = [
     ("a.dxf", "hello", "not a DXF file that can be read"),
     ("a.dxf", b"\x00\xff" * 1000, "not a DXF file that can be read"),
@@ -219,13 +225,15 @@ BAD = [
     ("a.geojson", '{"type": "Polygon", "coordinates": [[[0, 0], [1, "a"]]]}', 'point 1 is [1, "a"]'),
     ("a.geojson", '{"type": "Point", "coordinates": [0, 0]}', "the file has no polygon"),
     ("a.geojson", '{"type": "FeatureCollection", "features": []}', "features of the file is no list"),
-    ("a.geojson", json.dumps(DEEP), "nested more than 50 deep"),
+    ("a.geojson", json.dumps(DEEP), "nested too deep, and at most 100 are allowed"),
     ("a.geojson", '{"type": "Polygon", "coordinates": [[[0, 0], [1' + "0" * 400 + ", 0]]]}", "too large for float64"),
     ("a.wkb", b"\x01\x02", "not WKB"),
     ("a.wkb", "zz", "not WKB"),
     ("a.wkb", "0101", "not WKB"),
-    ("a.wkb", shapely.to_wkb(shapely.Point(1, 2)), "POINT bounds no area"),
-    ("a.wkb", (b"\x01\x07\0\0\0\x01\0\0\0" * 100_000), "more than 1000 collections"),
+    ("a.wkb", (b"\x01\xef\x03\0\0\x01\0\0\0" * 100_000 + POINT), "nested too deep"),
+    ("a.wkb", (b"\0\0\0\0\x05\0\0\0\x01" * 100_000 + POINT), "nested too deep"),
+    ("a.wkb", POINT, "POINT bounds no area"),
+    ("a.wkb", (b"\x01\x07\0\0\0\x01\0\0\0" * 100_000 + POINT), "nested too deep"),
     ("a.wkb", b"\x01\x03\0\0\0" + struct.pack("<II", 1, 2**31), "not WKB"),
     ("a.csv", "a,b\n", "line 1 is 'a,b'"),
     ("a.csv", "0,0\n1\n", "line 2 is '1'"),

@@ -55,6 +55,16 @@ MENDED = {
 }
 
 
+def test_a_loop_repeats_another_only_if_it_is_drawn_along_the_same_corners() -> None:
+    box = square(0, 0, 40)
+    for again in (box[::-1], np.roll(box, 1, axis=0), np.concatenate([box, box[:1]])):
+        assert prepare([box, again], Preparation()).changes == ("dropped loop 2: it repeats loop 1",)
+    bow_tie = box[[0, 2, 1, 3]]
+    prepared = prepare([box, bow_tie], Preparation())
+    assert not any("repeats" in change for change in prepared.changes)
+    assert area(prepared.loops) == pytest.approx(800)
+
+
 @pytest.mark.parametrize("name", MENDED)
 def test_what_is_mended_is_said_and_refused_when_strict(name: str) -> None:
     loops, words, expected = MENDED[name]

@@ -12,7 +12,7 @@ from strategies import Points, cross, moved, rectangle, regular, similarities, s
 from foldcut.errors import FoldcutError, ShapeError, SheetError
 from foldcut.model import Placement, Shape, Sheet
 from foldcut.shape import invariant_faults, make_shape
-from foldcut.sheet import NAMED_SHEETS, parse_length, parse_sheet, place
+from foldcut.sheet import NAMED_SHEETS, Layout, parse_length, parse_sheet, place
 
 A4 = parse_sheet("a4")
 WIDE = make_shape([[(0, 0), (230, 0), (230, 80), (0, 80)]])
@@ -239,3 +239,62 @@ def test_a_shape_that_just_fills_the_room_is_accepted_at_its_true_size() -> None
 
 def test_the_sheet_is_not_turned_for_a_wide_shape() -> None:
     assert place(WIDE, A4)[1].scale < place(WIDE, Sheet(297, 210))[1].scale
+
+
+# --- how a drawing is to lie
+
+
+def size(shape: Shape) -> list[float]:
+    return np.ptp(np.concatenate(shape.loops), axis=0).tolist()
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"width": 100.0}, [100, 50]),
+        ({"height": 30.0}, [60, 30]),
+        ({"width": 100.0, "height": 30.0}, [60, 30]),
+        ({"width": 30.0, "height": 100.0}, [30, 15]),
+        ({"width": 30.0, "rotation": 90.0}, [30, 60]),
+    ],
+)
+def test_a_drawing_is_scaled_to_a_width_or_a_height(options: dict[str, float], expected: list[float]) -> None:
+    _, placed, _, _ = Layout(A4, **options).place(SMALL)  # type: ignore[arg-type]
+    assert size(placed) == pytest.approx(expected)
+    # a turn beyond what was asked for, for a mirror axis, does not change how large it is
+    _, turned, _, _ = Layout(A4, **options).place(SMALL, 90)  # type: ignore[arg-type]
+    assert size(turned) == pytest.approx(expected[::-1])
+
+
+def test_a_drawing_is_turned_a_quarter_where_that_gives_it_more_room() -> None:
+    sheet = Sheet(100, 220)
+    on, placed, placement, quarter = Layout(sheet).place(SMALL)
+    assert (on, quarter, size(placed)) == (sheet, True, pytest.approx([80, 160]))
+    np.testing.assert_allclose(placement.apply(SMALL.loops[1]), placed.loops[1], atol=1e-9)
+    assert not Layout(sheet, scale=1.0).place(SMALL)[3]
+    assert Layout(sheet, scale=3.0).place(SMALL)[3]
+    assert Layout(sheet, width=120.0).place(SMALL)[3]
+    assert not Layout(sheet, rotation=0.0).place(SMALL)[3]
+    assert not Layout(parse_sheet("a4")).place(SMALL)[3], "the sheet lies as the drawing does"
+    for wrong in ({"scale": 9.0}, {"scale": 3.0, "offset": (10.0, 10.0)}, {"margin": 50.0}):
+        with pytest.raises(FoldcutError):
+            Layout(sheet, **wrong).place(SMALL)  # type: ignore[arg-type]
+
+
+def test_the_best_rotation_leaves_no_larger_one() -> None:
+    stick = make_shape([rectangle(200, 1)])
+    for drawn, sheet in ((stick, A4), (stick, Sheet(100, 100)), (make_shape([star(5, 0.4)]), Sheet(200, 190))):
+        best = Layout(sheet, rotation="best").place(drawn)[2].scale
+        others = [Layout(sheet, rotation=degrees).place(drawn)[2].scale for degrees in np.arange(0, 180, 0.25)]
+        assert best >= max(others) * (1 - 1e-9)
+    assert size(Layout(Sheet(100, 100), rotation="best").place(stick)[1])[0] == pytest.approx(80)
+
+
+@pytest.mark.parametrize("options", [{"width": 0.0}, {"height": math.inf}, {"width": 9.0, "scale": 2.0}])
+def test_a_size_that_makes_no_sense_is_refused(options: dict[str, float]) -> None:
+    with pytest.raises(SheetError, match="give a length above 0|give one or the other"):
+        Layout(A4, **options).place(SMALL)  # type: ignore[arg-type]
+    with pytest.raises(SheetError, match="the rotation is 'beast'; give degrees, or 'best'"):
+        Layout(A4, rotation="beast")
+    with pytest.raises(SheetError, match="the rotation is nan degrees; give a finite number"):
+        Layout(A4, rotation=math.nan).place(SMALL)

@@ -21,6 +21,7 @@ from reportlab.pdfgen.canvas import Canvas
 from foldcut import fold
 from foldcut.cli import main
 from foldcut.errors import BadInputError, FileFormatError
+from foldcut.limits import Limits
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.readers.text import draw_text, find_font, font_families
 from foldcut.shape import make_shape
@@ -183,6 +184,24 @@ def test_the_paths_of_a_pdf_page_are_loops(tmp_path: Path, draw: Any, expected: 
         assert corners.min(axis=0).tolist() == pytest.approx([100, 200 - 90])
 
 
+def test_gaps_and_strays_of_a_pdf_page_are_mended_and_told(tmp_path: Path) -> None:
+    pytest.importorskip("pypdfium2")
+    lines = [(0, 0, 40, 0), (40.005, 0, 40, 30), (40, 30, 0, 0), (60, 60, 70, 70)]
+    drawing = read(tmp_path, "a.pdf", pdf(lambda canvas: canvas.lines(lines)))
+    assert area(drawing) == pytest.approx(600, rel=1e-3)
+    gap, stray = drawing.repairs
+    assert gap.startswith("closed 1 gap of at most 0.0018 mm")
+    assert stray.startswith("left out a line that ends where no other goes on")
+
+
+def test_forms_of_a_pdf_page_nest_as_deep_as_is_allowed(tmp_path: Path) -> None:
+    pytest.importorskip("pypdfium2")
+    data = pdf(in_a_form)
+    assert area(read(tmp_path, "a.pdf", data, limits=Limits(nesting=4))) == pytest.approx(800, rel=2e-3)
+    with pytest.raises(FileFormatError, match="nested too deep, and at most 1 are allowed"):
+        read(tmp_path, "a.pdf", data, limits=Limits(nesting=1))
+
+
 def test_bad_pdfs_are_refused_in_one_line(tmp_path: Path) -> None:
     pytest.importorskip("pypdfium2")
     good = pdf(holed)
@@ -255,8 +274,8 @@ def test_bad_pictures_are_refused_in_one_line(tmp_path: Path) -> None:
     Image.new("L", (300, 200), 255).save(buffer, "PNG")
     with pytest.raises(FileFormatError, match="the picture has no silhouette; give a dark shape"):
         read(tmp_path, "a.png", buffer.getvalue())
-    with pytest.raises(FileFormatError, match="the picture has 300 x 200 pixels; give one of at most 0.05 million"):
-        read(tmp_path, "a.png", good, largest_pixels=50_000)
+    with pytest.raises(FileFormatError, match="the picture has 60,000 pixels, and at most 50,000 are"):
+        read(tmp_path, "a.png", good, limits=Limits(pixels=50_000))
     for data in (b"hello", good[:100], b"GIF89a" + good):
         with pytest.raises(FileFormatError, match=r"not a PNG or JPEG that can be read: .*; save the picture again"):
             read(tmp_path, "a.png", data)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from foldcut.errors import BadInputError, FileFormatError
 from foldcut.limits import Limits
 from foldcut.model import Floats
+
+_JSON_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 
 #: Curves are flattened as on a drawing enlarged to this many mm: "fit" makes it about so large.
 USUAL_SIZE_MM = 200.0
@@ -33,7 +38,6 @@ class ReadOptions:
     suffix: str = ""
     threshold: float = 0.5
     limits: Limits = field(default_factory=Limits)
-    largest_pixels: int = 40_000_000
 
     def __post_init__(self) -> None:
         if not 0 < self.flatten_mm < float("inf"):
@@ -62,7 +66,8 @@ class Drawing:
     """The closed loops of a file, as drawn: nothing is checked but that they are lists of points.
 
     ``loops`` are ``(n, 2)``, y up, in drawing units of ``unit_mm`` mm each (None: the file does not say).
-    ``ignored`` says what in the file was passed over ("2 texts"), ``notes`` what was done to the rest.
+    ``ignored`` says what in the file was passed over ("2 texts"), ``notes`` how the rest was understood, ``repairs``
+    what had to be mended, which ``--strict`` refuses.
     ``y_down``: the file's own y axis points down, and y here is minus its.
     """
 
@@ -72,6 +77,7 @@ class Drawing:
     notes: tuple[str, ...] = ()
     y_down: bool = False
     ignored: tuple[str, ...] = ()
+    repairs: tuple[str, ...] = ()
 
     @property
     def size(self) -> tuple[float, float]:
@@ -98,6 +104,23 @@ def counted(what: Counter[str]) -> tuple[str, ...]:
 def missing(option: str, extra: str) -> FileFormatError:
     """Return the error for a reader whose library is not installed."""
     return FileFormatError(f"{option} need the extra {extra!r}; install it with pip install 'foldcut[{extra}]'")
+
+
+def json_of(source: Source, options: ReadOptions, example: str) -> Any:
+    """Return the document in a JSON file, nested no deeper than is allowed; ``example`` is the remedy if it is none."""
+    text = source.text()
+    options.limits.check_nesting(brackets_depth(_JSON_STRING.sub("", text), "[{", "]}"))
+    try:
+        return json.loads(text)
+    except ValueError as error:
+        raise FileFormatError(f"not JSON: {error}; {example}") from None
+
+
+def brackets_depth(text: str, opening: str, closing: str) -> int:
+    """Return how deep brackets are nested in a text, whether or not they are closed."""
+    codes = np.frombuffer(text.encode("utf-32-le"), dtype=np.uint32)
+    steps = np.isin(codes, list(map(ord, opening))).astype(np.int64) - np.isin(codes, list(map(ord, closing)))
+    return int(steps.cumsum().max(initial=0))
 
 
 def read_text(path: Path) -> str:

@@ -11,6 +11,7 @@ import re
 from foldcut.errors import FileFormatError
 from foldcut.model import points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source
+from foldcut.readers.fills import closed_rings
 
 _EXAMPLE = 'give rows such as "40,0", with a blank line between loops'
 _SEPARATOR = re.compile(r"\s*[,;\t]\s*|\s+")
@@ -46,4 +47,5 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         last, new = row.get("loop"), False
     if not loops:
         raise FileFormatError(f"the file has no points; {_EXAMPLE}")
-    return Drawing(tuple(map(points_array, loops)), None, source.name)
+    rings, repairs = closed_rings(list(map(points_array, loops)), options, None)
+    return Drawing(rings, None, source.name, repairs=repairs)

@@ -21,9 +21,10 @@ from ezdxf.enums import InsertUnits
 from ezdxf.units import conversion_factor
 
 from foldcut.errors import FileFormatError
+from foldcut.limits import Limits
 from foldcut.model import Floats, points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
-from foldcut.readers.fills import fill, join, unite
+from foldcut.readers.fills import Outline, loops_of
 
 # It logs what it mends line by line, even letters that are no text; what matters of that is said in an error.
 logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
@@ -34,9 +35,6 @@ FILLS = {"HATCH", "MPOLYGON"}
 MOST_ENTITIES = 200_000
 """A file that shows more entities, those of blocks counted as often as they are shown, is refused."""
 
-DEEPEST = 16
-"""Blocks in blocks deeper than this are refused."""
-
 
 def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a DXF file's model space; its title is the file's stem."""
@@ -45,6 +43,8 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         return _read(document, source.name, options)
     except FileFormatError:
         raise
+    except RecursionError:  # ezdxf looks into blocks by recursion
+        raise options.limits.too_deep() from None
     except Exception as error:  # ezdxf lets all kinds of errors out where a file is broken
         about = " ".join(str(error).split())[:120] or type(error).__name__
         raise FileFormatError(f"not a DXF file that can be read: {about}; save the drawing again as DXF") from None
@@ -55,7 +55,7 @@ def _read(document: Any, title: str, options: ReadOptions) -> Drawing:
     layers: set[str] = set()
     shown: list[tuple[str, list[paths.Path]]] = []
     wanted = {layer.casefold() for layer in options.layers}
-    for entity in _entities(document, ignored):
+    for entity in _entities(document, ignored, options.limits):
         layers.add(entity.dxf.layer)
         if wanted and entity.dxf.layer.casefold() not in wanted:
             continue
@@ -82,39 +82,23 @@ def _read(document: Any, title: str, options: ReadOptions) -> Drawing:
     extent = float(np.ptp(corners[:, :2], axis=0).max())
     if not extent > 0 or not math.isfinite(extent):
         raise FileFormatError("the drawing has no size; draw a closed outline with finite coordinates")
-    parts, chains = _lines(shown, options, unit_mm, extent)
-    loops, united = unite(parts)
-    loops += join(chains, options.units(options.join_mm, unit_mm, extent))
-    notes = [f"{united} outlines that overlap or touch were united"] if united else []
-    if np.ptp(corners[:, 2]) > 0:
-        notes.append("the z coordinates were ignored")
-    return Drawing(tuple(loops), unit_mm, title, tuple(notes), ignored=counted(ignored))
-
-
-def _lines(
-    shown: list[tuple[str, list[paths.Path]]], options: ReadOptions, unit_mm: float | None, extent: float
-) -> tuple[list[list[Floats]], list[Floats]]:
-    """Return the even-odd sets of closed outlines, and the open lines."""
     tolerance = options.units(options.flatten_mm, unit_mm, extent)
-    gap = options.units(options.join_mm, unit_mm, extent)
-    parts: list[list[Floats]] = []
-    chains: list[Floats] = []
-    for kind, outlines in shown:
-        closed: list[Floats] = []
-        for outline in outlines:
-            points = np.array([(point.x, point.y) for point in outline.flattening(tolerance, 4)])
-            if len(points) > 3 and math.dist(points[0], points[-1]) <= gap:
-                closed.append(points_array(points[:-1]))
-            elif kind in FILLS or outline.is_closed:
-                closed.append(points_array(points))
-            elif not np.array_equal(points[0], points[-1]):
-                chains.append(points_array(points))
-        if closed:
-            parts.append(fill(closed, even_odd=True))
-    return parts, chains
+    outlines = [Outline(list(_lines(drawn, tolerance, closed=kind in FILLS))) for kind, drawn in shown]
+    found = loops_of(outlines, options, unit_mm, extent)
+    notes = found.notes
+    if np.ptp(corners[:, 2]) > 0:
+        notes += ("the z coordinates were ignored",)
+    return Drawing(found.loops, unit_mm, title, notes, ignored=counted(ignored), repairs=found.repairs)
 
 
-def _entities(document: Any, ignored: Counter[str]) -> Iterator[Any]:
+def _lines(outlines: list[paths.Path], tolerance: float, *, closed: bool) -> Iterator[tuple[Floats, bool]]:
+    """Yield the points of outlines, flattened, and whether each is closed."""
+    for outline in outlines:
+        points = points_array([(point.x, point.y) for point in outline.flattening(tolerance, 4)])
+        yield points, closed or outline.is_closed
+
+
+def _entities(document: Any, ignored: Counter[str], limits: Limits) -> Iterator[Any]:
     """Yield what is seen of the model space, blocks taken apart."""
     waiting = [(entity, 0) for entity in reversed(document.modelspace())]
     count = 0
@@ -130,9 +114,8 @@ def _entities(document: Any, ignored: Counter[str]) -> Iterator[Any]:
             yield entity
         elif entity.block() is None or entity.block().block.is_xref:
             ignored["external reference"] += 1
-        elif depth == DEEPEST:
-            raise FileFormatError(f"blocks are nested more than {DEEPEST} deep; explode them")
         else:
+            limits.check_nesting(depth + 1)
             inserts = entity.multi_insert() if entity.mcount > 1 else [entity]
             for insert in inserts:
                 count += 1

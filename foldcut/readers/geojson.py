@@ -1,4 +1,4 @@
-"""Read GeoJSON (RFC 7946): Polygon, MultiPolygon, and features and collections of them; y up, no unit.
+"""Read GeoJSON (RFC 7946): polygons, or lines that close, and features and collections of them; y up, no unit.
 
 Coordinates are taken as plane ones: longitude and latitude are not projected. ``read`` is called by the reader of JSON
 loops too, which tells the two apart.
@@ -8,50 +8,55 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
-from foldcut.readers.base import Drawing, ReadOptions, Source, counted
+from foldcut.readers.base import Drawing, ReadOptions, Source, json_of
+from foldcut.readers.fills import drawing_of
 
-_DEEPEST = 50
 _EXAMPLE = 'give {"type": "Polygon", "coordinates": [[[0, 0], [40, 0], [0, 30], [0, 0]]]}'
-_NO_AREA = {"Point", "MultiPoint", "LineString", "MultiLineString"}
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a GeoJSON file; its title is the file's stem."""
-    try:
-        document = json.loads(source.text())
-    except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"not JSON: {error}; {_EXAMPLE}") from None
-    loops: list[Floats] = []
+    document = json_of(source, options, _EXAMPLE)
+    rings: list[Floats] = []
+    lines: list[Floats] = []
     ignored: Counter[str] = Counter()
-    waiting: list[tuple[Any, str, int]] = [(document, "the file", 0)]
+    waiting: list[tuple[Any, str]] = [(document, "the file")]
     while waiting:
-        geometry, place, depth = waiting.pop()
-        if depth > _DEEPEST:
-            raise FileFormatError(f"collections are nested more than {_DEEPEST} deep; give one flat collection")
+        geometry, place = waiting.pop()
         kind = str(geometry.get("type")) if isinstance(geometry, dict) else "none"
         if kind == "Feature":
             if geometry.get("geometry") is not None:
-                waiting.append((geometry["geometry"], f"{place} > geometry", depth + 1))
+                waiting.append((geometry["geometry"], f"{place} > geometry"))
         elif kind in ("FeatureCollection", "GeometryCollection"):
             key = "features" if kind == "FeatureCollection" else "geometries"
             members = enumerate(_list(geometry.get(key), f"{key} of {place}"))
-            waiting += [(one, f"{place} > {key}[{number}]", depth + 1) for number, one in members][::-1]
-        elif kind in ("Polygon", "MultiPolygon"):
-            rings = _list(geometry.get("coordinates"), f"coordinates of {place}")
-            if kind == "MultiPolygon":
-                rings = [ring for polygon in rings for ring in _list(polygon, f"coordinates of {place}")]
-            loops += [_loop(ring, f"ring {number} of {place}") for number, ring in enumerate(rings)]
-        elif kind in _NO_AREA:
-            ignored[kind] += 1
+            waiting += [(one, f"{place} > {key}[{number}]") for number, one in members][::-1]
+        elif kind in ("Polygon", "MultiPolygon", "LineString", "MultiLineString"):
+            drawn = _list(geometry.get("coordinates"), f"coordinates of {place}")
+            if kind == "LineString":
+                drawn = [drawn]
+            elif kind == "MultiPolygon":
+                drawn = [ring for polygon in drawn for ring in _list(polygon, f"coordinates of {place}")]
+            found = [_loop(line, f"ring {number} of {place}") for number, line in enumerate(drawn)]
+            rings, lines = (rings + found, lines) if kind.endswith("Polygon") else (rings, lines + found)
+        elif kind in ("Point", "MultiPoint"):
+            ignored["point"] += 1
         else:
             raise FileFormatError(f"{place} is no GeoJSON: its type is {kind[:40]!r}; {_EXAMPLE}")
-    if not loops:
+    if not rings and not lines:
         raise FileFormatError(f"the file has no polygon; {_EXAMPLE}")
-    return Drawing(tuple(loops), None, source.name, ignored=counted(ignored))
+    drawing = drawing_of(rings, lines, source.name, options, ignored)
+    if unclosed := sum(not np.array_equal(ring[0], ring[-1]) for ring in rings):
+        told = f"closed {unclosed} ring{'s' * (unclosed > 1)} that did not repeat the first point"
+        return replace(drawing, repairs=(told, *drawing.repairs))
+    return drawing
 
 
 def _list(value: Any, place: str) -> list[Any]:

@@ -39,9 +39,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         with warnings.catch_warnings(), Image.open(io.BytesIO(source.data), formats=FORMATS) as picture:
             warnings.simplefilter("ignore")
             width, height = picture.size
-            if width * height > options.largest_pixels:
-                most = f"{options.largest_pixels / 1e6:g} million"
-                raise FileFormatError(f"the picture has {width} x {height} pixels; give one of at most {most}")
+            options.limits.check_pixels(width * height)
             dpi = float(picture.info.get("dpi", (0, 0))[0])
             mask = _silhouette(picture, options.threshold)
     except FileFormatError:

@@ -11,7 +11,8 @@ import json
 from foldcut.errors import FileFormatError
 from foldcut.model import Floats, points_array
 from foldcut.readers import geojson
-from foldcut.readers.base import Drawing, ReadOptions, Source
+from foldcut.readers.base import Drawing, ReadOptions, Source, json_of
+from foldcut.readers.fills import closed_rings
 from foldcut.units import MM_PER_UNIT
 
 _EXAMPLE = 'give {"loops": [[[0, 0], [40, 0], [0, 30]]], "units": "mm"}'
@@ -20,11 +21,7 @@ _UNITS = ("mm", "cm", "in", "px")
 
 def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a file of JSON loops."""
-    text = source.text()
-    try:
-        document = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"not JSON: {error}; {_EXAMPLE}") from None
+    document = json_of(source, options, _EXAMPLE)
     if isinstance(document, dict) and "type" in document and "loops" not in document:
         return geojson.read(source, options)
     if not isinstance(document, dict) or "loops" not in document:
@@ -35,12 +32,11 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     unit = document.get("units")
     if unit is not None and unit not in _UNITS:
         raise FileFormatError(f"units is {unit!r}; give {', '.join(_UNITS)}, or leave it out")
-    title = document.get("title")
-    return Drawing(
-        loops=tuple(_loop(loop, f"loops[{number}]") for number, loop in enumerate(loops)),
-        unit_mm=None if unit is None else MM_PER_UNIT[unit],
-        title=title if isinstance(title, str) and title else source.name,
+    title, unit_mm = document.get("title"), None if unit is None else MM_PER_UNIT[unit]
+    rings, repairs = closed_rings(
+        [_loop(loop, f"loops[{number}]") for number, loop in enumerate(loops)], options, unit_mm
     )
+    return Drawing(rings, unit_mm, title if isinstance(title, str) and title else source.name, repairs=repairs)
 
 
 def _loop(loop: object, place: str) -> Floats:

@@ -13,11 +13,11 @@ from dataclasses import replace
 from typing import Any
 
 from foldcut.errors import FileFormatError
+from foldcut.limits import Limits
 from foldcut.readers import svg
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted, missing
 
 MOST_SEGMENTS = 1_000_000
-_DEEPEST = 15
 _WHITE = (255, 255, 255)
 
 
@@ -32,7 +32,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         with pypdfium2.PdfDocument(source.data) as document:
             pages = len(document)
             page = document[0]
-            size, paths = page.get_size(), _paths(page, ignored)
+            size, paths = page.get_size(), _paths(page, ignored, options.limits)
     except FileFormatError:
         raise
     except Exception as error:  # PdfiumError, or ctypes where the file is broken
@@ -51,14 +51,15 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     return replace(svg.read(Source(text.encode(), source.name), options), ignored=counted(ignored))
 
 
-def _paths(page: Any, ignored: Counter[str]) -> list[str]:
+def _paths(page: Any, ignored: Counter[str], limits: Limits) -> list[str]:
     """Return the page's paths as SVG elements, y up."""
     from pypdfium2 import raw
 
     names = {raw.FPDF_PAGEOBJ_TEXT: "text", raw.FPDF_PAGEOBJ_IMAGE: "image", raw.FPDF_PAGEOBJ_SHADING: "shading"}
     paths: list[str] = []
     segments = 0
-    for item in page.get_objects(max_depth=_DEEPEST):
+    for item in page.get_objects(max_depth=limits.nesting + 1):
+        limits.check_nesting(_depth(item) - 1)
         if item.type != raw.FPDF_PAGEOBJ_PATH:
             if item.type in names:
                 ignored[names[item.type]] += 1
@@ -74,11 +75,9 @@ def _paths(page: Any, ignored: Counter[str]) -> list[str]:
         if filled and not paths and _fill_color(item) == _WHITE:
             ignored["white background"] += 1
             continue
-        fill = "black" if filled else "none"
+        paint = 'fill="black"' if filled else 'fill="none" stroke="black"'
         rule = "evenodd" if mode.value == raw.FPDF_FILLMODE_ALTERNATE else "nonzero"
-        paths.append(
-            f'{_groups(item)}<path fill="{fill}" fill-rule="{rule}" d="{_data(item)}"/>' + "</g>" * _depth(item)
-        )
+        paths.append(f'{_groups(item)}<path {paint} fill-rule="{rule}" d="{_data(item)}"/>' + "</g>" * _depth(item))
     return paths
 
 

@@ -1,58 +1,70 @@
-"""Read WKT (OGC 06-103r4, section 7): POLYGON, MULTIPOLYGON, and collections of them; y up, no unit.
+"""Read WKT (OGC 06-103r4, section 7): polygons, or lines that close, and collections of them; y up, no unit.
 
 All rings of the file are loops of one even-odd set.
 """
 
 from __future__ import annotations
 
+import warnings
+from collections import Counter
+from dataclasses import replace
+
 import numpy as np
 import shapely
 
 from foldcut.errors import FileFormatError
-from foldcut.model import points_array
-from foldcut.readers.base import Drawing, ReadOptions, Source
-
-#: GEOS parses collections recursively: brackets nested too deep would overflow the stack.
-_DEEPEST = 50
+from foldcut.model import Floats, points_array
+from foldcut.readers.base import Drawing, ReadOptions, Source, brackets_depth
+from foldcut.readers.fills import drawing_of
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a WKT file; its title is the file's stem."""
     text = source.text()
-    if _depth(text) > _DEEPEST:
-        raise FileFormatError(f"brackets are nested more than {_DEEPEST} deep; give one flat MULTIPOLYGON")
+    options.limits.check_nesting(brackets_depth(text, "(", ")"))  # GEOS parses collections recursively
+    repairs: tuple[str, ...] = ()
     try:
         with np.errstate(all="ignore"):  # "nan" and "1e999" come back as such; make_shape refuses them by place
-            geometry = shapely.from_wkt(text)
+            try:
+                geometry = shapely.from_wkt(text)
+            except shapely.errors.GEOSException:
+                with warnings.catch_warnings(action="ignore"):
+                    geometry = shapely.from_wkt(text, on_invalid="fix")  # which closes rings
+                if geometry is None:
+                    raise
+                repairs = ("closed rings that did not repeat the first point",)
     except (shapely.errors.ShapelyError, NotImplementedError) as error:
         raise FileFormatError(f"not WKT: {error}; give a POLYGON or MULTIPOLYGON with closed rings") from None
-    return drawing_of(geometry, source.name)
+    drawing = read_geometry(geometry, source.name, options, closed=not repairs)
+    return replace(drawing, repairs=(*repairs, *drawing.repairs))
 
 
-def drawing_of(geometry: shapely.Geometry, title: str, ignored: tuple[str, ...] = ()) -> Drawing:
-    """Return the rings of a geometry's polygons as a drawing; other parts of it are a ``FileFormatError``."""
-    polygons = _polygons(geometry, geometry.geom_type.upper())
-    rings = [ring for polygon in polygons for ring in (polygon.exterior, *polygon.interiors)]
-    loops = tuple(points_array(shapely.get_coordinates(ring)) for ring in rings)
+def read_geometry(geometry: shapely.Geometry, title: str, options: ReadOptions, *, closed: bool = True) -> Drawing:
+    """Return the rings of a geometry's polygons, or its lines if there are none, as a drawing.
+
+    ``closed``: that the file closes every ring.
+    """
+    rings: list[Floats] = []
+    lines: list[Floats] = []
+    ignored: Counter[str] = Counter()
+    waiting = [(geometry, geometry.geom_type.upper())]
+    while waiting:
+        part, place = waiting.pop()
+        if isinstance(part, shapely.Point | shapely.MultiPoint):
+            ignored["point"] += 1
+        elif part.is_empty:
+            raise FileFormatError(f"{place} is empty; give at least one ring")
+        elif isinstance(part, shapely.Polygon):
+            around = [shapely.get_coordinates(ring) for ring in (part.exterior, *part.interiors)]
+            rings += [points_array(ring if closed else ring[:-1]) for ring in around]
+        elif isinstance(part, shapely.LineString):
+            lines.append(points_array(shapely.get_coordinates(part)))
+        elif isinstance(part, shapely.geometry.base.BaseMultipartGeometry):
+            parts = enumerate(part.geoms, start=1)
+            waiting += [(one, f"{place} > {one.geom_type.upper()} {number}") for number, one in parts][::-1]
+        else:
+            raise FileFormatError(f"{place} cannot be read; give a POLYGON or MULTIPOLYGON instead")
+    if not rings and not lines:
+        raise FileFormatError(f"{geometry.geom_type.upper()} bounds no area; give a POLYGON or MULTIPOLYGON instead")
     notes = ("the z coordinates were ignored",) if shapely.has_z(geometry) else ()
-    return Drawing(loops, None, title, notes, ignored=ignored)
-
-
-def _depth(text: str) -> int:
-    steps = [(character == "(") - (character == ")") for character in text if character in "()"]
-    return int(np.cumsum(steps).max()) if steps else 0
-
-
-def _polygons(geometry: shapely.Geometry, place: str) -> list[shapely.Polygon]:
-    """Return the polygons of a geometry, ``place`` being its path in the file."""
-    if geometry.is_empty:
-        raise FileFormatError(f"{place} is empty; give at least one ring")
-    if isinstance(geometry, shapely.Polygon):
-        return [geometry]
-    if isinstance(geometry, shapely.MultiPolygon | shapely.GeometryCollection) and hasattr(geometry, "geoms"):
-        return [
-            polygon
-            for number, part in enumerate(geometry.geoms, start=1)
-            for polygon in _polygons(part, f"{place} > {part.geom_type.upper()} {number}")
-        ]
-    raise FileFormatError(f"{place} bounds no area; give a POLYGON or MULTIPOLYGON instead")
+    return replace(drawing_of(rings, lines, title, options, ignored), notes=notes)

@@ -46,6 +46,10 @@ def path(data: str) -> str:
     return svg(f'<path d="{data}"/>')
 
 
+def stroked(*paths: str) -> str:
+    return svg("".join(f'<path fill="none" stroke="red" d="{one}"/>' for one in paths))
+
+
 def loops(*drawn: Any, **more: Any) -> str:
     return json.dumps({"loops": drawn, **more})
 
@@ -56,6 +60,9 @@ WKT_SQUARE = "(0 0, 40 0, 40 40, 0 40, 0 0)"
 
 # --- any format -----------------------------------------------------------------------------------------------------
 EMPTY = "the file is empty"
+TOO_DEEP = "things are nested too deep, and at most 100 are allowed; give a flat drawing, or allow more with --limit"
+GAP = "closed 1 gap of at most "
+STRAY = "left out a line that ends where no other goes on, at (5, "
 for suffix in ("svg", "json", "wkt", "fold"):
     refused(f"nothing.{suffix}", b"", EMPTY)
     refused(f"blank.{suffix}", b" \n\t\r\n", EMPTY)
@@ -83,7 +90,10 @@ taken("remote-image.svg", svg(f'<image href="http://127.0.0.1:9/x.png"/><path d=
 taken("file-image.svg", svg(f'<image href="file:///etc/passwd"/><path d="{BOX}"/>'), "1 image")
 taken("text.svg", svg(f'<text>hello</text><path d="{BOX}"/>'), "1 text")
 taken("hidden.svg", svg(f'<path display="none" d="M0 0C1 1 2 2 3 3"/><path d="{BOX}"/>'), "1 hidden element")
-taken("deep-groups.svg", svg("<g>" * 2_000 + f'<path d="{BOX}"/>' + "</g>" * 2_000))
+taken("groups.svg", svg("<g>" * 99 + f'<path d="{BOX}"/>' + "</g>" * 99))
+refused("deep-groups.svg", svg("<g>" * 2_000 + f'<path d="{BOX}"/>' + "</g>" * 2_000), TOO_DEEP)
+clones = "".join(f'<g id="a{n}"><use href="#a{n + 1}"/></g>' for n in range(1_000))
+refused("clones-of-clones.svg", svg(f'<defs>{clones}</defs><use href="#a0"/>'), TOO_DEEP)
 taken("many-attributes.svg", svg("<g " + " ".join(f'a{n}="1"' for n in range(5_000)) + f'><path d="{BOX}"/></g>'))
 taken("title-of-control-signs.svg", svg(f'<title>a&#9;b&#10;c</title><path d="{BOX}"/>'))
 taken("title-is-a-path.svg", svg(f'<title>../../etc/passwd</title><path d="{BOX}"/>'))
@@ -105,7 +115,22 @@ taken(
     "2 outlines that overlap or touch were united",
 )
 taken("needle-spike.svg", path("M0 0H40V20H80H40V40H0Z"))
-taken("a-stray-line.svg", svg(f'<path d="{BOX}"/><path d="M5 5L6 6Z"/>'))
+taken("a-stray-line.svg", svg(f'<path d="{BOX}"/><path d="M5 5L6 6Z"/>'), "left out 1 outline without area")
+taken("a-stray-open-line.svg", stroked(BOX, "M5 5L6 6"), STRAY)
+taken("a-tail.svg", stroked("M0 0H40", "M40 0V40H0", "M0 40V0", "M40 0L50 -5"), "left out a line that ends where")
+taken("drawn-twice.svg", stroked("M0 0H40", "M40 0V40H0", "M0 40V0", "M40 0H0"), "left out 1 line drawn twice")
+taken("a-gap.svg", stroked("M0 0H40", "M40 0.003V40H0V0"), GAP)
+refused(
+    "a-wide-gap.svg", stroked("M0 0H40", "M40 0.5V40H0V0"), "0.5 from the next end; close the outline, or join ends"
+)
+refused("a-crossroads.svg", stroked("M0 0H40V40", "M0 0V40H40", "M0 0L40 40"), "3 lines end at (0, 0); leave two")
+refused("rays.svg", stroked(*(f"M0 0L{n} 1" for n in range(1, 2_000))), "too many lines end at the same places")
+taken("unpainted-box.svg", svg(f'<path fill="none" d="M-9 -9H99V99H-9Z"/><path d="{BOX}"/>'), "without fill and stroke")
+taken("white-background.svg", svg(f'<rect width="100%" height="100%" fill="#fff"/><path d="{BOX}"/>'), "1 white backg")
+taken("percentages.svg", svg('<rect x="10%" y="5%" width="50%" height="40%"/>'))
+taken("percentages-of-a-nested-svg.svg", svg('<svg width="50%" height="20"><rect width="100%" height="100%"/></svg>'))
+refused("percentages-of-nothing.svg", svg('<rect width="50%" height="9"/>', ""), "of a size that the file does not say")
+refused("percentage-of-letters.svg", svg('<rect width="a%" height="9"/>'), "width of rect number 1 is 'a%'")
 refused("cut-off.svg", path(BOX)[:60], "not XML: ")
 refused("two-roots.svg", path(BOX) * 2, "not XML: ")
 refused("other-root.svg", "<html/>", "the outermost element is 'html', not svg")
@@ -120,7 +145,7 @@ refused("repeated-attribute.svg", '<svg a="1" a="2"/>', "not XML: duplicate attr
 refused("use-of-itself.svg", svg('<g id="a"><use href="#a"/></g>'), "which it is part of; remove the clone")
 refused("use-of-a-file.svg", svg('<use href="/etc/passwd#a"/>'), "the file has no polygon")
 refused("nested-svg.svg", svg(svg("")), "the file has no polygon")
-refused("curve.svg", path("M0 0C1 1 2 2 3 3Z"), "loop 1 encloses no area")
+refused("curve.svg", path("M0 0C1 1 2 2 3 3Z"), "enclose no area")
 refused("path-of-letters.svg", path("M0 0LxyzZ"), "unreadable path data at 'LxyzZ'")
 refused("path-of-nan.svg", path("M0 0LNaN 1L2 2Z"), "unreadable path data")
 refused("infinite.svg", path("M0 0H1e999V40Z"), "give finite numbers")
@@ -133,7 +158,7 @@ refused("odd-points.svg", svg('<polygon points="0 0 40 0 40"/>'), "has 5 numbers
 refused("no-points.svg", svg("<polygon/>"), "has 0 numbers in points")
 refused("points-of-words.svg", svg('<polygon points="a b c"/>'), "something other than numbers")
 refused("bad-transform.svg", svg(f'<g transform="scale("><path d="{BOX}"/></g>'), "has the transform 'scale('")
-refused("scale-zero.svg", svg(f'<g transform="scale(0)"><path d="{BOX}"/></g>'), "has fewer than 3 corners near")
+refused("scale-zero.svg", svg(f'<g transform="scale(0)"><path d="{BOX}"/></g>'), "enclose no area")
 refused("nan-transform.svg", svg(f'<g transform="scale(nan)"><path d="{BOX}"/></g>'), "has the transform")
 refused("huge-angle.svg", svg(f'<g transform="rotate(1e999)"><path d="{BOX}"/></g>'), "has the transform")
 refused("bad-view-box.svg", svg("", 'viewBox="0 0 0 0"'), "the viewBox is '0 0 0 0'")
@@ -175,8 +200,10 @@ taken("common-side.json", loops(SQUARE, [[40, 0], [60, 0], [60, 40], [40, 40]]),
 taken("empty-beside.json", loops(SQUARE, [[1, 1]]), "dropped loop 2: it bounds no area")
 taken("sliver.json", loops(SQUARE, [[39, 0], [79, 0], [79, 1e-3], [39, 1e-3]]), "dropped 1 sliver")
 refused("cut-off.json", loops(SQUARE)[:-3], "not JSON: ")
-refused("deep.json", '{"loops":' + "[" * 100_000, "not JSON: ")
-refused("deep-closed.json", '{"loops":' + "[" * 100_000 + "]" * 100_000 + "}", "not JSON: ")
+taken("a-gap.json", loops([*SQUARE, [0, 0.003]]), GAP)
+taken("brackets-in-a-title.json", loops(SQUARE, title="[{" * 1_000))
+refused("deep.json", '{"loops":' + "[" * 100_000, TOO_DEEP)
+refused("deep-closed.json", '{"loops":' + "[" * 100_000 + "]" * 100_000 + "}", TOO_DEEP)
 refused("a-list.json", "[]", "the file has no loops")
 refused("null.json", "null", "the file has no loops")
 refused("no-loops.json", "{}", "the file has no loops")
@@ -207,16 +234,20 @@ taken("lower-case.wkt", f"polygon({WKT_SQUARE})")
 taken("collection.wkt", f"GEOMETRYCOLLECTION (POLYGON ({WKT_SQUARE}))")
 taken("same-polygons.wkt", f"MULTIPOLYGON (({WKT_SQUARE}), ({WKT_SQUARE}))", "dropped loop 2: it repeats loop 1")
 taken("spike.wkt", "POLYGON ((0 0, 40 0, 40 20, 80 20, 40 20, 40 40, 0 40, 0 0))", "by the even-odd rule")
-refused("open.wkt", "POLYGON ((0 0, 40 0, 40 40))", "not WKT: ")
+taken("open.wkt", "POLYGON ((0 0, 40 0, 40 40))", "closed rings that did not repeat the first point")
+taken("a-gap.wkt", "POLYGON ((0 0, 40 0, 40 40, 0.003 0))", GAP)
+taken("closed-line.wkt", "LINESTRING (0 0, 40 0, 40 40, 0 0)")
+taken("lines.wkt", "MULTILINESTRING ((0 0, 40 0), (40 0.003, 40 40, 0 0), (5 1, 6 1))", STRAY)
+taken("line-beside.wkt", f"GEOMETRYCOLLECTION (POLYGON ({WKT_SQUARE}), LINESTRING (0 0, 1 1))", "1 line")
 refused("cut-off.wkt", "POLYGON ((0 0, 40", "not WKT: ")
 refused("empty-polygon.wkt", "POLYGON EMPTY", "POLYGON is empty")
 refused("empty-collection.wkt", "GEOMETRYCOLLECTION EMPTY", "GEOMETRYCOLLECTION is empty")
 refused("point.wkt", "POINT (1 1)", "POINT bounds no area")
-refused("line.wkt", "LINESTRING (0 0, 1 1)", "LINESTRING bounds no area")
-refused("point-within.wkt", f"GEOMETRYCOLLECTION (POLYGON ({WKT_SQUARE}), POINT (1 1))", "POINT 2 bounds no area")
+refused("line.wkt", "LINESTRING (0 0, 1 1)", "a line ends at (0, 0), 1.41 from the next end")
+taken("point-within.wkt", f"GEOMETRYCOLLECTION (POLYGON ({WKT_SQUARE}), POINT (1 1))", "1 point")
 refused("curve.wkt", "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", "not WKT: ")
-refused("brackets.wkt", "(" * 100_000, "brackets are nested more than 50 deep")
-refused("collections.wkt", "GEOMETRYCOLLECTION (" * 99 + "POINT (1 1)" + ")" * 99, "nested more than 50 deep")
+refused("brackets.wkt", "(" * 100_000, TOO_DEEP)
+refused("collections.wkt", "GEOMETRYCOLLECTION (" * 100 + "POINT (1 1)" + ")" * 100, TOO_DEEP)
 refused("nan.wkt", "POLYGON ((nan 0, 1 0, 0 1, nan 0))", "not WKT: ")
 refused("infinite.wkt", "POLYGON ((1e999 0, 1 0, 0 1, 1e999 0))", "inf")
 refused("flat.wkt", "POLYGON ((0 0, 1 1, 2 2, 0 0))", "its points lie on one line")
@@ -272,7 +303,16 @@ refused("empty.csv", " \n", "the file is empty")
 taken("box.geojson", '{"type":"Polygon","coordinates":[[[0,0],[40,0],[40,40],[0,40],[0,0]]]}')
 refused("point.geojson", '{"type":"Point","coordinates":[0,0]}', "")
 refused("cut-off.geojson", '{"type":"Polygon","coordinates":[[[0,0],', "")
-refused("deep.geojson", '{"type":"GeometryCollection","geometries":[' * 20_000, "")
+refused("deep.geojson", '{"type":"GeometryCollection","geometries":[' * 20_000, TOO_DEEP)
+taken("a-gap.csv", "0,0\n40,0\n40,40\n0,40\n0,0.003\n", GAP)
+taken("open.geojson", '{"type":"Polygon","coordinates":[[[0,0],[40,0],[40,40],[0,40]]]}', "closed 1 ring that did not")
+taken("a-gap.geojson", '{"type":"Polygon","coordinates":[[[0,0],[40,0],[40,40],[0,0.003]]]}', GAP)
+taken("closed-line.geojson", '{"type":"LineString","coordinates":[[0,0],[40,0],[40,40],[0,0]]}')
+taken("lines.geojson", '{"type":"MultiLineString","coordinates":[[[0,0],[40,0],[40,40],[0,0]],[[5,1],[6,1]]]}', STRAY)
+refused("open-line.geojson", '{"type":"LineString","coordinates":[[0,0],[40,0],[40,40]]}', "a line ends at (0, 0)")
+for kind in ("07000000", "ef030000", "07000020ffff0000", "04000000"):
+    refused(f"collections-{kind}.wkb", f"01{kind}01000000" * 50_000 + "0101000000" + "00" * 16, TOO_DEEP)
+refused("cut-off-collections.wkb", "010700000001000000" * 50_000, "not WKB: its bytes are no geometry")
 refused("rubbish.wkb", "\x01\x03rubbish", "")
 refused("empty.dxf", " ", "the file is empty")
 refused("words.dxf", "this is no drawing\n" * 50, "")
@@ -280,3 +320,28 @@ refused("cut-off.dxf", "0\nSECTION\n2\nENTITIES\n0\nLWPOLYLINE\n90\n", "")
 refused("words.pdf", "%PDF-1.4 and no more", "")
 refused("words.png", "\x89PNG and no more", "")
 refused("words.jpg", "no picture", "")
+
+
+def dxf(*lines: tuple[float, float, float, float], blocks: int = 0) -> str:
+    """Return a DXF with lines, and if there are blocks, with the lines in the last of blocks in blocks."""
+    drawn = [f"LINE,8,0,10,{x},20,{y},11,{to_x},21,{to_y}" for x, y, to_x, to_y in lines]
+    parts = [f"INSERT,8,0,2,B{n},10,0,20,0" for n in range(blocks)]
+    around = [
+        f"BLOCK,8,0,2,B{n},70,0,10,0,20,0,0,{part},0,ENDBLK"
+        for n, part in enumerate([*parts[1:], ",0,".join(drawn)] if blocks else [])
+    ]
+    text = [
+        "SECTION,2,BLOCKS", *around, "ENDSEC", "SECTION,2,ENTITIES", *(parts[:1] if blocks else drawn), "ENDSEC", "EOF"
+    ]  # fmt: skip
+    return "0\n" + "\n0\n".join(text).replace(",", "\n") + "\n"
+
+
+SIDES = ((0, 0, 40, 0), (40, 0, 40, 40), (40, 40, 0, 40), (0, 40, 0, 0))
+taken("box.dxf", dxf(*SIDES))
+taken("blocks.dxf", dxf(*SIDES, blocks=50))
+refused("deep-blocks.dxf", dxf(*SIDES, blocks=1_000), TOO_DEEP)
+taken("a-gap.dxf", dxf((0, 0, 40, 0.003), *SIDES[1:]), GAP)
+taken("a-stray-line.dxf", dxf(*SIDES, (5, 5, 6, 6)), STRAY)
+taken("drawn-twice.dxf", dxf(*SIDES, SIDES[2], SIDES[0][2:] + SIDES[0][:2]), "left out 2 lines drawn twice")
+taken("a-dot.dxf", dxf(*SIDES, (5, 5, 5, 5)), "left out 1 outline without area")
+refused("open.dxf", dxf(*SIDES[:3]), "a line ends at (0, 0), 40 from the next end; close the outline, or join")
