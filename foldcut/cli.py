@@ -20,7 +20,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from foldcut.errors import BadInputError, FileFormatError, FoldcutError, UnfoldableError
-from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS
+from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
     from foldcut.job import Job, Side
@@ -252,6 +252,7 @@ def _fold_options(args: argparse.Namespace) -> dict[str, Any]:
         "min_crease": None if args.min_crease is None else parse_length(args.min_crease),
         "simplify": parse_length(args.simplify),
         "symmetry": parse_length(args.symmetry),
+        "adjust": parse_length(args.adjust),
         "effort": args.effort,
         "seconds": args.seconds,
         "preparation": Preparation(
@@ -1133,6 +1134,12 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
         default="0mm",
         help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
         "make it so (default: only rounding)",
+    )
+    make.add_argument(
+        "--adjust",
+        metavar="LENGTH",
+        default=f"{ADJUST_MM:g}mm",
+        help="how far the method skeleton may move corners, so that creases meet (default: %(default)s)",
     )
     _add_reading(make)
     mend = make.add_argument_group("the drawing; every change is reported")

@@ -336,7 +336,11 @@ def _pop(s, gap, least):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
     while s.gaps.heap[gap] >= 0:
         entry = s.gaps.heap[gap]
         visit = s.entries.visit[entry]
-        stands = s.visits.gap[visit] == gap and s.visits.status[visit] == ROLLED and s.visits.version[visit] == s.entries.version[entry]
+        stands = (
+            s.visits.gap[visit] == gap
+            and s.visits.status[visit] == ROLLED
+            and s.visits.version[visit] == s.entries.version[entry]
+        )
         if stands and s.entries.r[entry] < least:
             return -1
         s.gaps.heap[gap] = _merge(s, s.entries.left[entry], s.entries.right[entry])
@@ -571,7 +575,11 @@ def _place(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN00
     # each contact becomes two visits: its own chain goes on from the old one, and comes in at the new one
     for at in range(count):
         visit = s.contacts.visit[at]
-        incoming, before, spoke = _new_visit(s, s.visits.disk[visit], gap), s.visits.before[visit], _new_visit(s, new, gap)
+        incoming, before, spoke = (
+            _new_visit(s, s.visits.disk[visit], gap),
+            s.visits.before[visit],
+            _new_visit(s, new, gap),
+        )
         if before == visit:
             before = incoming  # cannot be: a gap has more than four visits
         s.visits.after[before], s.visits.before[incoming] = incoming, before

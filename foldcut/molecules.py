@@ -98,8 +98,12 @@ class _Template:
 
     @classmethod
     def make(
-        cls, corners: int, inner: list[tuple[int, int, Kind, int, int]], facets: list[tuple[list[int], int]],
-        side_part: list[int], own: int,
+        cls,
+        corners: int,
+        inner: list[tuple[int, int, Kind, int, int]],
+        facets: list[tuple[list[int], int]],
+        side_part: list[int],
+        own: int,
     ) -> _Template:
         sides = []
         for k in range(corners):

@@ -589,7 +589,7 @@ class Perpendiculars:
                 x, y = self.skeleton.points[node]
                 raise UnfoldableError(
                     f"no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
-                    f"{MOST_CROSSINGS} crossings"
+                    f"{MOST_CROSSINGS} crossings; try a larger --adjust"
                 )
 
     def fewest(self, count: int) -> Iterator[list[int]]:

@@ -28,7 +28,7 @@ from foldcut.foldability import Foldability, crease_numbers, foldability, remedi
 from foldcut.gate import Gated, fold_gated
 from foldcut.layers import fold_layers
 from foldcut.limits import Limits
-from foldcut.methods import DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
+from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
 from foldcut.mirror import Half, Mirrored, fold_mirrored, halves
 from foldcut.model import (
     CreasePattern,
@@ -161,6 +161,7 @@ def fold(
     min_crease: float | None = None,
     simplify: float = 0.0,
     symmetry: float = 0.0,
+    adjust: float = ADJUST_MM,
     effort: str = "normal",
     seconds: float | None = None,
     title: str = "",
@@ -177,12 +178,13 @@ def fold(
     a quarter where that lets it be larger, and as its mirror axes ask for. ``method`` is "mirror" (the shape's mirror
     axes are folded first, the rest through two or four layers), "compact" (few creases), "skeleton" (Demaine, Demaine
     and Lubiw), "paper" (Bern, Demaine, Eppstein and Hayes), "gate" (the same for several loops), or "auto": of the
-    first three, the one with the fewest folding actions, else the gate. ``ribbon`` is the half-width in mm of the
-    strip along the shape's boundary that is not folded; None is the method's default, which for "paper" is a small
-    one: without, creases fold onto the cut line. ``min_crease`` is the shortest crease in mm that a pattern may
-    have, None the method's default (0.5, "paper": 0).
+    first three, the one with the fewest folding actions, else the gate, or for one loop the paper's. ``ribbon`` is
+    the half-width in mm of the strip along the shape's boundary that is not folded; None is the method's default,
+    which for "paper" is a small one: without, creases fold onto the cut line. ``min_crease`` is the shortest crease
+    in mm that a pattern may have, None the method's default (0.5, "paper": 0).
     ``simplify`` leaves out corners that are off by no more than so many mm on the sheet; ``symmetry`` takes a drawing
-    as symmetric whose corners are off by so much, and makes it so. ``effort`` ("fast", "normal", "best") and
+    as symmetric whose corners are off by so much, and makes it so; ``adjust`` is how far in mm
+    "skeleton" may move corners so that creases meet. ``effort`` ("fast", "normal", "best") and
     ``seconds`` bound the search. ``limits`` bound how large a file may be. ``preparation`` says how the drawing is
     mended and simplified, None that it must be a shape as it is. ``progress`` is called with a stage's name and the
     part of it that is done.
@@ -191,7 +193,7 @@ def fold(
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
     that fails verification is returned with its findings; ``Result.require_verified`` refuses it.
     """
-    _check_options(method, ribbon, min_crease, symmetry, effort, seconds)
+    _check_options(method, ribbon, min_crease, symmetry, adjust, effort, seconds)
     stages = _Stages(progress)
     with stages("reading"):
         drawing = (
@@ -232,7 +234,7 @@ def fold(
             return _Laid(on, placed, placement.from_y_down() if y_down else placement, notes, quarter)
 
         laid = lay(0.0)
-    trials = _Trials(stages, ribbon, effort, seconds, symmetry, may_turn=rotation is None and offset is None)
+    trials = _Trials(stages, ribbon, effort, seconds, symmetry, adjust, may_turn=rotation is None and offset is None)
     made = trials.run(method, laid, lay)
     stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
@@ -323,6 +325,7 @@ class _Trials:
         effort: str,
         seconds: float | None,
         symmetry: float,
+        adjust: float,
         *,
         may_turn: bool,
     ) -> None:
@@ -335,7 +338,7 @@ class _Trials:
             fold_mirrored, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
         )
         self.fold_skeletal = partial(
-            fold_skeletal, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
+            fold_skeletal, ribbon=self.free, near=adjust, effort=effort, seconds=seconds, progress=stages.tell
         )
         self.attempts: list[Attempt] = []
 
@@ -378,11 +381,12 @@ class _Trials:
             except KeyboardInterrupt:
                 if not made:
                     raise
-        if not made and len(laid.shape.loops) > 1:
+        if method == "auto" and not made:
+            last, fold = ("gate", self._gate) if len(laid.shape.loops) > 1 else ("paper", self._paper)
             try:
-                made.append(self._kept(self._gate(laid)))
+                made.append(self._kept(fold(laid)))
             except UnfoldableError as error:
-                reasons.append(self._failed("gate", error))
+                reasons.append(self._failed(last, error))
         if not made:
             raise UnfoldableError("; ".join(reasons))
         return min(made, key=lambda one: rank(one.actions, shortest_crease(one.stages.creases)))
@@ -477,6 +481,7 @@ def _check_options(
     ribbon: float | None,
     min_crease: float | None,
     symmetry: float,
+    adjust: float,
     effort: str,
     seconds: float | None,
 ) -> None:
@@ -491,6 +496,8 @@ def _check_options(
         raise BadInputError(f"the shortest crease allowed is {min_crease} mm; give 0 or a positive number")
     if not 0 <= symmetry < float("inf"):
         raise BadInputError(f"the deviation from symmetry allowed is {symmetry} mm; give 0 or a positive number")
+    if not 0 <= adjust < float("inf"):
+        raise BadInputError(f"how far corners may be moved is {adjust} mm; give 0 or a positive number")
     if seconds is not None and not 0 < seconds < float("inf"):
         raise BadInputError(f"the time to search is {seconds} s; give a positive number")
 

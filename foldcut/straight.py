@@ -16,6 +16,7 @@ import numpy as np
 from foldcut.errors import UnfoldableError
 from foldcut.faces import assemble, creases_of_stack
 from foldcut.foldability import crease_numbers
+from foldcut.methods import ADJUST_MM
 from foldcut.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.ordersolver import layer_order
 from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton, tie_nodes
@@ -26,9 +27,6 @@ __all__ = ["Skeletal", "fold_skeletal"]
 
 SECONDS = {"fast": 1.0, "normal": 8.0, "best": 60.0}
 """How long choices are tried, by effort and the model of ``_cost``: what comes out does not depend on the machine."""
-
-NEAR_MM = 0.05
-"""How far corners may be moved; curves are drawn as segments that are no more than this off."""
 
 FEWEST = 4
 """So many of the sets of perpendiculars with the fewest pieces are tried."""
@@ -60,7 +58,7 @@ def fold_skeletal(
     sheet: Sheet,
     *,
     ribbon: float = 0.0,
-    near: float = NEAR_MM,
+    near: float = ADJUST_MM,
     effort: str = "normal",
     seconds: float | None = None,
     share: float = 1.0,

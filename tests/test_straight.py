@@ -199,7 +199,23 @@ def test_auto_takes_the_skeleton_for_several_loops_and_the_command_says_so(
     assert main(["check", str(tmp_path / "holed.fold"), "--shape", str(drawing)]) == 0
 
 
-def test_moved_corners_are_told() -> None:
-    result = foldcut.fold(rough([rectangle(12, 12), rectangle(6, 6)], 5e-5), method="skeleton")
+def test_moved_corners_are_told_and_how_far_they_may_move_can_be_said() -> None:
+    loops = rough([rectangle(12, 12), rectangle(6, 6)], 5e-5)
+    result = foldcut.fold(loops, method="skeleton")
     assert result.findings == ()
     assert any("corners moved by at most 0.0" in note for note in result.notes)
+    exactly = foldcut.fold(loops, method="skeleton", adjust=0.0)
+    assert exactly.notes == ()
+    assert exactly.folded_pattern.creases.crease_count > result.folded_pattern.creases.crease_count
+    with pytest.raises(foldcut.BadInputError, match="how far corners may be moved is -1"):
+        foldcut.fold(loops, method="skeleton", adjust=-1)
+
+
+def test_the_command_moves_corners_as_far_as_it_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    drawing = tmp_path / "star.json"
+    drawing.write_text(json.dumps({"loops": rough([star(5, 0.4)], 1e-4)}))
+    command = ["make", str(drawing), "--method", "skeleton", "-o", str(tmp_path / "star.fold")]
+    assert main([*command, "--adjust", "0mm"]) != 0
+    assert "try a larger --adjust" in capsys.readouterr().err
+    assert main([*command, "--adjust", "0.1mm"]) == 0
+    assert "corners moved by at most 0.0" in capsys.readouterr().out

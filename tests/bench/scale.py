@@ -60,7 +60,11 @@ def koch_loop(corners: int, seed: int) -> np.ndarray:
         chosen = np.zeros(len(points), dtype=bool)
         chosen[np.argsort(-np.abs(along), kind="stable")[:bumps]] = True
         place, height = 0.5 + 0.1 * (rng.random(len(points)) - 0.5), 0.22 + 0.06 * rng.random(len(points))
-        one, tip, other = points + (place - 0.15) * along, points + (place - 1j * height) * along, points + (place + 0.15) * along
+        one, tip, other = (
+            points + (place - 0.15) * along,
+            points + (place - 1j * height) * along,
+            points + (place + 0.15) * along,
+        )
         rows = np.stack([points, one, tip, other], axis=1)
         keep = np.stack([np.ones(len(points), dtype=bool), chosen, chosen, chosen], axis=1)
         points = rows[keep]
@@ -203,7 +207,9 @@ def plot(rows: list[dict[str, Any]]) -> str:
     """Return seconds over boundary disks, both logarithmic, as an SVG."""
     width, height, left, bottom = 640.0, 420.0, 60.0, 40.0
     lines = {
-        f"{kind} {column[:-2]}": [(row["boundary_disks"], row[column]) for row in rows if row["kind"] == kind and row.get(column)]
+        f"{kind} {column[:-2]}": [
+            (row["boundary_disks"], row[column]) for row in rows if row["kind"] == kind and row.get(column)
+        ]
         for kind in dict.fromkeys(row["kind"] for row in rows)
         for column in ("build_s", "verify_s", "delaunay_s")
     }
@@ -224,20 +230,30 @@ def plot(rows: list[dict[str, Any]]) -> str:
     ]
     for power in range(x0, x1 + 1):
         (x, low), (_, high) = at(10.0**power, 10.0**y0), at(10.0**power, 10.0**y1)
-        out.append(f'<path d="M{x:.1f} {low:.1f}V{high:.1f}" stroke="#ddd"/><text x="{x - 8:.1f}" y="{low + 16:.1f}">1e{power}</text>')
+        out.append(
+            f'<path d="M{x:.1f} {low:.1f}V{high:.1f}" stroke="#ddd"/><text x="{x - 8:.1f}" y="{low + 16:.1f}">1e{power}</text>'
+        )
     for power in range(y0, y1 + 1):
         (low, y), (high, _) = at(10.0**x0, 10.0**power), at(10.0**x1, 10.0**power)
-        out.append(f'<path d="M{low:.1f} {y:.1f}H{high:.1f}" stroke="#ddd"/><text x="{low - 34:.1f}" y="{y + 4:.1f}">1e{power}</text>')
+        out.append(
+            f'<path d="M{low:.1f} {y:.1f}H{high:.1f}" stroke="#ddd"/><text x="{low - 34:.1f}" y="{y + 4:.1f}">1e{power}</text>'
+        )
     colours = ("#c0392b", "#e67e22", "#7f8c8d", "#2471a3", "#17a589", "#34495e")
     for number, ((name, line), colour) in enumerate(zip(lines.items(), colours, strict=False)):
         if not line:
             continue
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (at(*point) for point in line))
         out.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
-        out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in (at(*point) for point in line)]
+        out += [
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in (at(*point) for point in line)
+        ]
         x, y = width - 145, 30 + 16 * number
-        out.append(f'<path d="M{x:g} {y - 4:g}h18" stroke="{colour}" stroke-width="2"/><text x="{x + 24:g}" y="{y:g}">{html.escape(name)}</text>')
-    out.append(f'<text x="{(width - 160) / 2:g}" y="{height - 6:g}">boundary disks</text><text x="4" y="14">seconds</text></svg>')
+        out.append(
+            f'<path d="M{x:g} {y - 4:g}h18" stroke="{colour}" stroke-width="2"/><text x="{x + 24:g}" y="{y:g}">{html.escape(name)}</text>'
+        )
+    out.append(
+        f'<text x="{(width - 160) / 2:g}" y="{height - 6:g}">boundary disks</text><text x="4" y="14">seconds</text></svg>'
+    )
     return "\n".join(out) + "\n"
 
 
@@ -267,16 +283,30 @@ def main() -> None:
                 continue
             row = {"kind": kind, **min((json.loads(run.stdout) for run in runs), key=lambda one: one["build_s"])}
             rows.append(row)
-            print(kind, "  ".join(f"{name} {_cell(row.get(name))}" for name in COLUMNS), f"findings {row.get('findings')}", flush=True)
+            print(
+                kind,
+                "  ".join(f"{name} {_cell(row.get(name))}" for name in COLUMNS),
+                f"findings {row.get('findings')}",
+                flush=True,
+            )
     kinds = dict.fromkeys(row["kind"] for row in rows)
     exponents = {
-        kind: {name: exponent([row for row in rows if row["kind"] == kind], name) for name in COLUMNS if name.endswith("_s") and name != "load_s"}
+        kind: {
+            name: exponent([row for row in rows if row["kind"] == kind], name)
+            for name in COLUMNS
+            if name.endswith("_s") and name != "load_s"
+        }
         for kind in kinds
     }
     print(json.dumps(exponents))
     if args.out:
         args.out.mkdir(parents=True, exist_ok=True)
-        report = {"python": platform.python_version(), "machine": platform.machine(), "rows": rows, "exponents": exponents}
+        report = {
+            "python": platform.python_version(),
+            "machine": platform.machine(),
+            "rows": rows,
+            "exponents": exponents,
+        }
         (args.out / "scale.json").write_text(json.dumps(report, indent=1) + "\n")
         (args.out / "scale.md").write_text(table(rows, exponents))
         (args.out / "scale.svg").write_text(plot(rows))
