@@ -185,7 +185,9 @@ def _distances_to_edges(starts: list[Floats], ends: list[Floats]) -> list[Floats
     """
     counts = [len(points) for points in starts]
     start, end = np.concatenate(starts), np.concatenate(ends)
-    before = np.concatenate([first + np.roll(np.arange(n), 1) for first, n in zip(_firsts(counts), counts, strict=True)])
+    before = np.concatenate(
+        [first + np.roll(np.arange(n), 1) for first, n in zip(_firsts(counts), counts, strict=True)]
+    )
     length = np.hypot(*(end - start).T)
     tree = shapely.STRtree(shapely.linestrings(np.stack([start, end], axis=1)))
     reach = np.minimum(length, length[before]) * (1 + 1e-9)
@@ -363,9 +365,7 @@ def touching_disks(centres: Floats, radii: Floats, face: Ints, tolerance: Tolera
     return i[touching], j[touching]
 
 
-def near_disks(
-    centres: Floats, radii: Floats, face: Ints, chosen: Bools | None = None
-) -> tuple[Ints, Ints, Floats]:
+def near_disks(centres: Floats, radii: Floats, face: Ints, chosen: Bools | None = None) -> tuple[Ints, Ints, Floats]:
     """Return pairs i < j of disks of one face whose boxes meet, and the free distance between them.
 
     ``chosen`` keeps only pairs with at least one of these disks.

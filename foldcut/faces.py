@@ -114,9 +114,7 @@ def assemble(
     return pattern, FoldedState(points_array(landed), index_array(layers))
 
 
-def _dissolve_straight(
-    edges: Ints, kinds: Chars, sheet_corners: set[int], count: int
-) -> tuple[Ints, Chars, Bools]:
+def _dissolve_straight(edges: Ints, kinds: Chars, sheet_corners: set[int], count: int) -> tuple[Ints, Chars, Bools]:
     """Join the two edges at every vertex where nothing turns: by Kawasaki's theorem two creases alone are one line.
 
     Returns the edges, each in place of the first of its parts that ends where something turns, their kinds, and which

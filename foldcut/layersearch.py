@@ -12,7 +12,7 @@ __all__ = ["search"]
 
 
 @njit(cache=True, nogil=True)
-def search(lows, highs, starts, low, high, first, last, queries, at, out):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN201
+def search(lows, highs, starts, low, high, first, last, queries, at, out):
     """Write (query, item) pairs to ``out``, ``(n, 2)``, until it is full; return how many, and which query is next.
 
     ``lows`` and ``highs`` are all levels of the tree, the lowest first, each from its ``starts`` on. A query is only

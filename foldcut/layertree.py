@@ -33,7 +33,8 @@ def _compiled_search() -> Callable[..., tuple[int, int]] | None:
         from foldcut.layersearch import search
     except ImportError:
         return None
-    return search  # type: ignore[no-any-return]
+    found: Callable[..., tuple[int, int]] = search
+    return found
 
 
 class LayerTree:

@@ -97,8 +97,12 @@ class _Template:
 
     @classmethod
     def make(
-        cls, corners: int, inner: list[tuple[int, int, Kind, int, int]], facets: list[tuple[list[int], int]],
-        side_part: list[int], own: int,
+        cls,
+        corners: int,
+        inner: list[tuple[int, int, Kind, int, int]],
+        facets: list[tuple[list[int], int]],
+        side_part: list[int],
+        own: int,
     ) -> _Template:
         sides = []
         for k in range(corners):
@@ -446,7 +450,8 @@ def _height(point: Floats, start: Floats, end: Floats) -> Floats:
     """The distances of points to the left of the lines from ``start`` to ``end``."""
     (ax, ay), (bx, by) = (end - start).T, (point - start).T
     with np.errstate(invalid="ignore"):
-        return (ax * by - ay * bx) / np.sqrt(ax * ax + ay * ay)
+        heights: Floats = (ax * by - ay * bx) / np.sqrt(ax * ax + ay * ay)
+    return heights
 
 
 def _inset_corner(centres: Floats, radii: Floats, k: int, h: Floats) -> tuple[Floats, Floats]:

@@ -117,9 +117,7 @@ def fill_gaps(
 class _Filler:
     """The growing arrays of disks, and what divides gaps."""
 
-    def __init__(
-        self, boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None
-    ) -> None:
+    def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None) -> None:
         self.tolerance = tolerance
         self.progress = progress
         self.count = self.boundary_count = len(boundary.radii)

@@ -128,9 +128,7 @@ def _check_arrays(pattern: CreasePattern) -> list[Finding]:
     return findings
 
 
-def _check_planar(
-    pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float
-) -> list[Finding]:
+def _check_planar(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float) -> list[Finding]:
     """Find whatever keeps the faces from tiling a sheet with one simple outline, edge to edge.
 
     Why this is enough: each face is a simple counter-clockwise polygon, the sides of two faces at an inner
@@ -352,7 +350,9 @@ def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: flo
     dx, dy = (coords[head] - coords[tail]).T
     angle, length = np.arctan2(dy, dx), np.hypot(dx, dy)
     # by vertex, then by angle; angles nearer to each other than 6e-12 may lie in either order
-    order = np.argsort((tail.astype(np.int64) << 40) + ((angle + np.pi) * ((2**40 - 1) / (2 * np.pi + 1e-9))).astype(np.int64))
+    order = np.argsort(
+        (tail.astype(np.int64) << 40) + ((angle + np.pi) * ((2**40 - 1) / (2 * np.pi + 1e-9))).astype(np.int64)
+    )
     tail, angle, kind, length = tail[order], angle[order], kind[order], length[order]
 
     count = len(coords)

@@ -3,9 +3,9 @@
 Run it with ``make bench-scale``, or ``python tests/bench/scale.py [--sizes 1e2,1e3,1e4,1e5] [--kinds star,koch]
 [--seed N] [--repeat N] [--no-verify] [--out FOLDER]``. Loops are seeded: ``star`` is star-shaped with a rough outline,
 ``koch`` a Koch snowflake whose every bump is turned and sized at random. Every loop runs in a process of its own, so
-that peak memory is its own. Shape and sheet are made beforehand and are not timed; nor is the import of the stages and the
-loading of compiled code, which is given by itself. Times are the process's own seconds (one thread), as the machine may
-be busy with other things.
+that peak memory is its own. Shape and sheet are made beforehand and are not timed; nor is the import of the stages and
+the loading of compiled code, which is given by itself. Times are the process's own seconds (one thread), as the machine
+may be busy with other things.
 
 ``scipy.spatial.Delaunay`` on the centres of the same disks is timed in the same process: the floor for touching that
 many points. Compare ratios within one run. The folder gets scale.json, scale.md (the table) and scale.svg (the plot).
@@ -51,7 +51,7 @@ def star_loop(corners: int, seed: int) -> np.ndarray:
 
 
 def koch_loop(corners: int, seed: int) -> np.ndarray:
-    """Return a snowflake, about ``(corners, 2)``: each round the longest edges get a bump of random place and height."""
+    """Return a snowflake, about ``(corners, 2)``: each round the longest edges get a bump of random height."""
     rng = np.random.default_rng(seed)
     points = np.exp(2j * math.pi * np.arange(3) / 3)
     while len(points) < corners:
@@ -60,7 +60,11 @@ def koch_loop(corners: int, seed: int) -> np.ndarray:
         chosen = np.zeros(len(points), dtype=bool)
         chosen[np.argsort(-np.abs(along), kind="stable")[:bumps]] = True
         place, height = 0.5 + 0.1 * (rng.random(len(points)) - 0.5), 0.22 + 0.06 * rng.random(len(points))
-        one, tip, other = points + (place - 0.15) * along, points + (place - 1j * height) * along, points + (place + 0.15) * along
+        one, tip, other = (
+            points + (place - 0.15) * along,
+            points + (place - 1j * height) * along,
+            points + (place + 0.15) * along,
+        )
         rows = np.stack([points, one, tip, other], axis=1)
         keep = np.stack([np.ones(len(points), dtype=bool), chosen, chosen, chosen], axis=1)
         points = rows[keep]
@@ -203,7 +207,9 @@ def plot(rows: list[dict[str, Any]]) -> str:
     """Return seconds over boundary disks, both logarithmic, as an SVG."""
     width, height, left, bottom = 640.0, 420.0, 60.0, 40.0
     lines = {
-        f"{kind} {column[:-2]}": [(row["boundary_disks"], row[column]) for row in rows if row["kind"] == kind and row.get(column)]
+        f"{kind} {column[:-2]}": [
+            (row["boundary_disks"], row[column]) for row in rows if row["kind"] == kind and row.get(column)
+        ]
         for kind in dict.fromkeys(row["kind"] for row in rows)
         for column in ("build_s", "verify_s", "delaunay_s")
     }
@@ -219,25 +225,40 @@ def plot(rows: list[dict[str, Any]]) -> str:
         )
 
     out = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" font-family="sans-serif" font-size="11">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" '
+        'font-family="sans-serif" font-size="11">',
         f'<rect width="{width:g}" height="{height:g}" fill="white"/>',
     ]
     for power in range(x0, x1 + 1):
         (x, low), (_, high) = at(10.0**power, 10.0**y0), at(10.0**power, 10.0**y1)
-        out.append(f'<path d="M{x:.1f} {low:.1f}V{high:.1f}" stroke="#ddd"/><text x="{x - 8:.1f}" y="{low + 16:.1f}">1e{power}</text>')
+        out.append(
+            f'<path d="M{x:.1f} {low:.1f}V{high:.1f}" stroke="#ddd"/>'
+            f'<text x="{x - 8:.1f}" y="{low + 16:.1f}">1e{power}</text>'
+        )
     for power in range(y0, y1 + 1):
         (low, y), (high, _) = at(10.0**x0, 10.0**power), at(10.0**x1, 10.0**power)
-        out.append(f'<path d="M{low:.1f} {y:.1f}H{high:.1f}" stroke="#ddd"/><text x="{low - 34:.1f}" y="{y + 4:.1f}">1e{power}</text>')
+        out.append(
+            f'<path d="M{low:.1f} {y:.1f}H{high:.1f}" stroke="#ddd"/>'
+            f'<text x="{low - 34:.1f}" y="{y + 4:.1f}">1e{power}</text>'
+        )
     colours = ("#c0392b", "#e67e22", "#7f8c8d", "#2471a3", "#17a589", "#34495e")
     for number, ((name, line), colour) in enumerate(zip(lines.items(), colours, strict=False)):
         if not line:
             continue
         path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (at(*point) for point in line))
         out.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.5"/>')
-        out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in (at(*point) for point in line)]
+        out += [
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="2.5" fill="{colour}"/>' for x, y in (at(*point) for point in line)
+        ]
         x, y = width - 145, 30 + 16 * number
-        out.append(f'<path d="M{x:g} {y - 4:g}h18" stroke="{colour}" stroke-width="2"/><text x="{x + 24:g}" y="{y:g}">{html.escape(name)}</text>')
-    out.append(f'<text x="{(width - 160) / 2:g}" y="{height - 6:g}">boundary disks</text><text x="4" y="14">seconds</text></svg>')
+        out.append(
+            f'<path d="M{x:g} {y - 4:g}h18" stroke="{colour}" stroke-width="2"/>'
+            f'<text x="{x + 24:g}" y="{y:g}">{html.escape(name)}</text>'
+        )
+    out.append(
+        f'<text x="{(width - 160) / 2:g}" y="{height - 6:g}">boundary disks</text>'
+        '<text x="4" y="14">seconds</text></svg>'
+    )
     return "\n".join(out) + "\n"
 
 
@@ -267,16 +288,30 @@ def main() -> None:
                 continue
             row = {"kind": kind, **min((json.loads(run.stdout) for run in runs), key=lambda one: one["build_s"])}
             rows.append(row)
-            print(kind, "  ".join(f"{name} {_cell(row.get(name))}" for name in COLUMNS), f"findings {row.get('findings')}", flush=True)
+            print(
+                kind,
+                "  ".join(f"{name} {_cell(row.get(name))}" for name in COLUMNS),
+                f"findings {row.get('findings')}",
+                flush=True,
+            )
     kinds = dict.fromkeys(row["kind"] for row in rows)
     exponents = {
-        kind: {name: exponent([row for row in rows if row["kind"] == kind], name) for name in COLUMNS if name.endswith("_s") and name != "load_s"}
+        kind: {
+            name: exponent([row for row in rows if row["kind"] == kind], name)
+            for name in COLUMNS
+            if name.endswith("_s") and name != "load_s"
+        }
         for kind in kinds
     }
     print(json.dumps(exponents))
     if args.out:
         args.out.mkdir(parents=True, exist_ok=True)
-        report = {"python": platform.python_version(), "machine": platform.machine(), "rows": rows, "exponents": exponents}
+        report = {
+            "python": platform.python_version(),
+            "machine": platform.machine(),
+            "rows": rows,
+            "exponents": exponents,
+        }
         (args.out / "scale.json").write_text(json.dumps(report, indent=1) + "\n")
         (args.out / "scale.md").write_text(table(rows, exponents))
         (args.out / "scale.svg").write_text(plot(rows))
