@@ -655,14 +655,39 @@ def _share_out(s, gap, count, total):
 
 
 @_compiled
-def _sort_group(s, start, end):
+def _sort(keys, items, start, end):
+    """Sort items by their keys, of equal ones the lower item first (Shell's way: numba takes seconds for numpy's)."""
+    step = 1
+    while 3 * step < end - start:
+        step = 3 * step + 1
+    while step > 0:
+        for at in range(start + step, end):
+            key, item, place = keys[at], items[at], at
+            while place - step >= start:
+                other = keys[place - step]
+                if other < key or (other == key and items[place - step] < item):
+                    break
+                keys[place], items[place] = other, items[place - step]
+                place -= step
+            keys[place], items[place] = key, item
+        step //= 3
+
+
+@_compiled
+def _sort_group(s, size):
     """Sort leaves by their disks' numbers."""
-    if end - start > 1:
-        keys = np.empty(end - start, dtype=np.int64)
-        for at in range(start, end):
+    if size > 1:
+        keys = np.empty(size, dtype=np.float64)
+        for at in range(size):
             visit = s.group[at]
-            keys[at - start] = (np.int64(s.visits.disk[visit]) << 32) | np.int64(s.visits.disk[s.visits.after[visit]])
-        s.group[start:end] = s.group[start:end][np.argsort(keys, kind="mergesort")]
+            keys[at] = _leaf(s.visits.disk[visit], s.visits.disk[s.visits.after[visit]])
+        _sort(keys, s.group, 0, size)
+
+
+@_compiled
+def _leaf(i, j):
+    """Return a number by which leaves are sorted as pairs are; up to 2 ** 26 disks it is exact."""
+    return i * 67108864.0 + j
 
 
 @_compiled
@@ -697,7 +722,7 @@ def _divide(s, gap):
                 break
             s.group[size] = other
             size += 1
-        _sort_group(s, 0, size)
+        _sort_group(s, size)
         for at in range(size):
             visit = s.group[at]
             verdict = _try(s, gap, s.visits.rolled_x[visit], s.visits.rolled_y[visit], s.visits.rolled_r[visit])
@@ -736,9 +761,14 @@ def _divide_inside(s, gap):
     for at in range(length):
         chain[at] = visit
         visit = s.visits.after[visit]
-    disks = np.unique(s.visits.disk[chain])
+    disks, keys = np.empty(length, dtype=np.int32), np.empty(2 * length)
+    for at in range(length):
+        disks[at] = s.visits.disk[chain[at]]
+        keys[at] = disks[at]
+    _sort(keys, disks, 0, length)
     found = np.empty((2 * length, 3))
-    leaves = np.empty(2 * length, dtype=np.int64)
+    leaves = np.empty(2 * length)
+    order, place = np.empty(2 * length, dtype=np.int32), np.empty(2 * length, dtype=np.int32)
     count = 0
     for at in range(length):
         visit = chain[at]
@@ -749,18 +779,20 @@ def _divide_inside(s, gap):
         off_x, off_y = x - s.disks.x[k], y - s.disks.y[k]
         if i == k or abs(math.sqrt(off_x * off_x + off_y * off_y) - r - s.disks.r[k]) > 1e-6 * min(r, s.disks.r[k]):
             continue
-        leaf = (np.int64(i) << 32) | np.int64(j)
-        count = _beyond(s, i, j, k, x, y, r, disks, found, leaves, leaf, count)
-    order = np.argsort(-found[:count, 2], kind="mergesort")
+        count = _beyond(s, i, j, k, x, y, r, disks, found, leaves, _leaf(i, j), count)
+    for at in range(count):
+        order[at], keys[at] = at, -found[at, 2]
+    _sort(keys, order, 0, count)
     start = 0
     while start < count:
         least = found[order[start], 2] * (1 - s.box[6])
         end = start
         while end < count and found[order[end], 2] >= least:
             end += 1
-        same = order[start:end]
-        same = same[np.argsort(leaves[same], kind="mergesort")]
-        for at in same:
+        for at in range(start, end):
+            place[at], keys[at] = at, leaves[order[at]]
+        _sort(keys, place, start, end)
+        for at in order[place[start:end]]:
             verdict = _try(s, gap, found[at, 0], found[at, 1], found[at, 2])
             if (verdict != FAILS or s.counts[CONTACTS] > len(s.contacts)) and _lacks_room(s, gap):
                 return GROW
@@ -782,9 +814,11 @@ def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
     best = (np.inf, 0.0, 0.0, 0.0)
     next_best = best
     for sign in (1.0, -1.0):
+        last = -1
         for other in disks:
-            if other in (i, j, k):
+            if other == last or other in (i, j, k):
                 continue
+            last = other
             to_k_x, to_k_y, r_k = s.disks.x[other] - a_x, s.disks.y[other] - a_y, s.disks.r[other] - r_a
             determinant = to_j_x * to_k_y - to_j_y * to_k_x
             b_k = (to_k_x * to_k_x + to_k_y * to_k_y - r_k * r_k) / 2
