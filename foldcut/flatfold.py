@@ -108,7 +108,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     order = np.argsort(pair, kind="stable")
     if (np.diff(pair[order]) == 0).any():
         order = np.lexsort((cost, pair))
-    best = order[np.append(True, np.diff(pair[order]) != 0)]  # the longest edge of two faces
+    best = order[np.diff(pair[order], prepend=-1) != 0]  # the longest edge of two faces
     graph = coo_array((cost[best], (low[best], high[best])), shape=(count, count)).tocsr()
     distance, before = dijkstra(graph, directed=False, indices=[0], return_predecessors=True)
     face = np.argsort(distance[0], kind="stable").astype(np.int32)
