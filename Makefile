@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-exporters bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-scale bench-compact bench-exporters bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -21,6 +21,10 @@ test: $(VENV)/installed-test tools
 ## Measure; nothing here can fail for being slow.
 bench: $(VENV)/installed-test
 	$(BIN)/python tests/bench/bench.py
+
+## How the paper's method grows from 1e2 to 1e5 boundary disks, against Delaunay of the same points: out/scale.md.
+bench-scale: $(VENV)/installed-test
+	$(BIN)/python tests/bench/scale.py --out out
 
 ## Creases of the default and the paper's method for every sample, and for every shape in the folder SHAPES and below.
 bench-compact: $(VENV)/installed-test

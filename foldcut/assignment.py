@@ -143,10 +143,9 @@ def _corner_tree(molecules: Molecules, loops: _Loops) -> Ints:
     for its_face in np.unique(molecules.face):
         side = np.flatnonzero(usable & (face == its_face))
         # each side leads both ways: the entries of a node are in the order of the sides
-        source = np.stack([one_node[side], other_node[side]], axis=1).ravel()
-        target = np.stack([other_node[side], one_node[side]], axis=1).ravel()
+        ends = np.stack([one_node[side], other_node[side]], axis=1)
         child = np.stack([other[side], corner[side]], axis=1).ravel()
-        nodes, numbers = np.unique(np.append(source, len(loops.contracted) + SHAPE), return_inverse=True)
+        nodes, numbers = np.unique(np.append(ends, len(loops.contracted) + SHAPE), return_inverse=True)
         source, root = numbers[:-1], int(numbers[-1])
         target = source.reshape(-1, 2)[:, ::-1].ravel()
         order = np.argsort(source, kind="stable")

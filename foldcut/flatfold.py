@@ -111,7 +111,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     order = np.argsort(pair, kind="stable")
     if (np.diff(pair[order]) == 0).any():
         order = np.lexsort((cost, pair))
-    best = order[np.append(True, np.diff(pair[order]) != 0)]  # the longest edge of two faces
+    best = order[np.diff(pair[order], prepend=-1) != 0]  # the longest edge of two faces
     paths = _short_paths if count <= FEW_FACES else _paths
     distance, before = paths(low[best], high[best], cost[best], count)
     face = np.argsort(distance, kind="stable").astype(np.int32)

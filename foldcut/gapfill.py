@@ -7,8 +7,8 @@ the result, are those of ``packing``; the arithmetic is written in the same orde
 - the disks are in a loose quadtree (a disk is in the cell of its size that its centre is in, so it reaches over the
   cell by no more than half a cell). A disk that rolls in from a leaf is looked for in circles that grow until something
   is met, and shrink as more is;
-- the disks that were rolled are in a second such tree, so that a new disk finds those it is in the way of. Such a leaf's
-  next disk is the one that touches the new disk: nothing else has come, so nothing is searched;
+- the disks that were rolled are in a second such tree, so that a new disk finds those it is in the way of. The next
+  disk of such a leaf is the one that touches the new disk: nothing else has come, so nothing is searched;
 - the rolled disks of each gap are in a heap (skew, so that it needs no sizes), the largest first. When a gap is divided
   its largest part keeps the heap, and only the others' disks are sorted anew.
 
@@ -62,7 +62,7 @@ class _State(NamedTuple):
     blocked: Indices
     out_offsets: Indices
     out_values: Indices
-    count: Numbers
+    counts: Numbers
     box: Floats  # middle and half of the root cell; tie, rounding, nearly, equal
     found: Floats  # x, y, r
     path: Indices
@@ -82,8 +82,8 @@ VISIT = np.dtype(
     ],
     align=True,
 )
-"""``after`` and ``before`` it in the chain, ``same``: the next visit to the disk; of the leaf from this visit to the one
-after, what has become of its disk, the disk that rolled in, and where that is in its tree."""
+"""``after`` and ``before`` it in the chain, ``same``: the next visit to the disk; of the leaf from this visit to the
+one after, what has become of its disk, the disk that rolled in, and where that is in its tree."""
 
 ENTRY = np.dtype([("r", "f8"), ("visit", "i4"), ("version", "i4"), ("left", "i4"), ("right", "i4")], align=True)
 GAP = np.dtype([("head", "i4"), ("length", "i4"), ("heap", "i4")])
@@ -106,7 +106,7 @@ _called = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=Tru
 
 
 @_compiled
-def _cell(s, root, x, y, r):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _cell(s, root, x, y, r):
     """Return the cell for a circle, made where it is not there."""
     node, middle_x, middle_y, half = root, s.box[0], s.box[1], s.box[2]
     if abs(x - middle_x) > half or abs(y - middle_y) > half:
@@ -128,10 +128,10 @@ def _cell(s, root, x, y, r):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
             middle_y -= half
         child = s.child[node, quarter]
         if child < 0:
-            child = s.count[NODES]
+            child = s.counts[NODES]
             if child == len(s.first):  # a cell too large does no harm; the loop makes room soon
                 break
-            s.count[NODES] += 1
+            s.counts[NODES] += 1
             s.child[node, quarter] = child
             s.child[child, :] = -1
             s.first[child] = -1
@@ -140,7 +140,7 @@ def _cell(s, root, x, y, r):  # type: ignore[no-untyped-def]  # noqa: ANN001, AN
 
 
 @_compiled
-def _push_children(s, node, depth, x, y, r):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _push_children(s, node, depth, x, y, r):
     """Put the children of the node on top of the path there that a circle may meet; return the path's length."""
     middle_x, middle_y, half = s.path_box[depth, 0], s.path_box[depth, 1], s.path_box[depth, 2] * 0.5
     for quarter in range(4):
@@ -158,21 +158,21 @@ def _push_children(s, node, depth, x, y, r):  # type: ignore[no-untyped-def]  # 
 
 
 @_compiled
-def _start(s, root):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _start(s, root):
     s.path[0] = root
     s.path_box[0, 0], s.path_box[0, 1], s.path_box[0, 2] = s.box[0], s.box[1], s.box[2]
     return 1
 
 
 @_compiled
-def _insert_disk(s, disk):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _insert_disk(s, disk):
     node = _cell(s, DISK_ROOT, s.disks.x[disk], s.disks.y[disk], s.disks.r[disk])
     s.disks.following[disk] = s.first[node]
     s.first[node] = disk
 
 
 @_compiled
-def _link_rolled(s, visit):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _link_rolled(s, visit):
     node = _cell(s, ROLLED_ROOT, s.visits.rolled_x[visit], s.visits.rolled_y[visit], s.visits.rolled_r[visit])
     following = s.first[node]
     s.visits.cell[visit], s.visits.cell_next[visit], s.visits.cell_before[visit] = node, following, -1
@@ -182,7 +182,7 @@ def _link_rolled(s, visit):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
 
 
 @_compiled
-def _unlink_rolled(s, visit):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _unlink_rolled(s, visit):
     before, following = s.visits.cell_before[visit], s.visits.cell_next[visit]
     if before >= 0:
         s.visits.cell_next[before] = following
@@ -196,7 +196,7 @@ def _unlink_rolled(s, visit):  # type: ignore[no-untyped-def]  # noqa: ANN001, A
 
 
 @_compiled
-def _height(s, k, origin_x, origin_y, along_x, along_y, middle, half_width):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _height(s, k, origin_x, origin_y, along_x, along_y, middle, half_width):
     """Return where in the strip the growing disk meets disk k; see ``packing``."""
     off_x, off_y = s.disks.x[k] - origin_x, s.disks.y[k] - origin_y
     x, y, r = off_x * along_x + off_y * along_y, off_y * along_x - off_x * along_y, s.disks.r[k]
@@ -211,7 +211,7 @@ def _height(s, k, origin_x, origin_y, along_x, along_y, middle, half_width):  # 
 
 
 @_compiled
-def _swept(middle, height, half_width, origin_x, origin_y, along_x, along_y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _swept(middle, height, half_width, origin_x, origin_y, along_x, along_y):
     """Return a circle around all that the disk has swept when it has grown to a height.
 
     In the strip that is everything above; the half-plane around it, across from the origin, is this circle.
@@ -223,7 +223,7 @@ def _swept(middle, height, half_width, origin_x, origin_y, along_x, along_y):  #
 
 
 @_compiled
-def _roll(s, i, j, only):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _roll(s, i, j, only):
     """Find the largest disk left of i -> j that touches both; ``only`` names the one disk to look at, or is -1."""
     x_i, y_i, r_i = s.disks.x[i], s.disks.y[i], s.disks.r[i]
     x_j, y_j, r_j = s.disks.x[j], s.disks.y[j], s.disks.r[j]
@@ -267,7 +267,7 @@ def _roll(s, i, j, only):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN20
 
 
 @_compiled
-def _roll_leaf(s, visit, only):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _roll_leaf(s, visit, only):
     """Roll a leaf's disk, and put it into its tree and its gap's heap."""
     i, j = s.visits.disk[visit], s.visits.disk[s.visits.after[visit]]
     found = _roll(s, i, j, only)
@@ -287,7 +287,7 @@ def _roll_leaf(s, visit, only):  # type: ignore[no-untyped-def]  # noqa: ANN001,
 
 
 @_compiled
-def _merge(s, one, other):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _merge(s, one, other):
     if one < 0:
         return other
     if other < 0:
@@ -308,14 +308,14 @@ def _merge(s, one, other):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN2
 
 
 @_compiled
-def _push(s, visit):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    if s.count[FREE] >= 0:
-        entry = s.count[FREE]
-        s.count[FREE] = s.entries.left[entry]
-        s.count[FREED] -= 1
+def _push(s, visit):
+    if s.counts[FREE] >= 0:
+        entry = s.counts[FREE]
+        s.counts[FREE] = s.entries.left[entry]
+        s.counts[FREED] -= 1
     else:
-        entry = s.count[ENTRIES]
-        s.count[ENTRIES] += 1
+        entry = s.counts[ENTRIES]
+        s.counts[ENTRIES] += 1
     s.entries.visit[entry], s.entries.version[entry] = visit, s.visits.version[visit]
     s.entries.r[entry] = s.visits.rolled_r[visit]
     s.entries.left[entry] = s.entries.right[entry] = -1
@@ -324,14 +324,14 @@ def _push(s, visit):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @_compiled
-def _free(s, entry):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    s.entries.left[entry] = s.count[FREE]
-    s.count[FREE] = entry
-    s.count[FREED] += 1
+def _free(s, entry):
+    s.entries.left[entry] = s.counts[FREE]
+    s.counts[FREE] = entry
+    s.counts[FREED] += 1
 
 
 @_compiled
-def _pop(s, gap, least):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _pop(s, gap, least):
     """Return the leaf with the gap's largest rolled disk, which is no ear, if it is as large as ``least``; or -1."""
     while s.gaps.heap[gap] >= 0:
         entry = s.gaps.heap[gap]
@@ -351,7 +351,7 @@ def _pop(s, gap, least):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @_compiled
-def _free_heap(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _free_heap(s, gap):
     """Free all entries, each after its children have been hung up at its right."""
     entry = s.gaps.heap[gap]
     s.gaps.heap[gap] = -1
@@ -370,12 +370,12 @@ def _free_heap(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @_compiled
-def _angle(start_x, start_y, end_x, end_y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _angle(start_x, start_y, end_x, end_y):
     return math.atan2(start_x * end_y - start_y * end_x, start_x * end_x + start_y * end_y) % TURN
 
 
 @_compiled
-def _is_in_gap(s, disk, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _is_in_gap(s, disk, gap):
     visit = s.disks.first_visit[disk]
     while visit >= 0:
         if s.visits.gap[visit] == gap:
@@ -385,7 +385,7 @@ def _is_in_gap(s, disk, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, A
 
 
 @_compiled
-def _visit_toward(s, gap, disk, x, y):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _visit_toward(s, gap, disk, x, y):
     """Return the visit whose sector of the gap looks toward a point; -1 if none does, -2 if there is no visit."""
     best, best_outside = -2, np.inf
     centre_x, centre_y = s.disks.x[disk], s.disks.y[disk]
@@ -407,8 +407,8 @@ def _visit_toward(s, gap, disk, x, y):  # type: ignore[no-untyped-def]  # noqa: 
 
 
 @_compiled
-def _try(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Find what a disk touches, sorted by disk: does it help?"""
+def _try(s, gap, x, y, radius):
+    """Find what a disk touches, sorted by disk, and return whether it helps."""
     tie, rounding, nearly = s.box[3], s.box[4], s.box[5]
     count, near = 0, False
     reach = radius * (1 + nearly) + 2 * rounding
@@ -439,7 +439,7 @@ def _try(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001,
                     near = True
             k = s.disks.following[k]
         depth = _push_children(s, node, depth, x, y, reach)
-    s.count[CONTACTS] = count
+    s.counts[CONTACTS] = count
     if count > len(s.contacts):
         return FAILS  # the loop makes room and tries again
     seen = 0
@@ -450,7 +450,7 @@ def _try(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001,
         if visit >= 0:
             s.contacts.disk[seen], s.contacts.visit[seen] = s.contacts.disk[at], visit
             seen += 1
-    s.count[CONTACTS] = seen
+    s.counts[CONTACTS] = seen
     if seen < 3:
         return FAILS
     if seen == 3:
@@ -467,10 +467,10 @@ def _try(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001,
 
 
 @_compiled
-def _polish(s, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _polish(s, x, y, radius):
     """Newton's method for the disk that touches the contacts; see ``packing``."""
     start_x, start_y, start_radius = x, y, radius
-    count = s.count[CONTACTS]
+    count = s.counts[CONTACTS]
     for _ in range(2):
         mean_u = mean_v = mean_off = 0.0
         for at in range(count):
@@ -514,7 +514,7 @@ def _polish(s, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, A
 
 
 @_compiled
-def _find_blocked(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _find_blocked(s, gap, x, y, radius):
     """Take the gap's rolled disks that overlap a new disk out of their tree."""
     tie, rounding = s.box[3], s.box[4]
     count = 0
@@ -536,13 +536,13 @@ def _find_blocked(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa
                     count += 1
             visit = following
         depth = _push_children(s, node, depth, x, y, radius)
-    s.count[BLOCKED] = count
+    s.counts[BLOCKED] = count
 
 
 @_compiled
-def _new_visit(s, disk, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    visit = s.count[VISITS]
-    s.count[VISITS] += 1
+def _new_visit(s, disk, gap):
+    visit = s.counts[VISITS]
+    s.counts[VISITS] += 1
     s.visits.disk[visit], s.visits.gap[visit] = disk, gap
     s.visits.status[visit], s.visits.version[visit] = UNKNOWN, 0
     s.visits.same[visit] = s.disks.first_visit[disk]
@@ -551,17 +551,17 @@ def _new_visit(s, disk, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, A
 
 
 @_compiled
-def _place(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _place(s, gap, x, y, radius):
     """Add the disk that touches the contacts, and put the gaps around it on the stack instead of the top one."""
     _polish(s, x, y, radius)
-    new = s.count[DISKS]
-    s.count[DISKS] += 1
+    new = s.counts[DISKS]
+    s.counts[DISKS] += 1
     x, y, radius = s.found[0], s.found[1], s.found[2]
     s.disks.x[new], s.disks.y[new], s.disks.r[new] = x, y, radius
     s.disks.first_visit[new] = -1
     _insert_disk(s, new)
     _find_blocked(s, gap, x, y, radius)
-    count = s.count[CONTACTS]
+    count = s.counts[CONTACTS]
     for at in range(count):  # counter-clockwise
         visit = s.contacts.visit[at]
         k = s.visits.disk[visit]
@@ -594,16 +594,16 @@ def _place(s, gap, x, y, radius):  # type: ignore[no-untyped-def]  # noqa: ANN00
         for visit in (spoke, s.visits.before[spoke]):
             if s.gaps.length[s.visits.gap[visit]] > 4:
                 _roll_leaf(s, visit, -1)
-    for at in range(s.count[BLOCKED]):
+    for at in range(s.counts[BLOCKED]):
         visit = s.blocked[at]
         if s.gaps.length[s.visits.gap[visit]] > 4:
             _roll_leaf(s, visit, new)
 
 
 @_compiled
-def _share_out(s, gap, count, total):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _share_out(s, gap, count, total):
     """Number the gaps around the new disk: the largest keeps the number and the heap. All are walked at once."""
-    s.count[STACK] -= 1
+    s.counts[STACK] -= 1
     # contact_disk holds the new disk's visits; that of the part from contact ``at`` is the one after it
     left = count
     steps = 1
@@ -628,8 +628,8 @@ def _share_out(s, gap, count, total):  # type: ignore[no-untyped-def]  # noqa: A
         length = s.group[at] if s.group[at] > 0 else total - known
         number = gap
         if s.group[at] > 0:
-            number = s.count[GAPS]
-            s.count[GAPS] += 1
+            number = s.counts[GAPS]
+            s.counts[GAPS] += 1
             s.gaps.heap[number] = -1
             visit = start
             while True:
@@ -647,41 +647,66 @@ def _share_out(s, gap, count, total):  # type: ignore[no-untyped-def]  # noqa: A
                     _unlink_rolled(s, visit)
                     s.visits.status[visit] = UNKNOWN
                 visit = s.visits.after[visit]
-        s.stack[s.count[STACK]] = number
-        s.count[STACK] += 1
+        s.stack[s.counts[STACK]] = number
+        s.counts[STACK] += 1
 
 
 # --- dividing gaps
 
 
 @_compiled
-def _sort_group(s, start, end):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    """Sort leaves by their disks' numbers."""
-    if end - start > 1:
-        keys = np.empty(end - start, dtype=np.int64)
-        for at in range(start, end):
-            visit = s.group[at]
-            keys[at - start] = (np.int64(s.visits.disk[visit]) << 32) | np.int64(s.visits.disk[s.visits.after[visit]])
-        s.group[start:end] = s.group[start:end][np.argsort(keys, kind="mergesort")]
+def _sort(keys, items, start, end):
+    """Sort items by their keys, of equal ones the lower item first (Shell's way: numba takes seconds for numpy's)."""
+    step = 1
+    while 3 * step < end - start:
+        step = 3 * step + 1
+    while step > 0:
+        for at in range(start + step, end):
+            key, item, place = keys[at], items[at], at
+            while place - step >= start:
+                other = keys[place - step]
+                if other < key or (other == key and items[place - step] < item):
+                    break
+                keys[place], items[place] = other, items[place - step]
+                place -= step
+            keys[place], items[place] = key, item
+        step //= 3
 
 
 @_compiled
-def _lacks_room(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
-    count = s.count[CONTACTS]
+def _sort_group(s, size):
+    """Sort leaves by their disks' numbers."""
+    if size > 1:
+        keys = np.empty(size, dtype=np.float64)
+        for at in range(size):
+            visit = s.group[at]
+            keys[at] = _leaf(s.visits.disk[visit], s.visits.disk[s.visits.after[visit]])
+        _sort(keys, s.group, 0, size)
+
+
+@_compiled
+def _leaf(i, j):
+    """Return a number by which leaves are sorted as pairs are; up to 2 ** 26 disks it is exact."""
+    return i * 67108864.0 + j
+
+
+@_compiled
+def _lacks_room(s, gap):
+    count = s.counts[CONTACTS]
     most = 2 * (s.gaps.length[gap] + 4 * count)
     return (
         count > len(s.contacts)
-        or s.count[DISKS] + 1 >= len(s.disks)
-        or s.count[VISITS] + 2 * count >= len(s.visits)
-        or s.count[GAPS] + count >= len(s.gaps)
-        or s.count[STACK] + count >= len(s.stack)
-        or s.count[NODES] + 4 * DEEPEST >= len(s.first)
-        or len(s.entries) - s.count[ENTRIES] + s.count[FREED] < most
+        or s.counts[DISKS] + 1 >= len(s.disks)
+        or s.counts[VISITS] + 2 * count >= len(s.visits)
+        or s.counts[GAPS] + count >= len(s.gaps)
+        or s.counts[STACK] + count >= len(s.stack)
+        or s.counts[NODES] + 4 * DEEPEST >= len(s.first)
+        or len(s.entries) - s.counts[ENTRIES] + s.counts[FREED] < most
     )
 
 
 @_compiled
-def _divide(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _divide(s, gap):
     """Place the largest disk that helps."""
     second, aside = -1, 0
     while True:
@@ -697,11 +722,11 @@ def _divide(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
                 break
             s.group[size] = other
             size += 1
-        _sort_group(s, 0, size)
+        _sort_group(s, size)
         for at in range(size):
             visit = s.group[at]
             verdict = _try(s, gap, s.visits.rolled_x[visit], s.visits.rolled_y[visit], s.visits.rolled_r[visit])
-            lacks_room = (verdict != FAILS or s.count[CONTACTS] > len(s.contacts)) and _lacks_room(s, gap)
+            lacks_room = (verdict != FAILS or s.counts[CONTACTS] > len(s.contacts)) and _lacks_room(s, gap)
             if verdict == HELPS or lacks_room:
                 for back in range(at if lacks_room else at + 1, size):
                     _push(s, s.group[back])
@@ -728,7 +753,7 @@ def _divide(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @_compiled
-def _divide_inside(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _divide_inside(s, gap):
     """Place the largest disk that helps of those met beyond the ears."""
     length = s.gaps.length[gap]
     chain = np.empty(length, dtype=np.int32)
@@ -736,9 +761,14 @@ def _divide_inside(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
     for at in range(length):
         chain[at] = visit
         visit = s.visits.after[visit]
-    disks = np.unique(s.visits.disk[chain])
+    disks, keys = np.empty(length, dtype=np.int32), np.empty(2 * length)
+    for at in range(length):
+        disks[at] = s.visits.disk[chain[at]]
+        keys[at] = disks[at]
+    _sort(keys, disks, 0, length)
     found = np.empty((2 * length, 3))
-    leaves = np.empty(2 * length, dtype=np.int64)
+    leaves = np.empty(2 * length)
+    order, place = np.empty(2 * length, dtype=np.int32), np.empty(2 * length, dtype=np.int32)
     count = 0
     for at in range(length):
         visit = chain[at]
@@ -749,20 +779,22 @@ def _divide_inside(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
         off_x, off_y = x - s.disks.x[k], y - s.disks.y[k]
         if i == k or abs(math.sqrt(off_x * off_x + off_y * off_y) - r - s.disks.r[k]) > 1e-6 * min(r, s.disks.r[k]):
             continue
-        leaf = (np.int64(i) << 32) | np.int64(j)
-        count = _beyond(s, i, j, k, x, y, r, disks, found, leaves, leaf, count)
-    order = np.argsort(-found[:count, 2], kind="mergesort")
+        count = _beyond(s, i, j, k, x, y, r, disks, found, leaves, _leaf(i, j), count)
+    for at in range(count):
+        order[at], keys[at] = at, -found[at, 2]
+    _sort(keys, order, 0, count)
     start = 0
     while start < count:
         least = found[order[start], 2] * (1 - s.box[6])
         end = start
         while end < count and found[order[end], 2] >= least:
             end += 1
-        same = order[start:end]
-        same = same[np.argsort(leaves[same], kind="mergesort")]
-        for at in same:
+        for at in range(start, end):
+            place[at], keys[at] = at, leaves[order[at]]
+        _sort(keys, place, start, end)
+        for at in order[place[start:end]]:
             verdict = _try(s, gap, found[at, 0], found[at, 1], found[at, 2])
-            if (verdict != FAILS or s.count[CONTACTS] > len(s.contacts)) and _lacks_room(s, gap):
+            if (verdict != FAILS or s.counts[CONTACTS] > len(s.contacts)) and _lacks_room(s, gap):
                 return GROW
             if verdict != FAILS:
                 _place(s, gap, found[at, 0], found[at, 1], found[at, 2])
@@ -772,7 +804,7 @@ def _divide_inside(s, gap):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN
 
 
 @_compiled
-def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
     """Add the first two disks met beyond an ear that touch i and k; see ``packing``."""
     x, y = s.disks.x[k] - s.disks.x[i], s.disks.y[k] - s.disks.y[i]
     a_x, a_y, r_a = s.disks.x[i], s.disks.y[i], s.disks.r[i]
@@ -782,9 +814,11 @@ def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
     best = (np.inf, 0.0, 0.0, 0.0)
     next_best = best
     for sign in (1.0, -1.0):
+        last = -1
         for other in disks:
-            if other == i or other == j or other == k:
+            if other == last or other in (i, j, k):
                 continue
+            last = other
             to_k_x, to_k_y, r_k = s.disks.x[other] - a_x, s.disks.y[other] - a_y, s.disks.r[other] - r_a
             determinant = to_j_x * to_k_y - to_j_y * to_k_x
             b_k = (to_k_x * to_k_x + to_k_y * to_k_y - r_k * r_k) / 2
@@ -811,27 +845,27 @@ def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
 
 
 @_called
-def _run(s, most):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _run(s, most):
     """Divide gaps until none is left, ``most`` are done, or the arrays are full."""
     for _ in range(most):
-        if s.count[STACK] == 0:
+        if s.counts[STACK] == 0:
             return DONE
-        gap = s.stack[s.count[STACK] - 1]
+        gap = s.stack[s.counts[STACK] - 1]
         length = s.gaps.length[gap]
         if length <= 4:
             if length < 3:
                 return STUCK
-            if s.count[OUT] + 2 >= len(s.out_offsets) or s.count[OUT_VALUES] + 4 >= len(s.out_values):
+            if s.counts[OUT] + 2 >= len(s.out_offsets) or s.counts[OUT_VALUES] + 4 >= len(s.out_values):
                 return GROW
             _free_heap(s, gap)
-            s.count[STACK] -= 1
+            s.counts[STACK] -= 1
             visit = s.gaps.head[gap]
             for _ in range(length):
-                s.out_values[s.count[OUT_VALUES]] = s.visits.disk[visit]
-                s.count[OUT_VALUES] += 1
+                s.out_values[s.counts[OUT_VALUES]] = s.visits.disk[visit]
+                s.counts[OUT_VALUES] += 1
                 visit = s.visits.after[visit]
-            s.count[OUT] += 1
-            s.out_offsets[s.count[OUT]] = s.count[OUT_VALUES]
+            s.counts[OUT] += 1
+            s.out_offsets[s.counts[OUT]] = s.counts[OUT_VALUES]
         else:
             said = _divide(s, gap)
             if said != GO_ON:
@@ -840,34 +874,34 @@ def _run(s, most):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
 
 
 @_called
-def _insert_disks(s, disks):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _insert_disks(s, disks):
     for disk in disks:
         s.disks.first_visit[disk] = -1
         _insert_disk(s, disk)
 
 
 @_called
-def _add_chain(s, chain):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _add_chain(s, chain):
     """Make one gap of a chain, with all its leaves' disks rolled."""
-    gap = s.count[GAPS]
-    s.count[GAPS] += 1
-    s.gaps.heap[gap], s.gaps.length[gap], s.gaps.head[gap] = -1, len(chain), s.count[VISITS]
-    start = s.count[VISITS]
+    gap = s.counts[GAPS]
+    s.counts[GAPS] += 1
+    s.gaps.heap[gap], s.gaps.length[gap], s.gaps.head[gap] = -1, len(chain), s.counts[VISITS]
+    start = s.counts[VISITS]
     for disk in chain:
         _new_visit(s, disk, gap)
-    end = s.count[VISITS]
+    end = s.counts[VISITS]
     for visit in range(start, end):
         s.visits.after[visit] = visit + 1 if visit + 1 < end else start
         s.visits.before[visit] = visit - 1 if visit > start else end - 1
-    s.stack[s.count[STACK]] = gap
-    s.count[STACK] += 1
+    s.stack[s.counts[STACK]] = gap
+    s.counts[STACK] += 1
     if len(chain) > 4:
         for visit in range(start, end):
             _roll_leaf(s, visit, -1)
 
 
 @_called
-def _roll_many(s, leaves, centres, radii):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202
+def _roll_many(s, leaves, centres, radii):
     for at in range(len(leaves)):
         if _roll(s, leaves[at, 0], leaves[at, 1], -1):
             centres[at, 0], centres[at, 1], radii[at] = s.found[0], s.found[1], s.found[2]
@@ -891,11 +925,11 @@ class GapFiller:
         half = float((high - low).max() + radii[disks].max())
         state = _empty(count + 2 * len(disks), len(disks), np.array([*middle, half, *self._limits]))
         self._write(state, slice(0, count), centres, radii)
-        state.count[:] = 0
-        state.count[FREE] = -1
-        state.count[NODES] = 2
+        state.counts[:] = 0
+        state.counts[FREE] = -1
+        state.counts[NODES] = 2
         state.child[:2], state.first[:2] = -1, -1
-        state.count[DISKS] = self._known = count
+        state.counts[DISKS] = self._known = count
         _insert_disks(state, disks.astype(np.int32))
         self._state = state
 
@@ -905,7 +939,7 @@ class GapFiller:
             self._reserve(disks=count)
             state, new = self._state, slice(self._known, count)
             self._write(state, new, centres, radii)
-            state.count[DISKS] = count
+            state.counts[DISKS] = count
             _insert_disks(state, np.arange(self._known, count, dtype=np.int32))
             self._known = count
 
@@ -921,10 +955,10 @@ class GapFiller:
         ``report`` is called now and then. Raises ``Stuck``.
         """
         size = len(chain)
-        counters = self._state.count
+        counters = self._state.counts
         self._reserve(visits=counters[VISITS] + 2 * size + 64, entries=counters[ENTRIES] + 2 * size + 64)
         state = self._state
-        state.count[OUT] = state.count[OUT_VALUES] = 0
+        state.counts[OUT] = state.counts[OUT_VALUES] = 0
         _add_chain(state, chain.astype(np.int32))
         said = GO_ON
         while said != DONE:
@@ -934,16 +968,16 @@ class GapFiller:
             if said == GROW:
                 self._grow()
             report()
-        state, new = self._state, slice(self._known, int(self._state.count[DISKS]))
-        self._known = int(state.count[DISKS])
-        gaps, values = int(state.count[OUT]), int(state.count[OUT_VALUES])
+        state, new = self._state, slice(self._known, int(self._state.counts[DISKS]))
+        self._known = int(state.counts[DISKS])
+        gaps, values = int(state.counts[OUT]), int(state.counts[OUT_VALUES])
         disks = state.disks[new]
         centres, radii = np.stack([disks["x"], disks["y"]], axis=1), disks["r"].copy()
         return centres, radii, state.out_values[:values].copy(), state.out_offsets[: gaps + 1].copy()
 
     def _chain(self) -> list[int]:
         state = self._state
-        gap = state.stack[state.count[STACK] - 1]
+        gap = state.stack[state.counts[STACK] - 1]
         chain, visit = [], state.gaps["head"][gap]
         for _ in range(state.gaps["length"][gap]):
             chain.append(int(state.visits["disk"][visit]))
@@ -958,7 +992,7 @@ class GapFiller:
     def _grow(self) -> None:
         """Double what is more than half full."""
         state = self._state
-        count = state.count
+        count = state.counts
         sizes = [len(getattr(state, names[0])) for names in GROUPS]
         used = [
             count[DISKS],
@@ -1008,7 +1042,7 @@ def _empty(disks: int, boundary: int, box: Floats) -> _State:
     path = np.zeros(4 * DEEPEST + 8, dtype=np.int32)
     return _State(
         **arrays,
-        count=np.zeros(12, dtype=np.int64),
+        counts=np.zeros(12, dtype=np.int64),
         box=box,
         found=np.zeros(3),
         path=path,

@@ -50,7 +50,7 @@ def _walks(molecules: Molecules, assignment: Assignment) -> list[Ints]:
     the side between them; those of a molecule's last corner, where it was entered, by the corner after that side in
     its parent. So each place has one that follows it.
     """
-    feet, size = molecules.feet, molecules.feet.lengths
+    feet = molecules.feet
     first = feet.offsets[:-1].astype(np.int64)
     following = np.arange(1, len(feet.values) + 1)
     following[feet.offsets[1:] - 1] = first
@@ -79,7 +79,7 @@ def _walks(molecules: Molecules, assignment: Assignment) -> list[Ints]:
 
 
 def _faces(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
-    """The face of every facet, its first facet's number, joined across sides that are not folded; and which are joined."""
+    """The face of every facet, joined across sides that are not folded: its first facet; and which are joined."""
     on_side = np.zeros(len(molecules.vertices), dtype=np.bool_)
     on_side[unfolded] = True
     start, end = half_edges(molecules.facets)
@@ -150,8 +150,8 @@ def _rings(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
         here[going] = to[np.minimum(at, len(to) - 1)]
     if not np.array_equal(here, vertex) or (np.diff(key) == 0).any() or _repeats(walked):
         members = defaultdict(list)
-        for number, its_face in enumerate(face.tolist()):
-            members[its_face].append(number)
+        for one, its_face in enumerate(face.tolist()):
+            members[its_face].append(one)
         every = [outlines([facets[f].tolist() for f in members[its_face]]) for its_face in order.tolist()]
         return Ragged.from_rows(ring for pieces in every for ring in pieces)
     # one list of rings: facets, then what was walked

@@ -451,7 +451,8 @@ def _height(point: Floats, start: Floats, end: Floats) -> Floats:
     """The distances of points to the left of the lines from ``start`` to ``end``."""
     (ax, ay), (bx, by) = (end - start).T, (point - start).T
     with np.errstate(invalid="ignore"):
-        return (ax * by - ay * bx) / np.sqrt(ax * ax + ay * ay)
+        heights: Floats = (ax * by - ay * bx) / np.sqrt(ax * ax + ay * ay)
+    return heights
 
 
 def _inset_corner(centres: Floats, radii: Floats, k: int, h: Floats) -> tuple[Floats, Floats]:

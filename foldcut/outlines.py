@@ -46,9 +46,11 @@ class Outlines:
 
     def bounds(self, axes: Floats) -> tuple[Floats, Floats]:
         """Return the extents, low and high, ``(p, k)`` each, along the unit vectors ``axes``, ``(k, 2)``."""
-        along = self.corners @ axes.T
-        low = np.minimum.reduceat(along, self._first) + self.inset
-        high = np.maximum.reduceat(along, self._first) - self.inset
+        low, high = np.empty((2, len(self._first), len(axes)))
+        for column, axis in enumerate(axes):
+            along = self.corners @ axis
+            low[:, column] = np.minimum.reduceat(along, self._first) + self.inset
+            high[:, column] = np.maximum.reduceat(along, self._first) - self.inset
         return low, high
 
     def crossed(self, segments: Floats, polygons: Indices) -> Bools:

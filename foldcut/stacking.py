@@ -56,13 +56,13 @@ class _Folds:
     @property
     def low(self) -> Indices:
         """The lower of the two layers."""
-        low: Indices = self.ranks.min(axis=1)
+        low: Indices = np.minimum(self.ranks[:, 0], self.ranks[:, 1])
         return low
 
     @property
     def high(self) -> Indices:
         """The upper of the two layers."""
-        high: Indices = self.ranks.max(axis=1)
+        high: Indices = np.maximum(self.ranks[:, 0], self.ranks[:, 1])
         return high
 
 
@@ -150,7 +150,8 @@ def _inner_edges(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, r
     folded_ends = np.stack([maps.apply(faces[:, 0], ends[:, side]) for side in (0, 1)], axis=1)
     # Turning a face over swaps its sides of the edge.
     left = maps.up[faces] == np.array([True, False])
-    return _Folds(inner, folded_ends, rank[faces], left, folded_edges(pattern)[inner], ends.mean(axis=1))
+    middles = (ends[:, 0] + ends[:, 1]) / 2
+    return _Folds(inner, folded_ends, rank[faces], left, folded_edges(pattern)[inner], middles)
 
 
 def _axes(folds: _Folds) -> Floats:
@@ -182,9 +183,8 @@ def _folded_faces(pattern: CreasePattern, maps: FaceMaps, layers: Ints, toleranc
 def _faces_between(folds: _Folds, outlines: Outlines, layers: Ints, axes: Floats) -> list[Finding]:
     """Find faces that an edge runs across while they lie between its two faces."""
     tree = LayerTree(*outlines.bounds(axes))
-    along = folds.ends @ axes.T
     reports = _Reports()
-    for query, rank in tree.meetings(along.min(axis=1), along.max(axis=1), folds.low + 1, folds.high):
+    for query, rank in tree.meetings(*_extents(folds.ends, axes), folds.low + 1, folds.high):
         bad = outlines.crossed(folds.ends[query], rank)
         if reports.add(query[bad], rank[bad]):
             break
@@ -294,8 +294,18 @@ def _boxes(ends: Floats, axes: Floats, tolerance: float) -> tuple[Floats, Floats
     along = ends[:, 1] - ends[:, 0]
     unit = along / np.hypot(*along.T)[:, None]
     shorter = ends + 3 * tolerance * np.stack([unit, -unit], axis=1)
-    along = shorter @ axes.T
-    return along.min(axis=1) - tolerance, along.max(axis=1) + tolerance
+    low, high = _extents(shorter, axes)
+    return low - tolerance, high + tolerance
+
+
+def _extents(ends: Floats, axes: Floats) -> tuple[Floats, Floats]:
+    """Return how far segments reach, low and high, along the axes."""
+    low, high = np.empty((2, len(ends), len(axes)))
+    (x, y), (to_x, to_y) = ends[:, 0].T, ends[:, 1].T
+    for column, (along_x, along_y) in enumerate(axes.tolist()):
+        one, other = along_x * x + along_y * y, along_x * to_x + along_y * to_y
+        low[:, column], high[:, column] = np.minimum(one, other), np.maximum(one, other)
+    return low, high
 
 
 def _finding(check: str, folds: _Folds, fold: int, message: str) -> Finding:

@@ -1,4 +1,4 @@
-"""The folded state, face by face and as simply as can be: what ``foldcut.layers`` and ``foldcut.faces`` do on arrays."""
+"""The folded state, face by face: what ``foldcut.layers`` and ``foldcut.faces`` do on arrays."""
 
 from __future__ import annotations
 

@@ -3,9 +3,9 @@
 Run it with ``make bench-scale``, or ``python tests/bench/scale.py [--sizes 1e2,1e3,1e4,1e5] [--kinds star,koch]
 [--seed N] [--repeat N] [--no-verify] [--out FOLDER]``. Loops are seeded: ``star`` is star-shaped with a rough outline,
 ``koch`` a Koch snowflake whose every bump is turned and sized at random. Every loop runs in a process of its own, so
-that peak memory is its own. Shape and sheet are made beforehand and are not timed; nor is the import of the stages and the
-loading of compiled code, which is given by itself. Times are the process's own seconds (one thread), as the machine may
-be busy with other things.
+that peak memory is its own. Shape and sheet are made beforehand and are not timed; nor is the import of the stages and
+the loading of compiled code, which is given by itself. Times are the process's own seconds (one thread), as the machine
+may be busy with other things.
 
 ``scipy.spatial.Delaunay`` on the centres of the same disks is timed in the same process: the floor for touching that
 many points. Compare ratios within one run. The folder gets scale.json, scale.md (the table) and scale.svg (the plot).
@@ -51,7 +51,7 @@ def star_loop(corners: int, seed: int) -> np.ndarray:
 
 
 def koch_loop(corners: int, seed: int) -> np.ndarray:
-    """Return a snowflake, about ``(corners, 2)``: each round the longest edges get a bump of random place and height."""
+    """Return a snowflake, about ``(corners, 2)``: each round the longest edges get a bump of random height."""
     rng = np.random.default_rng(seed)
     points = np.exp(2j * math.pi * np.arange(3) / 3)
     while len(points) < corners:
@@ -225,18 +225,21 @@ def plot(rows: list[dict[str, Any]]) -> str:
         )
 
     out = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" font-family="sans-serif" font-size="11">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" '
+        'font-family="sans-serif" font-size="11">',
         f'<rect width="{width:g}" height="{height:g}" fill="white"/>',
     ]
     for power in range(x0, x1 + 1):
         (x, low), (_, high) = at(10.0**power, 10.0**y0), at(10.0**power, 10.0**y1)
         out.append(
-            f'<path d="M{x:.1f} {low:.1f}V{high:.1f}" stroke="#ddd"/><text x="{x - 8:.1f}" y="{low + 16:.1f}">1e{power}</text>'
+            f'<path d="M{x:.1f} {low:.1f}V{high:.1f}" stroke="#ddd"/>'
+            f'<text x="{x - 8:.1f}" y="{low + 16:.1f}">1e{power}</text>'
         )
     for power in range(y0, y1 + 1):
         (low, y), (high, _) = at(10.0**x0, 10.0**power), at(10.0**x1, 10.0**power)
         out.append(
-            f'<path d="M{low:.1f} {y:.1f}H{high:.1f}" stroke="#ddd"/><text x="{low - 34:.1f}" y="{y + 4:.1f}">1e{power}</text>'
+            f'<path d="M{low:.1f} {y:.1f}H{high:.1f}" stroke="#ddd"/>'
+            f'<text x="{low - 34:.1f}" y="{y + 4:.1f}">1e{power}</text>'
         )
     colours = ("#c0392b", "#e67e22", "#7f8c8d", "#2471a3", "#17a589", "#34495e")
     for number, ((name, line), colour) in enumerate(zip(lines.items(), colours, strict=False)):
@@ -249,10 +252,12 @@ def plot(rows: list[dict[str, Any]]) -> str:
         ]
         x, y = width - 145, 30 + 16 * number
         out.append(
-            f'<path d="M{x:g} {y - 4:g}h18" stroke="{colour}" stroke-width="2"/><text x="{x + 24:g}" y="{y:g}">{html.escape(name)}</text>'
+            f'<path d="M{x:g} {y - 4:g}h18" stroke="{colour}" stroke-width="2"/>'
+            f'<text x="{x + 24:g}" y="{y:g}">{html.escape(name)}</text>'
         )
     out.append(
-        f'<text x="{(width - 160) / 2:g}" y="{height - 6:g}">boundary disks</text><text x="4" y="14">seconds</text></svg>'
+        f'<text x="{(width - 160) / 2:g}" y="{height - 6:g}">boundary disks</text>'
+        '<text x="4" y="14">seconds</text></svg>'
     )
     return "\n".join(out) + "\n"
 

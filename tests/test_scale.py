@@ -1,0 +1,178 @@
+"""Fast code against the simple code it replaced: the same results, number by number."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import simple_assignment
+import simple_layers
+import simple_molecules
+from several_loops import random_loops
+from simple_boundary import distances_to_edges
+from strategies import star, star_shaped, two_opt
+from test_boundary import SHAPES
+
+from foldcut import boundary as boundary_module
+from foldcut import layertree, packing
+from foldcut.assignment import assign_creases
+from foldcut.boundary import BoundaryDisks, boundary_disks, near_disks
+from foldcut.layers import fold_layers
+from foldcut.layertree import LayerTree
+from foldcut.model import Ragged
+from foldcut.molecules import build_molecules
+from foldcut.packing import Packing, fill_gaps
+from foldcut.readers import read_shape
+from foldcut.samples import sample_names, sample_path
+from foldcut.shape import make_shape
+from foldcut.sheet import parse_sheet, place
+from foldcut.tolerance import Tolerance
+
+SHEET = parse_sheet("a4")
+TOLERANCE = Tolerance.for_sheet(SHEET)
+RANDOM = int(os.environ.get("FOLDCUT_RANDOM_SCALE", "6"))
+
+
+def cases() -> Iterator[tuple[str, Any, float]]:
+    """Yield names, loops and ribbons: samples, shapes with ties and touching disks, random ones."""
+    for name in sample_names():
+        loops = read_shape(sample_path(name)).loops
+        yield name, loops, 0.0
+        yield f"{name} with a ribbon", loops, 0.1
+    for name in ("square", "cross", "star"):
+        if name in SHAPES:
+            yield f"exact {name}", SHAPES[name], 0.0
+    yield "star of 40", [star(40, 0.8)], 0.0
+    for seed in range(RANDOM):
+        rng = np.random.default_rng(seed)
+        yield f"star-shaped {seed}", [star_shaped(rng, int(rng.integers(5, 25)))], 0.0
+        yield f"tour {seed}", [two_opt(rng, int(rng.integers(5, 25)))], 0.02
+        yield f"holes {seed}", random_loops(seed, holes=True), 0.0
+
+
+CASES = {name: (loops, ribbon) for name, loops, ribbon in cases()}
+
+
+def disks(name: str) -> BoundaryDisks:
+    loops, ribbon = CASES[name]
+    shape, _ = place(make_shape(loops), SHEET, margin=20.0)
+    return boundary_disks(shape, SHEET, ribbon, TOLERANCE)
+
+
+def differences(one: object, other: object) -> list[str]:
+    """Return the fields in which two dataclasses of arrays differ by a bit, a type or a sign of zero."""
+    found = []
+    for field in fields(one):  # type: ignore[arg-type]
+        a, b = getattr(one, field.name), getattr(other, field.name)
+        pairs = [(a.values, b.values), (a.offsets, b.offsets)] if isinstance(a, Ragged) else [(a, b)]
+        if any(np.asarray(x).tobytes() != np.asarray(y).tobytes() for x, y in pairs):
+            found.append(field.name)
+    return found
+
+
+def filled(name: str) -> Packing:
+    return fill_gaps(disks(name), TOLERANCE)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_compiled_code_fills_gaps_as_the_simple_code_does(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    boundary = disks(name)
+    simple = fill_gaps(boundary, TOLERANCE)
+    monkeypatch.setattr(packing, "MANY_DISKS", 0)
+    assert differences(fill_gaps(boundary, TOLERANCE), simple) == []
+
+
+def test_the_comparison_sees_one_bit() -> None:
+    packed = filled("fish")
+    radii = packed.radii.copy()
+    radii[3] = np.nextafter(radii[3], 2 * radii[3])
+    assert differences(Packing(**{**vars(packed), "radii": radii}), packed) == ["radii"]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_molecules_are_made_at_once_as_one_by_one(name: str) -> None:
+    packed = filled(name)
+    at_once = build_molecules(packed, TOLERANCE)
+    assert differences(at_once, simple_molecules.build_molecules(packed, TOLERANCE)) == []
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if len(CASES[name][0]) == 1])
+def test_assignment_and_layers_are_those_of_the_simple_code(name: str) -> None:
+    packed = filled(name)
+    molecules = build_molecules(packed, TOLERANCE)
+    assignment = assign_creases(molecules, packed.face_inside)
+    assert differences(assignment, simple_assignment.assign_creases(molecules, packed.face_inside)) == []
+    creases, folded = fold_layers(molecules, assignment)
+    simple_creases, simple_folded = simple_layers.fold_layers(molecules, assignment)
+    assert differences(creases, simple_creases) == []
+    assert differences(folded, simple_folded) == []
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_nearest_edges_are_those_of_all_pairs(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    starts = [np.array(star_shaped(rng, 20)), 0.1 * np.array(star_shaped(rng, 3))]
+    ends = [np.roll(points, -1, axis=0) for points in starts]
+    quick = boundary_module._distances_to_edges(starts, ends)
+    assert all(np.array_equal(a, b) for a, b in zip(quick, distances_to_edges(starts, ends), strict=True))
+
+
+def test_pairs_of_chosen_disks_are_those_among_all_pairs() -> None:
+    rng = np.random.default_rng(3)
+    centres, radii = rng.random((300, 2)), 0.1 * rng.random(300)
+    face, chosen = rng.integers(-1, 3, 300), rng.random(300) < 0.2
+    i, j, slack = near_disks(centres, radii, face)
+    mine = chosen[i] | chosen[j]
+    expected = sorted(zip(i[mine].tolist(), j[mine].tolist(), slack[mine].tolist(), strict=True))
+    assert sorted(zip(*(a.tolist() for a in near_disks(centres, radii, face, chosen)), strict=True)) == expected
+    assert 50 < len(expected) < len(i)
+
+
+def test_compiled_code_finds_the_meetings_that_array_code_finds(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    rng = np.random.default_rng(4)
+    low, high = (np.sort(rng.random((2, 500, 3)), axis=0)) * [1.0, 0.3, 0.3]
+    first = rng.integers(0, 500, 500)
+    last = np.minimum(first + rng.integers(0, 200, 500), 500)
+
+    def meetings() -> list[tuple[int, int]]:
+        found = [*LayerTree(low, high).meetings(low, high, first, last)]
+        return [pair for query, item in found for pair in zip(query.tolist(), item.tolist(), strict=True)]
+
+    expected = meetings()
+    monkeypatch.setattr(layertree, "MANY_QUERIES", 0)
+    monkeypatch.setattr(layertree, "BATCH", 100)
+    assert meetings() == expected
+    assert len(expected) > 1000
+
+
+def test_without_numba_all_is_done_by_the_simple_code() -> None:
+    code = (
+        "import sys; sys.modules['numba'] = None\n"
+        "import foldcut, foldcut.layertree, foldcut.packing; foldcut.packing.MANY_DISKS = 0\n"
+        "foldcut.layertree.MANY_QUERIES = 0\n"
+        "print(foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper').verified)"
+    )
+    tree = str(Path(packing.__file__).parents[1])
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": tree}
+    )
+    assert run.stdout.strip() == "True", run.stderr
+
+
+def test_small_patterns_do_not_load_numba() -> None:
+    code = (
+        "import sys, foldcut; foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper'); print('numba' in sys.modules)"
+    )
+    tree = [str(Path(packing.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(tree)}
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
+    assert run.stdout.strip() == "False", run.stderr
