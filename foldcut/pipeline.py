@@ -171,8 +171,8 @@ def fold(
     mm, ``scale`` is "fit", or a factor on the size that the file states (mm per unit where nothing is stated),
     ``rotation`` in degrees counter-clockwise. ``method`` is "mirror" (the shape's mirror axes are folded first, the
     rest through two or four layers), "compact" (few creases), "paper" (Bern, Demaine, Eppstein and Hayes), "gate"
-    (the same for several loops), "skeleton" (Demaine, Demaine and Lubiw), or "auto": of mirror, compact and, for
-    several loops, skeleton the one with the fewest folding actions, else the gate.
+    (the same for several loops), "skeleton" (Demaine, Demaine and Lubiw), or "auto": of mirror, compact and
+    skeleton the one with the fewest folding actions, else the gate.
     ``ribbon`` is the half-width in mm of the strip along the shape's boundary that is not folded; None is the
     method's default, which for "paper" is a small one: without, creases fold onto the cut line. ``min_crease`` is
     the shortest crease in mm that a pattern may have, None the method's default (0.5, "paper": 0). ``simplify``
@@ -344,7 +344,7 @@ class _Trials:
             except KeyboardInterrupt:
                 if not made:
                     raise
-        if method == "auto" and len(laid.shape.loops) > 1 and not interrupted:
+        if method == "auto" and not interrupted:
             try:
                 made.append(self._kept(self._skeleton(laid, AFTER_MIRROR if made else 1.0)))
             except UnfoldableError as error:
