@@ -1,6 +1,6 @@
 """Several loops, or one, with few creases: along the straight skeleton, the layers ordered by a solver.
 
-``Shape`` on its sheet -> ``Skeletal``: a verified pattern (Demaine, Demaine and Lubiw 1998; docs/several-loops.md).
+``Shape`` on its sheet -> ``Skeletal``: a verified pattern (Demaine, Demaine and Lubiw 1999; docs/several-loops.md).
 
 Which perpendiculars are folded is chosen in several ways, see ``perpendiculars``; for each of these choices
 ``ordersolver`` looks for a layer order, and ``verify`` has the last word. The pattern that is easiest to fold is taken.
