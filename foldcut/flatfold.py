@@ -120,7 +120,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     for child, above in ((low[best], high[best]), (high[best], low[best])):
         mine = before[child] == above
         via[child[mine]] = inner[best[mine]]
-    return (face, before[face].astype(np.int32)), via[face]
+    return (face, before[face].astype(np.int32)), via[face].astype(np.int32)
 
 
 def _short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 METHODS = ("auto", "mirror", "compact", "paper", "skeleton", "gate")
 DEFAULT_METHOD = "auto"
-"""Of "mirror", "compact" and, for several loops, "skeleton" the one whose pattern is easiest to fold; else "gate"."""
+"""Of "mirror", "compact" and "skeleton" the one whose pattern is easiest to fold; else "gate"."""
 
 EFFORTS = ("fast", "normal", "best")
 """How long there is a search for the best pattern."""

@@ -1,6 +1,6 @@
 """Fold along the straight skeleton: its ridges, and perpendiculars through all of the paper, as few as are needed.
 
-``Shape`` on its sheet -> facets with their folded places (Demaine, Demaine and Lubiw 1998).
+``Shape`` on its sheet -> facets with their folded places (Demaine, Demaine and Lubiw 1999).
 
 Every face of the plane, inside and outside, is divided by its straight skeleton into regions, one beside each side of
 the shape. Folded at all ridges, every side comes to lie on the cut line, and a point at distance z from its side at

@@ -1,6 +1,6 @@
 """Several loops, or one, with few creases: along the straight skeleton, the layers ordered by a solver.
 
-``Shape`` on its sheet -> ``Skeletal``: a verified pattern (Demaine, Demaine and Lubiw 1998; docs/several-loops.md).
+``Shape`` on its sheet -> ``Skeletal``: a verified pattern (Demaine, Demaine and Lubiw 1999; docs/several-loops.md).
 
 Which perpendiculars are folded is chosen in several ways, see ``perpendiculars``; for each of these choices
 ``ordersolver`` looks for a layer order, and ``verify`` has the last word. The pattern that is easiest to fold is taken.
@@ -34,8 +34,8 @@ FEWEST = 4
 PATIENCE = 3.0
 """How many times as long choices are tried while none has an order."""
 
-MOST_CREASES = 1000
-"""Patterns with more creases are not looked at."""
+MOST_CREASES, MOST_CORNERS = 1000, 120
+"""Patterns with more creases are not looked at, nor drawings with more corners."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +71,8 @@ def fold_skeletal(
     Raises ``UnfoldableError`` with the reason where perpendiculars do not end, creases are too many, or no choice has
     a layer order.
     """
+    if shape.corner_count > MOST_CORNERS:
+        raise UnfoldableError(f"the drawing has {shape.corner_count} corners; at most {MOST_CORNERS} are looked at")
     limit = share * (seconds if seconds is not None else SECONDS[effort])
     tied, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
     try:
@@ -130,10 +132,16 @@ def _cost(facets: int) -> float:
 
 
 def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
-    """Set up and yield choices of perpendiculars: the fewest, then those that fold away from a root."""
+    """Set up and yield choices of perpendiculars: the fewest, then those that fold away from a root.
+
+    Raises ``UnfoldableError`` where there are none, or none with few enough creases.
+    """
     perpendiculars.trace(perpendiculars.odd)
     perpendiculars.require_ends()
-    fewest, rooted = list(perpendiculars.fewest(FEWEST)), perpendiculars.rooted()
+    fewest = list(perpendiculars.fewest(FEWEST))
+    if fewest:
+        _divided(perpendiculars, fewest[0])  # the others have more creases, if this one has too many
+    rooted = perpendiculars.rooted()
     seen: set[tuple[int, ...]] = set()
     for taken in [*fewest[:1], *rooted[:1], *fewest[1:], *rooted[1:]]:
         if tuple(taken) not in seen:

@@ -599,7 +599,7 @@ def test_the_way_is_near_the_shortest_that_any_order_could_have(sample: str) -> 
 
 
 def test_no_order_makes_the_way_of_the_fish_five_times_shorter() -> None:
-    (job,) = make_jobs(folded("fish"), load_profile("laser-dxf"))
+    (job,) = make_jobs(folded("fish", "compact"), load_profile("laser-dxf"))
     assert job.travel_before < 5 * shortest_travel(job)
 
 

@@ -90,7 +90,7 @@ def test_numbers_are_beside_lines_in_front_of_the_first_fold() -> None:
 
 
 def test_arrowheads_point_at_both_ends_of_each_first_fold() -> None:
-    pattern = folded("ring")
+    pattern = fold(sample_path("ring"), effort="fast", method="mirror").require_verified()
     assert len(marks.first_folds(pattern)) == 2 * len(pattern.first_folds) > 0
     assert marks.first_folds(folded("bolt")) == []
     tips = np.array([arrow[1] for arrow in marks.first_folds(pattern)])

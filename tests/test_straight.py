@@ -170,6 +170,14 @@ def test_where_no_perpendicular_ends_the_reason_names_the_node() -> None:
         fold_skeletal(placed(rough([star(5, 0.4)], 1e-4)), SHEET, near=0.0)
 
 
+def test_what_would_take_too_long_is_refused_at_once() -> None:
+    with pytest.raises(UnfoldableError, match=r"the drawing has 130 corners; at most 120"):
+        fold_skeletal(placed([star(65, 0.8)]), SHEET)
+    shape, _ = place(make_shape(random_loops(2, holes=False)), SHEET, margin=40)
+    with pytest.raises(UnfoldableError, match=r"the pattern has 1,\d+ creases; at most 1,000"):
+        fold_skeletal(shape, SHEET)
+
+
 def test_a_ribbon_wider_than_the_skeleton_is_refused() -> None:
     assert foldcut.fold(HOLED, method="skeleton", ribbon=1.0).findings == ()
     with pytest.raises(UnfoldableError, match="within the ribbon of 60 mm"):
