@@ -149,7 +149,7 @@ def test_without_an_axis_several_loops_go_to_the_skeleton_and_the_attempts_say_w
     loops = [rectangle(12, 7), [(2.0, 1.0), (4.0, 2.0), (2.0, 2.5)]]
     result = foldcut.fold(loops, effort="fast")
     assert (result.findings, result.method) == ((), "skeleton")
-    mirror_failure, compact_failure, _ = [attempt.failure for attempt in result.attempts]
+    mirror_failure, _, compact_failure = [attempt.failure for attempt in result.attempts]
     assert "the drawing is not" in mirror_failure
     assert "loop 1 " in compact_failure
     assert "loop 2 " in compact_failure
