@@ -102,7 +102,7 @@ $(VENV)/python-ok:
 	@touch $@
 
 $(VENV)/installed: $(VENV)/python-ok pyproject.toml
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[skeleton]'
 	@touch $@
 
 $(VENV)/installed-test: $(VENV)/python-ok pyproject.toml
