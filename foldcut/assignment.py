@@ -22,8 +22,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import breadth_first_order
 
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, Chars, Ints, Numbers, Shape, index_array
@@ -163,6 +161,9 @@ def _breadth_first(source: Numbers, target: Numbers, count: int, root: int) -> t
 
     ``source`` is sorted; a node's edges are gone along in their order.
     """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import breadth_first_order
+
     offsets = np.searchsorted(source, np.arange(count + 1))
     graph = csr_array((np.ones(len(target)), target.astype(np.int32), offsets.astype(np.int32)), shape=(count, count))
     reached, before = breadth_first_order(graph, root, directed=True, return_predecessors=True)

@@ -16,8 +16,6 @@ from __future__ import annotations
 from collections import defaultdict
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from foldcut.assignment import Assignment, opposite_sides
 from foldcut.faces import assemble, outlines
@@ -85,6 +83,9 @@ def _faces(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
     start, end = half_edges(molecules.facets)
     at = np.flatnonzero(on_side[start] & on_side[end])
     one, other = start[at], end[at]
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     keys = pair_keys(np.minimum(one, other), np.maximum(one, other))
     at = at[np.isin(keys, pair_keys(unfolded.min(axis=1), unfolded.max(axis=1)))]
     keys = pair_keys(np.minimum(start[at], end[at]), np.maximum(start[at], end[at]))

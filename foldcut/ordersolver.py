@@ -17,8 +17,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, Floats
@@ -163,16 +161,24 @@ def layer_order(
                 solver.add_clause(clause)
 
 
+def _reaches(order: Bools) -> Bools:
+    """Which facets are above which others in the order, directly or by others between."""
+    reach = order
+    while True:
+        further = reach | ((reach.astype(np.float32) @ reach.astype(np.float32)) > 0)
+        if np.array_equal(further, reach):
+            return reach
+        reach = further
+
+
 def _circles(order: Bools, conditions: OrderSolver) -> Iterator[list[int]]:
     """Yield clauses that forbid circles: those of three facets, else shortest ones."""
     count = 0
-    n = len(order)
-    parts, label = connected_components(csr_array(order.astype(np.int8)), directed=True, connection="strong")
-    if parts == n:
-        return
-    inside = np.bincount(label, minlength=parts)[label] > 1
+    reach = _reaches(order)
+    both = reach & reach.T  # facets on one circle
+    inside = both.any(axis=1)
     for a in np.flatnonzero(inside).tolist():
-        mine = label == label[a]
+        mine = both[a]
         below = np.flatnonzero(order[a] & mine)
         back = order[:, a] & mine
         b, c = np.nonzero(order[np.ix_(below, np.flatnonzero(back))])

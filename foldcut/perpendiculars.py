@@ -22,9 +22,6 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from foldcut.errors import UnfoldableError
 from foldcut.model import Floats, Shape, Sheet, index_array, points_array
@@ -405,12 +402,14 @@ def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
 def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
     """Yield points and the edges that are not sides of a polygon with holes' straight skeleton."""
     try:
-        from compas_cgal.straight_skeleton_2 import interior_straight_skeleton_with_holes
+        # the compiled part by itself: the module around it takes 0.3 s to import, for graphs that are not needed here
+        from compas_cgal import _straight_skeleton_2 as cgal
+        from compas_cgal import _types_std  # noqa: F401  # what it returns
     except ImportError as error:
         raise UnfoldableError(NEEDS_EXTRA) from error
     flat = [np.column_stack([loop, np.zeros(len(loop))]) for loop in (outer, *holes)]
     try:
-        points, numbers, edges, kinds = interior_straight_skeleton_with_holes(flat[0], flat[1:], as_graph=False)
+        points, numbers, edges, kinds = cgal.create_interior_straight_skeleton_with_holes(flat[0], flat[1:])
     except (RuntimeError, ValueError) as error:
         raise UnfoldableError(f"the straight skeleton cannot be computed: {error}") from error
     place = {number: k for k, number in enumerate(numbers)}
@@ -436,11 +435,18 @@ def _divided(points: Floats, edges: Sequence[Edge], tie: float) -> list[Edge]:
 
 def _groups(count: int, pairs: Sequence[Sequence[int]]) -> list[int]:
     """For each of so many things the first of those that hang together with it by pairs."""
-    ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), ends.T), shape=(count, count))
-    label = connected_components(graph, directed=False)[1]
-    first: list[int] = np.unique(label, return_index=True)[1][label].tolist()
-    return first
+    first = list(range(count))
+
+    def find(one: int) -> int:
+        while first[one] != one:
+            first[one] = first[first[one]]
+            one = first[one]
+        return one
+
+    for one, other in pairs:
+        low, high = sorted((find(one), find(other)))
+        first[high] = low
+    return [find(one) for one in range(count)]
 
 
 class Perpendiculars:
@@ -610,6 +616,9 @@ class Perpendiculars:
         nodes = sorted({node for path in self.paths for node in (path.start, path.end) if node >= 0} | set(self.odd))
         if not self.odd and (cost >= 0).all():
             return None if cuts else []
+        from scipy.optimize import Bounds, LinearConstraint, milp
+        from scipy.sparse import coo_array
+
         row = {node: k for k, node in enumerate(nodes)}
         n, m = len(self.paths), len(nodes)
         entries = [(row[v], k, 1.0) for k, path in enumerate(self.paths) for v in (path.start, path.end) if v >= 0]

@@ -210,7 +210,7 @@ def _thin(polygon: shapely.Polygon) -> bool:
 
 def _area(loops: Sequence[Floats]) -> shapely.Geometry:
     """Return what loops bound together by the even-odd rule."""
-    areas = np.array([shapely.union_all(_ring_areas(loop)) for loop in loops])
+    areas = np.array([shapely.union_all(_ring_areas(loop)) for loop in loops] or [shapely.Polygon()])
     while len(areas) > 1:  # in pairs, which is much faster than one by one
         pairs = shapely.symmetric_difference(areas[: len(areas) // 2], areas[len(areas) // 2 : len(areas) // 2 * 2])
         areas = np.concatenate([pairs, areas[len(areas) // 2 * 2 :]])

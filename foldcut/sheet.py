@@ -16,7 +16,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.optimize import minimize_scalar
 
 from foldcut.errors import ShapeError, SheetError
 from foldcut.model import Floats, Placement, Shape, Sheet, points_array
@@ -224,6 +223,8 @@ def _best_rotation(shape: Shape, sheet: Sheet, *, margin: float = 10.0) -> float
         on = as_it_lies(sheet, hull, degrees)
         size = np.ptp(points @ _rotation_matrix(degrees).T, axis=0)
         return float((size / (np.array([on.width, on.height]) - 2 * margin)).max())
+
+    from scipy.optimize import minimize_scalar
 
     step = 180 / ROTATIONS
     start = min((number * step for number in range(ROTATIONS)), key=lambda degrees: round(taken(degrees), 12))

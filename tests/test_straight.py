@@ -184,7 +184,7 @@ def test_a_ribbon_wider_than_the_skeleton_is_refused() -> None:
         foldcut.fold(HOLED, method="skeleton", ribbon=60.0)
 
 
-@pytest.mark.parametrize("module", ["compas_cgal.straight_skeleton_2", "pysat.solvers"])
+@pytest.mark.parametrize("module", ["compas_cgal", "pysat.solvers"])
 def test_without_the_extra_the_error_names_it_and_auto_takes_the_gate(
     module: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
