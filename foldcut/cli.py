@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
 FOLD = ".fold"
+ANY_LASER = "laser-dxf"  # whom a DXF is for when nobody is named
 MOST_FAILURES, MOST_LETTERS = 10, 120  # of a batch: how many are listed, and how much of each error
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
 
@@ -200,6 +201,8 @@ def _make(args: argparse.Namespace) -> int:
     from foldcut.reopen import Reopened
 
     source = _source(args)
+    if args.profile is None and args.output and all(Path(out).suffix.lower() == ".dxf" for out in args.output):
+        args.profile = ANY_LASER
     profile = None if args.profile is None else load_profile(args.profile, args.set)
     names = [f"{_stem(source)}.html"] if args.command == "view" else _default_outputs(source, args.profile, profile)
     outputs = [Path(out) for out in args.output or names]
@@ -921,7 +924,11 @@ def _add_options_of_make(make: argparse.ArgumentParser) -> None:
 
 def _add_machine(make: argparse.ArgumentParser) -> None:
     machine = make.add_argument_group("the machine")
-    machine.add_argument("--profile", metavar="NAME", help="write the job for this machine; see foldcut profiles")
+    machine.add_argument(
+        "--profile",
+        metavar="NAME",
+        help=f"write the job for this machine; see foldcut profiles (default: none, and {ANY_LASER} for DXF alone)",
+    )
     machine.add_argument(
         "--set", metavar="KEY=VALUE", action="append", default=[], help="change a value of the profile (repeatable)"
     )

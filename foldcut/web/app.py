@@ -29,6 +29,7 @@ from mimetypes import guess_type
 from pathlib import Path
 from typing import Any
 
+import anyio
 from starlette.applications import Starlette
 from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
@@ -141,15 +142,25 @@ class Jobs:
         if len(self.jobs) >= self.settings.most_jobs:
             raise RefusedError(503, "the server has too many drawings; try again in a while")
 
-    def add(self, data: bytes | None, ending: str, options: Mapping[str, str]) -> str:
-        """Start a job with a drawing's bytes, or a sample or a text among the options, and return its token."""
+    def upload(self) -> Path:
+        """Return a new place for a drawing that is on its way."""
+        return self.root / f"upload-{secrets.token_urlsafe(TOKEN_BYTES)}"
+
+    def add(self, upload: Path | None, ending: str, options: Mapping[str, str]) -> str:
+        """Start a job with an uploaded drawing, or a sample or a text among the options, and return its token."""
         self.require_room()
         token = secrets.token_urlsafe(TOKEN_BYTES)
         folder = self.root / token
         machine = _machine(options)
         job = Job(folder, "quick" in options, machine)
         drawing = folder / f"drawing{ending}"
-        command = ["make", *_source(drawing, data, options), *_options(options), "--progress", "--json"]
+        command = [
+            "make",
+            *_source(None if upload is None else drawing, options),
+            *_options(options),
+            "--progress",
+            "--json",
+        ]
         names: tuple[str, ...] = QUICK_FILES if job.quick else FILES
         if machine and not job.quick:
             names = (*MACHINE_FILES, f"job.{load_profile(options['profile']).format}")
@@ -157,8 +168,8 @@ class Jobs:
         for name in names:
             command += ["-o", str(job.made / name)]
         job.made.mkdir(parents=True)
-        if data is not None:
-            drawing.write_bytes(data)
+        if upload is not None:
+            upload.rename(drawing)
         self.jobs[token] = job
         job.task = asyncio.create_task(self._run(job, command))
         return token
@@ -272,9 +283,9 @@ def _bound_memory(pid: int, most: int) -> None:
         resource.prlimit(pid, resource.RLIMIT_AS, (most, most))
 
 
-def _source(drawing: Path, data: bytes | None, options: Mapping[str, str]) -> list[str]:
+def _source(drawing: Path | None, options: Mapping[str, str]) -> list[str]:
     """Return the words that name what is folded."""
-    if data is not None:
+    if drawing is not None:
         return [str(drawing)]
     if sample := options.get("sample"):
         return [_known(sample, "sample", sample_names())]
@@ -347,13 +358,15 @@ def _require_own_page(request: Request) -> None:
         raise RefusedError(403, "this request did not come from foldcut's own page")
 
 
-async def _body(request: Request, most: int) -> bytes:
-    data = bytearray()
-    async for piece in request.stream():
-        data += piece
-        if len(data) > most:
-            raise RefusedError(413, f"the drawing is larger than {most / 1e6:g} MB; simplify it")
-    return bytes(data)
+async def _receive(request: Request, file: Path, most: int) -> None:
+    """Write a request's body into a file as it comes: many at once must not fill the memory."""
+    size = 0
+    async with await anyio.open_file(file, "wb") as to:
+        async for piece in request.stream():
+            size += len(piece)
+            if size > most:
+                raise RefusedError(413, f"the drawing is larger than {most / 1e6:g} MB; simplify it")
+            await to.write(piece)
 
 
 async def index(request: Request) -> Response:
@@ -385,8 +398,14 @@ async def create(request: Request) -> Response:
     if not (ending or "sample" in options or "text" in options):
         raise RefusedError(400, "give a drawing with its ending, a sample or a text")
     jobs.require_room()
-    data = await _body(request, jobs.settings.upload_bytes) if ending else None
-    return JSONResponse({"job": jobs.add(data, ending, options)}, status_code=201)
+    upload = jobs.upload() if ending else None
+    try:
+        if upload is not None:
+            await _receive(request, upload, jobs.settings.upload_bytes)
+        return JSONResponse({"job": jobs.add(upload, ending, options)}, status_code=201)
+    finally:
+        if upload is not None:
+            upload.unlink(missing_ok=True)
 
 
 async def state(request: Request) -> Response:
