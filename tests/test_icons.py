@@ -11,7 +11,7 @@ from programs import missing
 
 ICONS = 210
 CHUNK = 10
-BUDGETS = (20, 40, 60)
+BUDGETS = (12, 20, 30)
 
 
 @cache
