@@ -63,7 +63,7 @@ NEARLY = 0.01
 """Corners that are off by less than this, relative to the shape's size, are worth a hint."""
 
 AFTER_OTHERS = 0.3
-"""The part of the effort that the compact method gets when a mirror axis has given a pattern."""
+"""The part of the effort that a method gets when another has given a pattern."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -344,49 +344,30 @@ class _Trials:
 
     def run(self, method: str, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
         """Return what a method makes, or the best of what several do."""
-        if method == "paper":
-            return self._kept(self._paper(laid))
-        if method == "gate":
-            return self._kept(self._gate(laid))
-        if method == "skeleton":
-            return self._kept(self._skeleton(laid, 1.0))
+        folds: dict[str, Callable[[float], _Made]] = {
+            "mirror": lambda _: self._mirror(laid, lay),
+            "skeleton": lambda share: self._skeleton(laid, share),
+            "compact": lambda share: self._compact(laid, share),
+            "gate": lambda _: self._gate(laid),
+            "paper": lambda _: self._paper(laid),
+        }
+        if method != "auto":
+            return self._kept(folds[method](1.0))
         made: list[_Made] = []
         reasons: list[str] = []
-        interrupted = False
-        if method in ("auto", "mirror"):
+        for name in ("mirror", "skeleton", "compact", "gate" if len(laid.shape.loops) > 1 else "paper"):
+            if name in ("gate", "paper") and made:
+                break
             try:
-                mirrored = self._mirror(laid, lay)
-                interrupted = mirrored.interrupted
-                made.append(self._kept(mirrored))
+                made.append(self._kept(folds[name](AFTER_OTHERS if made else 1.0)))
             except UnfoldableError as error:
-                if method == "mirror":
-                    raise
-                reasons.append(self._failed("mirror", error))
-        if method == "auto" and not interrupted:
-            try:
-                made.append(self._kept(self._skeleton(laid, AFTER_OTHERS if made else 1.0)))
-            except UnfoldableError as error:
-                reasons.append(self._failed("skeleton", error))
+                reasons.append(self._failed(name, error))
             except KeyboardInterrupt:
                 if not made:
                     raise
-                interrupted = True
-        if method in ("auto", "compact") and not interrupted:
-            try:
-                made.append(self._kept(self._compact(laid, AFTER_OTHERS if made else 1.0)))
-            except UnfoldableError as error:
-                if method == "compact":
-                    raise
-                reasons.append(self._failed("compact", error))
-            except KeyboardInterrupt:
-                if not made:
-                    raise
-        if method == "auto" and not made:
-            last, fold = ("gate", self._gate) if len(laid.shape.loops) > 1 else ("paper", self._paper)
-            try:
-                made.append(self._kept(fold(laid)))
-            except UnfoldableError as error:
-                reasons.append(self._failed(last, error))
+                break
+            if made and made[-1].interrupted:
+                break
         if not made:
             raise UnfoldableError("; ".join(reasons))
         return min(made, key=lambda one: rank(one.actions, shortest_crease(one.stages.creases)))
@@ -461,7 +442,8 @@ class _Trials:
         if made.moved_mm > COINCIDENT[0] * laid.sheet.diagonal:
             notes.append(f"corners moved by at most {made.moved_mm:.2g} mm, so that creases meet")
         on = replace(laid, shape=made.shape, notes=notes)
-        return _Made("skeleton", made, on, self.free, crease_numbers(made.creases).lines)
+        actions = crease_numbers(made.creases).lines
+        return _Made("skeleton", made, on, self.free, actions, interrupted=made.interrupted)
 
     def _gate(self, laid: _Laid) -> _Made:
         ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon

@@ -9,7 +9,7 @@ Which perpendiculars are folded is chosen in several ways, see ``perpendiculars`
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,7 +43,7 @@ class Skeletal:
     """What the method made.
 
     ``shape`` is the drawing with nodes tied, ``moved_mm`` how far its corners were moved for that at most;
-    ``perpendiculars`` how many there are.
+    ``perpendiculars`` how many there are; ``interrupted`` by Ctrl-C, so that not all choices were tried.
     """
 
     shape: Shape
@@ -51,6 +51,7 @@ class Skeletal:
     perpendiculars: int
     creases: CreasePattern
     folded: FoldedState
+    interrupted: bool = False
 
 
 def fold_skeletal(
@@ -117,7 +118,7 @@ def _fold(
         except KeyboardInterrupt:
             if best is None:
                 raise
-            break
+            return replace(best[1], interrupted=True)
         key = rank(crease_numbers(made.creases).lines, shortest_crease(made.creases))
         if best is None or key < best[0]:
             best = key, made

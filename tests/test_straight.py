@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from several_loops import random_loops
 from strategies import Points, rectangle, star
 
 import foldcut
+from foldcut import straight
 from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.model import Shape, Sheet, index_array
@@ -227,3 +229,19 @@ def test_the_command_moves_corners_as_far_as_it_is_told(tmp_path: Path, capsys: 
     assert "try a larger --adjust" in capsys.readouterr().err
     assert main([*command, "--adjust", "0.1mm"]) == 0
     assert "corners moved by at most 0.0" in capsys.readouterr().out
+
+
+def test_ctrl_c_takes_the_best_so_far_and_tries_no_other_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    ordered, made = straight._ordered, list[straight.Skeletal]()
+
+    def once(*arguments: Any) -> straight.Skeletal:
+        if made:
+            raise KeyboardInterrupt
+        made.append(ordered(*arguments))
+        return made[-1]
+
+    monkeypatch.setattr(straight, "_ordered", once)
+    result = foldcut.fold(HOLED)
+    assert result.findings == ()
+    assert result.folded_pattern.creases is made[0].creases
+    assert [attempt.method for attempt in result.attempts] == ["mirror", "skeleton"]
