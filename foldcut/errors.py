@@ -57,3 +57,8 @@ class VerificationError(UnfoldableError):
         worst = "; ".join(str(finding) for finding in findings[:3])
         more = f" (and {len(findings) - 3} more)" if len(findings) > 3 else ""
         super().__init__(f"the pattern is not verified: {worst}{more}")
+
+
+def needed_extra(what: str, extra: str) -> str:
+    """Return the message for ``what``, a plural, whose library is in an extra that is not installed."""
+    return f"{what} need the extra {extra!r}; install it with pip install 'foldcut[{extra}]'"

@@ -18,15 +18,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from foldcut.errors import UnfoldableError
+from foldcut.errors import UnfoldableError, needed_extra
 from foldcut.model import Bools, Floats
 from foldcut.stacking import collinear_overlap
 
 Edge = tuple[int, int]
 Ring = list[int]
 Crease = tuple[Edge, tuple[int, int]]
-
-NEEDS_EXTRA = "layer orders need the extra 'skeleton'; install it with pip install 'foldcut[skeleton]'"
 
 OVERLAP = 1e-9
 """Facets overlap when they do so by more than this, relative to the size of the folded sheet."""
@@ -142,7 +140,7 @@ def layer_order(
     try:
         from pysat.solvers import Solver
     except ImportError as error:
-        raise UnfoldableError(NEEDS_EXTRA) from error
+        raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
     end = time.monotonic() + seconds
     conditions = OrderSolver(folded, rings, creases, up)
     with Solver(name="minisat22", bootstrap_with=list(conditions.clauses())) as solver:

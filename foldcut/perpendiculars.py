@@ -23,10 +23,10 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from foldcut.errors import UnfoldableError
+from foldcut.errors import UnfoldableError, needed_extra
 from foldcut.model import Floats, Shape, Sheet, index_array, points_array
 from foldcut.planar import trace_faces
-from foldcut.plane import left_normal
+from foldcut.plane import left_normal, signed_area
 
 Edge = tuple[int, int]
 Ring = list[int]
@@ -51,8 +51,6 @@ REACH, MOST_TRIALS = 60.0, 40
 
 FREE = 100.0
 """How much more freely nodes are moved than corners."""
-
-NEEDS_EXTRA = "straight skeletons need the extra 'skeleton'; install it with pip install 'foldcut[skeleton]'"
 
 MOST_CROSSINGS = 600
 """A perpendicular that crosses more regions is given up."""
@@ -116,7 +114,7 @@ class Path:
 def straight_skeleton(shape: Shape, sheet: Sheet) -> Skeleton:
     """Return the straight skeleton of all faces of a shape on its sheet, those of the paper far beyond it left out.
 
-    Raises ``MissingExtraError`` without the extra, ``UnfoldableError`` where the skeleton cannot be had exactly.
+    Raises ``UnfoldableError`` without the extra, and where the skeleton cannot be had exactly.
     Source: Cacciola, 2D straight skeleton, in CGAL.
     """
     problem = ""
@@ -155,16 +153,16 @@ class _Drawn:
             self._add(frame if outer < 0 else shape.loops[outer], holes)
 
     def _add(self, outer: Floats, holes: Sequence[Floats]) -> None:
-        for points, edges in _cgal_skeleton(outer, holes):
-            known = {tuple(point): k for k, point in enumerate(self.starts.tolist())}
-            numbers = []
-            for point in points:
-                number = known.get(tuple(point.tolist()))
-                if number is None:
-                    number = len(self.points)
-                    self.points.append(point)
-                numbers.append(number)
-            self.edges += [(numbers[a], numbers[b]) for a, b in edges.tolist()]
+        points, edges = _cgal_skeleton(outer, holes)
+        known = {tuple(point): k for k, point in enumerate(self.starts.tolist())}
+        numbers = []
+        for point in points:
+            number = known.get(tuple(point.tolist()))
+            if number is None:
+                number = len(self.points)
+                self.points.append(point)
+            numbers.append(number)
+        self.edges += [(numbers[a], numbers[b]) for a, b in edges]
 
     def skeleton(self) -> Skeleton:
         points, rings = self.faces()
@@ -399,22 +397,22 @@ def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
     return None
 
 
-def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> Iterator[tuple[Floats, Floats]]:
-    """Yield points and the edges that are not sides of a polygon with holes' straight skeleton."""
+def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> tuple[Floats, list[Edge]]:
+    """Return the points of a polygon with holes' straight skeleton, and its edges that are not sides."""
     try:
         # the compiled part by itself: the module around it takes 0.3 s to import, for graphs that are not needed here
         from compas_cgal import _straight_skeleton_2 as cgal
         from compas_cgal import _types_std  # noqa: F401  # what it returns
     except ImportError as error:
-        raise UnfoldableError(NEEDS_EXTRA) from error
+        raise UnfoldableError(needed_extra("straight skeletons", "skeleton")) from error
     flat = [np.column_stack([loop, np.zeros(len(loop))]) for loop in (outer, *holes)]
     try:
         points, numbers, edges, kinds = cgal.create_interior_straight_skeleton_with_holes(flat[0], flat[1:])
     except (RuntimeError, ValueError) as error:
         raise UnfoldableError(f"the straight skeleton cannot be computed: {error}") from error
     place = {number: k for k, number in enumerate(numbers)}
-    ridges = [[place[a], place[b]] for (a, b), kind in zip(edges.tolist(), kinds, strict=True) if kind != 2]
-    yield points[:, :2], np.array(ridges)
+    ridges = [(place[a], place[b]) for (a, b), kind in zip(edges.tolist(), kinds, strict=True) if kind != 2]
+    return points[:, :2], ridges
 
 
 def _divided(points: Floats, edges: Sequence[Edge], tie: float) -> list[Edge]:
@@ -478,9 +476,7 @@ class Perpendiculars:
 
     def _left(self, region: Region) -> bool:
         """Whether a region is at the left of its side: its ring is then counter-clockwise on the sheet."""
-        ring = self.skeleton.points[region.ring]
-        x, y = ring.T
-        return bool((x * np.roll(y, -1) - y * np.roll(x, -1)).sum() > 0)
+        return signed_area(self.skeleton.points[region.ring]) > 0
 
     def ridges(self) -> list[Edge]:
         """The edges between two regions that are no side."""

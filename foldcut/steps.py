@@ -165,7 +165,7 @@ class _State:
     def _turns(self, movable: Bools, over: bool, glued: Bools | None) -> Iterator[_Turn]:
         for edges, origin, along in self._lines(movable):
             sides = self.sides(origin, along)
-            count, part = self._parts(edges, glued)
+            count, part = self.parts(edges, glued)
             if count == 1:
                 continue
             member = np.zeros((count, len(part)))
@@ -211,7 +211,7 @@ class _State:
         values = side[self.sheet.rings.values]
         return np.stack([np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)], axis=1)
 
-    def _parts(self, hinges: Bools, glued: Bools | None) -> tuple[int, Indices]:
+    def parts(self, hinges: Bools, glued: Bools | None) -> tuple[int, Indices]:
         """Return in how many parts the sheet falls without these creases, and the part of each face."""
         one, other = self.sheet.beside[self.sheet.inner & ~hinges].T
         if glued is not None:
@@ -432,18 +432,12 @@ def _between(sheet: _Sheet, folded: Bools, end: _State) -> _State | None:
     at[sheet.rings.values] = maps.apply(sheet.rings.rows, sheet.flat[sheet.rings.values])
     count = len(sheet.rings)
     state = _State(sheet, at, np.arange(count), folded)
-    still = sheet.beside[sheet.inner & ~folded]
-    graph = coo_array((np.ones(len(still)), tuple(still.T)), shape=(count, count))
-    parts, part = connected_components(graph, directed=False)
+    parts, part = state.parts(folded, None)
     left, right = sheet.beside[folded].T
     rising = state.up[left] == sheet.valley[folded]
     below = [(np.where(rising, left, right), np.where(rising, right, left))]
     one, other = np.nonzero(np.triu(state.meet))
-    turn, shift, same = _motion(state, end)
-    reach = np.abs(state.at).max()
-    near = sheet.tolerance * 10
-    kept = (same[one] == same[other]) & (np.abs(turn[one] - turn[other]) * reach < near)
-    kept &= np.abs(shift[one] - shift[other]) < near
+    kept, same = _kept_together(state, end, one, other)
     one, other = one[kept], other[kept]
     rising = (end.rank[one] < end.rank[other]) == same[one]
     below.append((np.where(rising, one, other), np.where(rising, other, one)))
@@ -497,15 +491,17 @@ def _is_one_sheet(state: _State, end: _State) -> bool:
     one, other = np.nonzero(np.triu(state.meet))
     if not len(one):
         return True
-    turn, shift, same = _motion(state, end)
-    scale = np.abs(state.at).max()
-    still = (
-        (same[one] == same[other])
-        & (np.abs(turn[one] - turn[other]) * scale < state.sheet.tolerance * 10)
-        & (np.abs(shift[one] - shift[other]) < state.sheet.tolerance * 10)
-    )
+    still, same = _kept_together(state, end, one, other)
     ordered = (state.rank[one] < state.rank[other]) == ((end.rank[one] < end.rank[other]) == same[one])
     return bool((still & ordered).all())
+
+
+def _kept_together(state: _State, end: _State, one: Indices, other: Indices) -> tuple[Bools, Bools]:
+    """Return which pairs of faces do not move against each other on the way to ``end``, and the faces that stay up."""
+    turn, shift, same = _motion(state, end)
+    near = 10 * state.sheet.tolerance
+    kept = (same[one] == same[other]) & (np.abs(turn[one] - turn[other]) * np.abs(state.at).max() < near)
+    return kept & (np.abs(shift[one] - shift[other]) < near), same
 
 
 def _motion(state: _State, end: _State) -> tuple[NDArray[np.complex128], NDArray[np.complex128], Bools]:

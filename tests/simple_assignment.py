@@ -19,51 +19,16 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
+from foldcut.assignment import Assignment, ribbon_partners
 from foldcut.errors import UnfoldableError
-from foldcut.model import Chars, Ints, Shape, index_array
+from foldcut.model import Chars, index_array
 from foldcut.molecules import Kind, Molecules
 
 Vertices = tuple[int, int]
 SHAPE, BORDER = -1, -2  # the nodes of T_C that stand for a whole boundary
-
-
-@dataclass(frozen=True, eq=False)
-class Assignment:
-    """The joined molecules.
-
-    ``crease_assignment`` ``(c,)``: "M", "V", "B" on the sheet's border, "F" where the shape's boundary is not folded.
-    ``entry_side`` ``(m,)``: the side through which T_M enters a molecule; ``parent`` ``(m,)`` its parent, -1 at roots.
-    ``roots``: the two root molecules, inside first. ``corner_tree`` ``(t, 2)``: T_C as (corner, tangency point) halves,
-    each the reversed one of its side.
-    """
-
-    crease_assignment: Chars
-    entry_side: Ints
-    parent: Ints
-    roots: tuple[int, int]
-    corner_tree: Ints
-
-
-def require_one_loop(shape: Shape) -> None:
-    """Raise ``UnfoldableError``, naming the loops, unless the shape has exactly one boundary loop.
-
-    With more loops the joining rule has no flat-folded state in general (see docs/assignment.md).
-    """
-    if len(shape.loops) == 1:
-        return
-    names = []
-    for number, loop in enumerate(shape.loops, start=1):
-        role = "outer boundary" if shape.depth(number - 1) % 2 == 0 else "hole"
-        x, y = loop.mean(axis=0)
-        names.append(f"loop {number} ({role}, {len(loop)} corners, around ({x:.4g}, {y:.4g}))")
-    raise UnfoldableError(
-        f"the shape has {len(names)} boundary loops, and this method folds only one: {', '.join(names)}; "
-        "try --method auto, or cut the loops from separate sheets"
-    )
 
 
 def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignment:
@@ -102,11 +67,6 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
         (order[0], order[1]),
         index_array(corner_tree),
     )
-
-
-def ribbon_partners(molecules: Molecules) -> dict[int, int]:
-    """Vertices on the left border of the ribbon to their like on the right one."""
-    return dict(molecules.creases[molecules.crease_kind == Kind.RIBBON].tolist())
 
 
 def _right_feet(molecules: Molecules, loop_of_foot: dict[int, int]) -> dict[int, int]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from foldcut.errors import BadInputError, FileFormatError
+from foldcut.errors import BadInputError, FileFormatError, needed_extra
 from foldcut.limits import Limits
 from foldcut.model import Floats
 
@@ -103,7 +103,7 @@ def counted(what: Counter[str]) -> tuple[str, ...]:
 
 def missing(option: str, extra: str) -> FileFormatError:
     """Return the error for a reader whose library is not installed."""
-    return FileFormatError(f"{option} need the extra {extra!r}; install it with pip install 'foldcut[{extra}]'")
+    return FileFormatError(needed_extra(option, extra))
 
 
 def json_of(source: Source, options: ReadOptions, example: str) -> Any:
