@@ -30,6 +30,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, Floats, Numbers, index_array
@@ -671,7 +672,8 @@ class _State:
         near, height = self.part.near, self.part.height
         if near is None or height + until > near.until:
             ahead = self._ahead(until)
-            pairs = shapely.STRtree(self._boxes(ahead)).query(self._boxes(ahead))
+            boxes = self._boxes(ahead)
+            pairs = shapely.STRtree(boxes).query(boxes)
             pairs = pairs[:, pairs[0] < pairs[1]]
             first, last, since = self._since(pairs, ahead)
             empty = np.empty((2, 0), dtype=np.int64)
@@ -705,11 +707,12 @@ class _State:
         speed = np.hypot(*self.velocity.T) + np.abs(self.slope)
         return self.x - lowest, speed + float(np.abs(self.slope[~self.peak]).max(initial=0.0))
 
-    def _boxes(self, ahead: float) -> Bools:
+    def _boxes(self, ahead: float) -> NDArray[np.object_]:
+        """What each turn's disk may reach until then, as polygons."""
         radius, speed = self._reach()
         reach = radius + speed * ahead
         x, y = self.position.T
-        boxes: Bools = shapely.box(x - reach, y - reach, x + reach, y + reach)
+        boxes: NDArray[np.object_] = shapely.box(x - reach, y - reach, x + reach, y + reach)
         return boxes
 
     def _since(self, pairs: Numbers, ahead: float) -> tuple[Numbers, Numbers, Floats]:
