@@ -24,13 +24,12 @@ import numpy as np
 import shapely
 
 from foldcut.errors import UnfoldableError, needed_extra
-from foldcut.model import Floats, Shape, Sheet, index_array, points_array
+from foldcut.model import Floats, Shape, Sheet, index_array
 from foldcut.planar import trace_faces
 from foldcut.plane import left_normal, signed_area
 
 Edge = tuple[int, int]
 Ring = list[int]
-Tie = frozenset[tuple[int, bool]]  # sides that are equally far from one point, and whether it is at their left
 
 TIES = (1e-6, 1e-8, 1e-10)
 """Nodes that are so near to each other, relative to the sheet's diagonal, are one if that is exact enough."""
@@ -43,14 +42,6 @@ SNAP = 1e-9
 
 FRAME = 6.0
 """How far around the sheet the paper is taken to go on, in diagonals: so far that its border changes nothing on it."""
-
-ROUNDS, NEWTON_STEPS = 6, 12
-
-REACH, MOST_TRIALS = 60.0, 40
-"""Ridges this many times longer than corners may be moved are tried to be made to vanish, so many in a round."""
-
-FREE = 100.0
-"""How much more freely nodes are moved than corners."""
 
 MOST_CROSSINGS = 600
 """A perpendicular that crosses more regions is given up."""
@@ -120,14 +111,14 @@ def straight_skeleton(shape: Shape, sheet: Sheet) -> Skeleton:
     problem = ""
     for tie in TIES:
         try:
-            return _Drawn(shape, sheet, tie).skeleton()
+            return DrawnSkeleton(shape, sheet, tie).skeleton()
         except UnfoldableError as error:
             problem = problem or str(error)
     raise UnfoldableError(problem)
 
 
-class _Drawn:
-    """The skeleton's edges as CGAL gives them, made exact."""
+class DrawnSkeleton:
+    """The skeleton's edges as CGAL gives them; nodes nearer to each other than ``tie`` diagonals are one."""
 
     def __init__(self, shape: Shape, sheet: Sheet, tie: float) -> None:
         self.diagonal = sheet.diagonal
@@ -165,6 +156,7 @@ class _Drawn:
         self.edges += [(numbers[a], numbers[b]) for a, b in edges]
 
     def skeleton(self) -> Skeleton:
+        """Return it with nodes moved onto the bisectors that meet there."""
         points, rings = self.faces()
         points, height = self._exact(points, rings)
         skeleton = Skeleton(points, height, self.starts, self.along, [], self.sides)
@@ -218,7 +210,7 @@ class _Drawn:
         self.edges = _divided(points, self.edges, self.tie)
         ends = np.array(self.edges)
         short = ends[np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) <= self.tie]
-        first = _groups(len(points), short.tolist())
+        first = groups(len(points), short.tolist())
         joined = {(min(first[a], first[b]), max(first[a], first[b])) for a, b in self.edges}
         kept = [(a, b) for a, b in sorted(joined) if a != b]
         if not joined >= {(min(side), max(side)) for side in self.sides}:
@@ -267,136 +259,6 @@ class _Drawn:
         return Region(side, sign, ring, lower, upper)
 
 
-def tie_nodes(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, float]:
-    """Move corners so that nodes of the straight skeleton that are nearer than ``near``, in mm, become one.
-
-    Returns the shape, and how far in mm its corners were moved at most. Nodes that would need more than ``near`` are
-    left as they are. Curves and symmetric shapes are drawn with rounded numbers; without this each rounding error
-    has creases of its own.
-    """
-    ties: list[Tie] = []
-    refused: set[Tie] = set()
-    now = shape
-    for _ in range(ROUNDS):
-        found = [tie for _, tie in _near_ties(_Drawn(now, sheet, TIES[-1]), near) if not _is_known(tie, ties)]
-        if not found:
-            break
-        moved = _with_ties(shape, sheet, ties, found, near)
-        if moved is None:
-            break
-        now, ties = moved
-    for _ in range(ROUNDS):
-        ridges = sorted(_near_ties(_Drawn(now, sheet, TIES[-1]), REACH * near, single=True), key=lambda one: one[0])
-        new = [tie for _, tie in ridges if not _is_known(tie, ties) and tie not in refused]
-        changed = False
-        for tie in new[:MOST_TRIALS]:
-            moved = _with_ties(shape, sheet, ties, [tie], near)
-            if moved is None:
-                refused.add(tie)
-            else:
-                changed = True
-                now, ties = moved
-        if not changed:
-            break
-    return now, max(map(_farthest, now.loops, shape.loops))
-
-
-def _is_known(tie: Tie, ties: Sequence[Tie]) -> bool:
-    return any(tie <= known for known in ties)
-
-
-def _with_ties(
-    shape: Shape, sheet: Sheet, ties: list[Tie], more: list[Tie], near: float
-) -> tuple[Shape, list[Tie]] | None:
-    """Return the shape with more ties, and all its ties, or None if corners are moved by more than ``near``."""
-    ties = [known for known in ties if not any(known < tie for tie in more)] + more
-    moved = _moved(shape, sheet, ties)
-    if moved is None or max(map(_farthest, moved.loops, shape.loops)) > near:
-        return None
-    return moved, ties
-
-
-def _farthest(one: Floats, other: Floats) -> float:
-    return float(np.hypot(*(one - other).T).max())
-
-
-def _near_ties(drawn: _Drawn, near: float, *, single: bool = False) -> Iterator[tuple[float, Tie]]:
-    """Yield the sides that meet in nodes with a way along ridges shorter than ``near`` between them, and its length.
-
-    ``single``: for each ridge by itself.
-    """
-    points, rings = drawn.faces()
-    beside: dict[int, set[tuple[int, bool]]] = defaultdict(set)
-    edges = set()
-    for side, left, ring in rings:
-        for vertex in ring:
-            beside[vertex].add((side, left))
-        edges |= {(a, b) for a, b in zip(ring, ring[1:] + ring[:1], strict=True) if b > a >= drawn.count}
-    ends = np.array(sorted(edges)).reshape(-1, 2)
-    length = np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T)
-    short = ends[length < near]
-    if single:
-        for (a, b), way in zip(short.tolist(), length[length < near].tolist(), strict=True):
-            yield way, frozenset(beside[a] | beside[b])
-        return
-    group = np.array(_groups(len(points), short.tolist()))
-    for number in np.unique(group[short[:, 0]]).tolist():
-        yield near, frozenset().union(*(beside[v] for v in np.flatnonzero(group == number).tolist()))
-
-
-def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
-    """Return the shape with corners moved as little as possible so that each tie's sides are equally far from a point.
-
-    Newton's method, each step the least one; None where that does not lead to it.
-    """
-    ends = np.cumsum([len(loop) for loop in shape.loops])
-    corners = np.concatenate(shape.loops)
-    following = np.concatenate(
-        [np.roll(np.arange(b - len(loop), b), -1) for b, loop in zip(ends, shape.loops, strict=True)]
-    )
-    original, count = corners.copy(), len(corners)
-    nodes: list[Floats] = []
-    exact = EXACT * sheet.diagonal / 10
-    for step in range(NEWTON_STEPS):
-        along = corners[following] - corners
-        length = np.hypot(*along.T)
-        along /= length[:, None]
-        normal = left_normal(along)
-        rows: list[Floats] = []
-        values: list[float] = []
-        for k, tie in enumerate(ties):
-            number = [side for side, _ in tie]
-            turn = np.where([left for _, left in tie], 1.0, -1.0)
-            if step == 0:
-                system = np.column_stack([turn[:, None] * normal[number], -np.ones(len(number))])
-                right = (turn[:, None] * normal[number] * corners[number]).sum(axis=1)
-                nodes.append(np.linalg.lstsq(system, right, rcond=1e-12)[0])
-            place, height = nodes[k][:2], nodes[k][2]
-            for side, sign in zip(number, turn.tolist(), strict=True):
-                away = place - corners[side]
-                part = float(away @ along[side]) / length[side]
-                row = np.zeros(2 * count + 3 * len(ties))
-                row[2 * side : 2 * side + 2] = -sign * (1 - part) * normal[side]
-                row[2 * following[side] : 2 * following[side] + 2] -= sign * part * normal[side]
-                at = 2 * count + 3 * k
-                row[at : at + 2] = sign * normal[side]
-                row[at + 2] = -1.0
-                rows.append(row)
-                values.append(height - sign * float(away @ normal[side]))
-        if max(map(abs, values)) <= exact:
-            loops = tuple(points_array(loop) for loop in np.split(corners, ends[:-1]))
-            return Shape(loops, shape.parent)
-        system = np.array(rows)
-        # the least way from the drawing, not from the last step
-        system[:, 2 * count :] *= FREE
-        behind = np.concatenate([(corners - original).ravel(), np.zeros(3 * len(ties))])
-        change = np.linalg.lstsq(system, np.array(values) + system @ behind, rcond=1e-10)[0] - behind
-        corners = corners + change[: 2 * count].reshape(-1, 2)
-        for k, node in enumerate(change[2 * count :].reshape(-1, 3)):
-            nodes[k] = nodes[k] + FREE * node
-    return None
-
-
 def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> tuple[Floats, list[Edge]]:
     """Return the points of a polygon with holes' straight skeleton, and its edges that are not sides."""
     try:
@@ -431,7 +293,7 @@ def _divided(points: Floats, edges: Sequence[Edge], tie: float) -> list[Edge]:
     return divided
 
 
-def _groups(count: int, pairs: Sequence[Sequence[int]]) -> list[int]:
+def groups(count: int, pairs: Sequence[Sequence[int]]) -> list[int]:
     """For each of so many things the first of those that hang together with it by pairs."""
     first = list(range(count))
 
@@ -640,7 +502,7 @@ class Perpendiculars:
         """
         division = _Division(self, range(len(self.paths)))
         rings, creases = division.planar()
-        corridor = _groups(len(rings), [facets for edge, facets in creases if edge not in division.path_of])
+        corridor = groups(len(rings), [facets for edge, facets in creases if edge not in division.path_of])
         beside: dict[int, set[int]] = defaultdict(set)
         for edge, facets in creases:
             if edge in division.path_of:
@@ -673,7 +535,7 @@ class Perpendiculars:
         ends = [
             (number, node) for number, path in enumerate(self.paths) for node in (path.start, path.end) if node >= 0
         ]
-        return _groups(len(self.paths), [(k, at.setdefault(node, k)) for k, node in ends])
+        return groups(len(self.paths), [(k, at.setdefault(node, k)) for k, node in ends])
 
 
 def _parents(root: int, joints: dict[int, set[int]], around: dict[int, set[int]]) -> dict[int, int]:

@@ -13,13 +13,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from foldcut.adjust import tie_nodes
 from foldcut.errors import UnfoldableError
 from foldcut.faces import assemble, creases_of_stack
 from foldcut.foldability import crease_numbers
 from foldcut.methods import ADJUST_MM
 from foldcut.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.ordersolver import layer_order
-from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton, tie_nodes
+from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.search import Rank, rank, shortest_crease
 from foldcut.verify import verify
 

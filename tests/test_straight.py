@@ -14,11 +14,12 @@ from strategies import Points, rectangle, star
 
 import foldcut
 from foldcut import straight
+from foldcut.adjust import tie_nodes
 from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.model import Shape, Sheet, index_array
 from foldcut.ordersolver import layer_order
-from foldcut.perpendiculars import Perpendiculars, divide_sheet, straight_skeleton, tie_nodes
+from foldcut.perpendiculars import Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.planar import edge_faces
 from foldcut.samples import sample_path
 from foldcut.shape import make_shape
