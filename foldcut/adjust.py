@@ -8,16 +8,29 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
+from foldcut.errors import UnfoldableError
 from foldcut.model import Floats, Shape, Sheet, points_array
-from foldcut.perpendiculars import EXACT, TIES, DrawnSkeleton, groups
-from foldcut.plane import left_normal
+from foldcut.perpendiculars import (
+    EXACT,
+    SNAP,
+    TIES,
+    DrawnSkeleton,
+    Perpendiculars,
+    divide_sheet,
+    groups,
+    straight_skeleton,
+)
 
-__all__ = ["tie_nodes"]
+__all__ = ["tie_nodes", "tie_perpendiculars"]
 
-Tie = frozenset[tuple[int, bool]]  # sides that are equally far from one point, and whether it is at their left
+Side = tuple[int, bool]  # a side, and whether what is meant is at its left
+Tie = frozenset[Side]  # sides that are equally far from one point
 
 ROUNDS, NEWTON_STEPS = 6, 12
 
@@ -27,6 +40,50 @@ REACH, MOST_TRIALS = 60.0, 40
 FREE = 100.0
 """How much more freely nodes are moved than corners."""
 
+PASSING, MOST_MEETINGS, MOST_MISSES = 10.0, 12, 8
+"""Perpendiculars that pass a node this many times farther off than corners may be moved are tried to be made to meet
+it, so many in all; of those that do not yet, so many are tried for each that is found."""
+
+DIFFERENCE = 1e-6
+"""Corners are moved by so much, relative to the sheet's diagonal, for derivatives of where a perpendicular comes to."""
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A perpendicular that has to come to a node.
+
+    The sides around the node that it starts at, those that it crosses, and those around the node that it comes to.
+    """
+
+    start: Tie
+    way: tuple[Side, ...]
+    end: Tie
+
+
+@dataclass
+class _Moves:
+    """A shape whose corners are moved by as little as possible, and what that is for."""
+
+    original: Shape
+    sheet: Sheet
+    near: float
+    now: Shape
+    ties: list[Tie]
+    meetings: list[Meeting]
+
+    def add(self, ties: Sequence[Tie] = (), meetings: Sequence[Meeting] = ()) -> bool:
+        """Move corners for this, too; leave all as it is and return False if some had to move by more than ``near``."""
+        kept = [known for known in self.ties if not any(known < tie for tie in ties)]
+        ties, meetings = [*kept, *ties], [*self.meetings, *meetings]
+        moved = _moved(self.original, self.sheet, ties, meetings)
+        if moved is None or _farthest(moved, self.original) > self.near:
+            return False
+        self.now, self.ties, self.meetings = moved, ties, meetings
+        return True
+
+    def is_known(self, tie: Tie) -> bool:
+        return any(tie <= known for known in self.ties)
+
 
 def tie_nodes(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, float]:
     """Move corners so that nodes of the straight skeleton that are nearer than ``near``, in mm, become one.
@@ -34,52 +91,96 @@ def tie_nodes(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, float]:
     Returns the shape, and how far in mm its corners were moved at most. Nodes that would need more than ``near`` are
     left as they are.
     """
-    ties: list[Tie] = []
-    refused: set[Tie] = set()
-    now = shape
-    for _ in range(ROUNDS):
-        found = [tie for _, tie in _near_ties(DrawnSkeleton(now, sheet, TIES[-1]), near) if not _is_known(tie, ties)]
-        if not found:
-            break
-        moved = _with_ties(shape, sheet, ties, found, near)
-        if moved is None:
-            break
-        now, ties = moved
-    for _ in range(ROUNDS):
-        ridges = sorted(
-            _near_ties(DrawnSkeleton(now, sheet, TIES[-1]), REACH * near, single=True), key=lambda one: one[0]
-        )
-        new = [tie for _, tie in ridges if not _is_known(tie, ties) and tie not in refused]
-        changed = False
-        for tie in new[:MOST_TRIALS]:
-            moved = _with_ties(shape, sheet, ties, [tie], near)
-            if moved is None:
-                refused.add(tie)
+    moves = _tied(shape, sheet, near)
+    return moves.now, _farthest(moves.now, shape)
+
+
+def tie_perpendiculars(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, float]:
+    """Do as ``tie_nodes``, and move corners so that perpendiculars that pass a node by a hair come to it.
+
+    Returns the shape, and how far in mm its corners were moved at most. What comes of it has a straight skeleton whose
+    perpendiculars end, if the shape with its nodes tied has one.
+    """
+    moves = _tied(shape, sheet, near)
+    with suppress(UnfoldableError):
+        missed = _misses(moves.now, sheet, PASSING * near)
+        refused: set[Tie | Meeting] = set()
+        for _ in range(MOST_MEETINGS):
+            for new in [new for _, new in missed if new not in refused][:MOST_MISSES]:
+                refused.add(new)
+                tried = replace(moves)
+                if not (tried.add(meetings=[new]) if isinstance(new, Meeting) else tried.add([new])):
+                    continue
+                with suppress(UnfoldableError):
+                    missed = _misses(tried.now, sheet, PASSING * near)
+                    moves = tried
+                    break
             else:
+                break
+    return moves.now, _farthest(moves.now, shape)
+
+
+def _tied(shape: Shape, sheet: Sheet, near: float) -> _Moves:
+    moves = _Moves(shape, sheet, near, shape, [], [])
+    refused: set[Tie] = set()
+    for _ in range(ROUNDS):
+        found = [tie for _, tie in _near_ties(DrawnSkeleton(moves.now, sheet, TIES[-1]), near)]
+        found = [tie for tie in found if not moves.is_known(tie)]
+        if not found or not moves.add(found):
+            break
+    for _ in range(ROUNDS):
+        ridges = _near_ties(DrawnSkeleton(moves.now, sheet, TIES[-1]), REACH * near, single=True)
+        changed = False
+        new = [tie for _, tie in sorted(ridges, key=lambda one: one[0])]
+        for tie in [tie for tie in new if not moves.is_known(tie) and tie not in refused][:MOST_TRIALS]:
+            if moves.add([tie]):
                 changed = True
-                now, ties = moved
+            else:
+                refused.add(tie)
         if not changed:
             break
-    return now, max(map(_farthest, now.loops, shape.loops))
+    return moves
 
 
-def _is_known(tie: Tie, ties: Sequence[Tie]) -> bool:
-    return any(tie <= known for known in ties)
+def _farthest(one: Shape, other: Shape) -> float:
+    return max(float(np.hypot(*(a - b).T).max()) for a, b in zip(one.loops, other.loops, strict=True))
 
 
-def _with_ties(
-    shape: Shape, sheet: Sheet, ties: list[Tie], more: list[Tie], near: float
-) -> tuple[Shape, list[Tie]] | None:
-    """Return the shape with more ties, and all its ties, or None if corners are moved by more than ``near``."""
-    ties = [known for known in ties if not any(known < tie for tie in more)] + more
-    moved = _moved(shape, sheet, ties)
-    if moved is None or max(map(_farthest, moved.loops, shape.loops)) > near:
-        return None
-    return moved, ties
+def _misses(shape: Shape, sheet: Sheet, reach: float) -> list[tuple[float, Tie | Meeting]]:
+    """Return what perpendiculars that are likely to be folded miss by no more than ``reach``, the nearest first.
 
-
-def _farthest(one: Floats, other: Floats) -> float:
-    return float(np.hypot(*(one - other).T).max())
+    They pass nodes, or begin or end at nodes that nearly are on another ridge; with how far they miss.
+    Raises ``UnfoldableError`` where there is no skeleton, perpendiculars do not end, or facets do not meet.
+    """
+    skeleton = straight_skeleton(shape, sheet)
+    perpendiculars = Perpendiculars(skeleton, sheet)
+    perpendiculars.trace(perpendiculars.odd)
+    perpendiculars.require_ends()
+    choices = [*perpendiculars.fewest(1), *perpendiculars.rooted()[:1]]
+    divide_sheet(perpendiculars, choices[0] if choices else [])
+    sides = [(region.side, perpendiculars.is_left(region)) for region in skeleton.regions]
+    around: dict[int, Tie] = defaultdict(frozenset)
+    for side, region in zip(sides, skeleton.regions, strict=True):
+        for vertex in region.ring:
+            around[vertex] |= {side}
+    nodes = set(perpendiculars.nodes)
+    found: list[tuple[float, Tie | Meeting]] = []
+    for number in sorted({number for taken in choices for number in taken}):
+        path = perpendiculars.paths[number]
+        way = tuple(sides[step.region] for step in path.steps)
+        for k, step in enumerate(path.steps):
+            region = skeleton.regions[step.region]
+            for vertex in sorted(nodes.intersection(region.ring) - {path.start, path.end}):
+                miss = abs(skeleton.u(region.side, vertex) - step.u)
+                if perpendiculars.snap < miss < reach:
+                    found.append((miss, Meeting(around[path.start], way[: k + 1], around[vertex])))
+        if len(way) > 1:
+            ends = ((path.start, path.steps[0], way[1]), (path.end, path.steps[-1], way[-2]))
+            for vertex, step, beyond in ends:
+                miss = float(np.hypot(*(step.end - step.start)))
+                if vertex in nodes and miss < reach and beyond not in around[vertex]:
+                    found.append((miss, around[vertex] | {beyond}))
+    return sorted(found, key=lambda one: one[0])
 
 
 def _near_ties(drawn: DrawnSkeleton, near: float, *, single: bool = False) -> Iterator[tuple[float, Tie]]:
@@ -106,8 +207,8 @@ def _near_ties(drawn: DrawnSkeleton, near: float, *, single: bool = False) -> It
         yield near, frozenset().union(*(beside[v] for v in np.flatnonzero(group == number).tolist()))
 
 
-def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
-    """Return the shape with corners moved as little as possible so that each tie's sides are equally far from a point.
+def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie], meetings: Sequence[Meeting]) -> Shape | None:
+    """Return the shape with corners moved as little as possible for all ties and meetings.
 
     Newton's method, each step the least one; None where that does not lead to it.
     """
@@ -118,21 +219,15 @@ def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
     )
     original, count = corners.copy(), len(corners)
     nodes: list[Floats] = []
-    exact = EXACT * sheet.diagonal / 10
+    exact, snap = EXACT * sheet.diagonal / 10, SNAP * sheet.diagonal / 100
     for step in range(NEWTON_STEPS):
-        along = corners[following] - corners
-        length = np.hypot(*along.T)
-        along /= length[:, None]
-        normal = left_normal(along)
+        along, normal, length = _sides(corners, following)
         rows: list[Floats] = []
         values: list[float] = []
         for k, tie in enumerate(ties):
-            number = [side for side, _ in tie]
-            turn = np.where([left for _, left in tie], 1.0, -1.0)
+            number, turn = _turns(tie)
             if step == 0:
-                system = np.column_stack([turn[:, None] * normal[number], -np.ones(len(number))])
-                right = (turn[:, None] * normal[number] * corners[number]).sum(axis=1)
-                nodes.append(np.linalg.lstsq(system, right, rcond=1e-12)[0])
+                nodes.append(_node(corners, normal, tie))
             place, height = nodes[k][:2], nodes[k][2]
             for side, sign in zip(number, turn.tolist(), strict=True):
                 away = place - corners[side]
@@ -145,10 +240,21 @@ def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
                 row[at + 2] = -1.0
                 rows.append(row)
                 values.append(height - sign * float(away @ normal[side]))
-        if max(map(abs, values)) <= exact:
+        with np.errstate(all="ignore"):
+            missed = [float(_missed(corners, following, meeting)) for meeting in meetings]
+        if not np.isfinite(missed).all():
+            return None
+        if max(map(abs, values), default=0.0) <= exact and max(map(abs, missed), default=0.0) <= snap:
             loops = tuple(points_array(loop) for loop in np.split(corners, ends[:-1]))
             return Shape(loops, shape.parent)
+        for meeting, value in zip(meetings, missed, strict=True):
+            with np.errstate(all="ignore"):
+                slopes = _slopes(corners, following, meeting, DIFFERENCE * sheet.diagonal)
+            rows.append(np.concatenate([slopes, np.zeros(3 * len(ties))]))
+            values.append(-value)
         system = np.array(rows)
+        if not np.isfinite(system).all():
+            return None
         # the least way from the drawing, not from the last step
         system[:, 2 * count :] *= FREE
         behind = np.concatenate([(corners - original).ravel(), np.zeros(3 * len(ties))])
@@ -157,3 +263,62 @@ def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie]) -> Shape | None:
         for k, node in enumerate(change[2 * count :].reshape(-1, 3)):
             nodes[k] = nodes[k] + FREE * node
     return None
+
+
+def _sides(corners: Floats, following: Floats) -> tuple[Floats, Floats, Floats]:
+    """The sides' directions, left normals and lengths; ``corners`` are ``(..., n, 2)``."""
+    along = corners[..., following, :] - corners
+    length = np.hypot(along[..., 0], along[..., 1])
+    along = along / length[..., None]
+    return along, np.stack([-along[..., 1], along[..., 0]], axis=-1), length
+
+
+def _turns(tie: Tie) -> tuple[list[int], Floats]:
+    ordered = sorted(tie)
+    return [side for side, _ in ordered], np.where([left for _, left in ordered], 1.0, -1.0)
+
+
+def _node(corners: Floats, normal: Floats, tie: Tie) -> Floats:
+    """The point that is equally far from sides, and how far, ``(..., 3)``."""
+    number, turn = _turns(tie)
+    inward = turn[:, None] * normal[..., number, :]
+    system = np.concatenate([inward, np.full((*inward.shape[:-1], 1), -1.0)], axis=-1)
+    right = (inward * corners[..., number, :]).sum(axis=-1, keepdims=True)
+    node: Floats = (np.linalg.pinv(system, rcond=1e-12) @ right)[..., 0]
+    return node
+
+
+def _missed(corners: Floats, following: Floats, meeting: Meeting) -> Floats:
+    """How far a perpendicular passes the node that it has to meet, ``(...)`` for corners ``(..., n, 2)``."""
+    along, normal, _ = _sides(corners, following)
+
+    def along_side(side: int, place: Floats) -> Floats:
+        u: Floats = ((place - corners[..., side, :]) * along[..., side, :]).sum(axis=-1)
+        return u
+
+    place = _node(corners, normal, meeting.start)[..., :2]
+    for (one, left), (other, other_left) in pairwise(meeting.way):
+        if one == other:
+            continue  # across the side itself
+        # at the height over the one side at which the other one is as far
+        foot = corners[..., one, :] + along_side(one, place)[..., None] * along[..., one, :]
+        up, down = (1 if left else -1) * normal[..., one, :], (1 if other_left else -1) * normal[..., other, :]
+        level = ((foot - corners[..., other, :]) * down).sum(axis=-1)
+        place = foot + (level / (1 - (up * down).sum(axis=-1)))[..., None] * up
+    last = meeting.way[-1][0]
+    return along_side(last, place) - along_side(last, _node(corners, normal, meeting.end)[..., :2])
+
+
+def _slopes(corners: Floats, following: Floats, meeting: Meeting, step: float) -> Floats:
+    """The derivatives of ``_missed`` by the corners' coordinates, ``(2 n,)``."""
+    sides = [side for side, _ in (*meeting.start, *meeting.way, *meeting.end)]
+    moved = np.unique(np.concatenate([sides, following[sides]]))
+    variables = np.unique(np.concatenate([2 * moved, 2 * moved + 1]))
+    flat = np.tile(corners.ravel(), (2 * len(variables), 1))
+    for k, variable in enumerate(variables.tolist()):
+        flat[2 * k, variable] += step
+        flat[2 * k + 1, variable] -= step
+    missed = _missed(flat.reshape(-1, *corners.shape), following, meeting)
+    slopes = np.zeros(corners.size)
+    slopes[variables] = (missed[::2] - missed[1::2]) / (2 * step)
+    return slopes

@@ -320,7 +320,7 @@ class Perpendiculars:
         regions = skeleton.regions
         self.region_of: dict[Edge, int] = {}
         for number, region in enumerate(regions):
-            ring = region.ring if self._left(region) else region.ring[::-1]
+            ring = region.ring if self.is_left(region) else region.ring[::-1]
             for pair in zip(ring, ring[1:] + ring[:1], strict=True):
                 self.region_of[pair] = number
         self.chains = [
@@ -336,7 +336,7 @@ class Perpendiculars:
         self.paths: list[Path] = []
         self.endless = 0
 
-    def _left(self, region: Region) -> bool:
+    def is_left(self, region: Region) -> bool:
         """Whether a region is at the left of its side: its ring is then counter-clockwise on the sheet."""
         return signed_area(self.skeleton.points[region.ring]) > 0
 
@@ -668,7 +668,7 @@ class _Division:
         maps = []
         for place in inner:
             region = skeleton.regions[int(tree.nearest(place))]
-            maps.append((region.side, float(region.sign if self.all._left(region) else -region.sign)))
+            maps.append((region.side, float(region.sign if self.all.is_left(region) else -region.sign)))
         return maps
 
     def _fold(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from foldcut.adjust import tie_nodes
+from foldcut.adjust import tie_nodes, tie_perpendiculars
 from foldcut.errors import UnfoldableError
 from foldcut.faces import assemble, creases_of_stack
 from foldcut.foldability import crease_numbers
@@ -21,7 +21,7 @@ from foldcut.methods import ADJUST_MM
 from foldcut.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.ordersolver import layer_order
 from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
-from foldcut.search import Rank, rank, shortest_crease
+from foldcut.search import FOLDABLE_MM, Rank, rank, shortest_crease
 from foldcut.verify import verify
 
 __all__ = ["Skeletal", "fold_skeletal"]
@@ -32,8 +32,9 @@ SECONDS = {"fast": 1.0, "normal": 8.0, "best": 60.0}
 FEWEST = 4
 """So many of the sets of perpendiculars with the fewest pieces are tried."""
 
-PATIENCE = 3.0
-"""How many times as long choices are tried while none has an order."""
+PATIENCE, LEAST_PATIENCE = 3.0, 3.0
+"""How many times as long choices are tried for the drawing as it is while none has an order; for how many seconds at
+least with its corners moved."""
 
 MOST_CREASES, MOST_CORNERS = 1000, 120
 """Patterns with more creases are not looked at, nor drawings with more corners."""
@@ -75,57 +76,85 @@ def fold_skeletal(
     """
     if shape.corner_count > MOST_CORNERS:
         raise UnfoldableError(f"the drawing has {shape.corner_count} corners; at most {MOST_CORNERS} are looked at")
-    limit = share * (seconds if seconds is not None else SECONDS[effort])
-    tied, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
-    try:
-        return _fold(tied, moved, sheet, ribbon, limit, progress)
-    except UnfoldableError:
-        if not moved:
-            raise
-    return _fold(shape, 0.0, sheet, ribbon, limit, progress)
-
-
-def _fold(
-    shape: Shape,
-    moved: float,
-    sheet: Sheet,
-    ribbon: float,
-    limit: float,
-    progress: Callable[[str, float], None] | None,
-) -> Skeletal:
-    """Fold a shape as it is; ``moved`` is only noted."""
-    skeleton = straight_skeleton(shape, sheet)
-    perpendiculars = Perpendiculars(skeleton, sheet)
-    lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
-    if lowest <= ribbon:
-        raise UnfoldableError(
-            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
-        )
-    best: tuple[Rank, Skeletal] | None = None
-    problem, spent = "", 0.0
-    for taken in _choices(perpendiculars):
-        if progress is not None:
-            progress("layer orders", min(1.0, spent / limit))
+    search = _Search(sheet, ribbon, share * (seconds if seconds is not None else SECONDS[effort]), progress)
+    patience = PATIENCE * search.limit
+    adjusted = _adjusted(shape, sheet, near)
+    for number, (tied, moved) in enumerate(adjusted, start=1):
         try:
-            facets = _divided(perpendiculars, taken)
-            cost = _cost(len(facets.rings))
-            if spent + cost > limit and (best or spent > PATIENCE * limit):
-                break
-            spent += cost
-            made = _ordered(shape, moved, facets, len(taken))
+            search.fold(tied, moved, patience if number == len(adjusted) else max(search.limit, LEAST_PATIENCE))
         except UnfoldableError as error:
-            problem = problem or str(error)
-            continue
+            search.problem = search.problem or str(error)
         except KeyboardInterrupt:
-            if best is None:
+            if search.best is None:
                 raise
-            return replace(best[1], interrupted=True)
-        key = rank(crease_numbers(made.creases).lines, shortest_crease(made.creases))
-        if best is None or key < best[0]:
-            best = key, made
-    if best is None:
-        raise UnfoldableError(problem or "no set of perpendiculars makes the creases at every node even")
-    return best[1]
+            return replace(search.best, interrupted=True)
+        if search.best is not None and shortest_crease(search.best.creases) >= FOLDABLE_MM:
+            break
+    if search.best is None:
+        raise UnfoldableError(search.problem or "no set of perpendiculars makes the creases at every node even")
+    return search.best
+
+
+def _adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, float]]:
+    """Return the shape as it is, and moved so that creases meet in several ways, those that do most for it first."""
+    if not near:
+        return [(shape, 0.0)]
+    moved = [tie_perpendiculars(shape, sheet, near), tie_perpendiculars(shape, sheet, near / 5)]
+    moved += [tie_nodes(shape, sheet, near), (shape, 0.0)]
+    different: list[tuple[Shape, float]] = []
+    for one, way in moved:
+        if all(any((a != b).any() for a, b in zip(one.loops, other.loops, strict=True)) for other, _ in different):
+            different.append((one, way))
+    return different
+
+
+@dataclass
+class _Search:
+    """The best pattern so far, and the time spent by the model of ``_cost``."""
+
+    sheet: Sheet
+    ribbon: float
+    limit: float
+    progress: Callable[[str, float], None] | None
+    best: Skeletal | None = None
+    problem: str = ""
+    spent: float = 0.0
+
+    def fold(self, shape: Shape, moved: float, patience: float) -> None:
+        """Try choices of perpendiculars for a shape as it is; ``moved`` is only noted.
+
+        ``patience`` is for how many seconds while there is no pattern. Raises ``UnfoldableError`` where there are no
+        choices.
+        """
+        if self.best is None:
+            self.spent = 0.0
+        skeleton = straight_skeleton(shape, self.sheet)
+        perpendiculars = Perpendiculars(skeleton, self.sheet)
+        lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
+        if lowest <= self.ribbon:
+            raise UnfoldableError(
+                f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, "
+                f"within the ribbon of {self.ribbon:g} mm"
+            )
+        for taken in _choices(perpendiculars):
+            if self.progress is not None:
+                self.progress("layer orders", min(1.0, self.spent / self.limit))
+            try:
+                facets = _divided(perpendiculars, taken)
+                cost = _cost(len(facets.rings))
+                if self.spent + cost > self.limit and (self.best or self.spent > patience):
+                    return
+                self.spent += cost
+                made = _ordered(shape, moved, facets, len(taken))
+            except UnfoldableError as error:
+                self.problem = self.problem or str(error)
+                continue
+            if self.best is None or _rank(made) < _rank(self.best):
+                self.best = made
+
+
+def _rank(made: Skeletal) -> Rank:
+    return rank(crease_numbers(made.creases).lines, shortest_crease(made.creases))
 
 
 def _cost(facets: int) -> float:

@@ -14,14 +14,16 @@ from strategies import Points, rectangle, star
 
 import foldcut
 from foldcut import straight
-from foldcut.adjust import tie_nodes
+from foldcut.adjust import tie_nodes, tie_perpendiculars
 from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.model import Shape, Sheet, index_array
 from foldcut.ordersolver import layer_order
 from foldcut.perpendiculars import Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.planar import edge_faces
+from foldcut.readers import read_shape
 from foldcut.samples import sample_path
+from foldcut.search import shortest_crease
 from foldcut.shape import make_shape
 from foldcut.sheet import parse_sheet, place
 from foldcut.straight import fold_skeletal
@@ -128,6 +130,35 @@ def test_a_rough_star_has_ten_creases_once_its_nodes_are_tied() -> None:
     assert verify(made.creases, made.folded.layers, made.shape) == []
 
 
+def test_corners_are_moved_so_that_perpendiculars_come_to_the_nodes_that_they_nearly_pass() -> None:
+    sheet = parse_sheet("a4-landscape")
+    swan = place(make_shape(read_shape(sample_path("swan")).loops), sheet)[0]
+
+    def met(shape: Shape) -> int:
+        found = Perpendiculars(straight_skeleton(shape, sheet), sheet)
+        found.trace(found.odd)
+        return sum(path.end >= 0 for path in found.paths)
+
+    tied, moved = tie_perpendiculars(swan, sheet, 0.5)
+    assert 0 < moved <= 0.5
+    assert moved == pytest.approx(np.hypot(*(tied.loops[0] - swan.loops[0]).T).max())
+    assert met(tied) > met(tie_nodes(swan, sheet, 0.5)[0])
+    assert tie_perpendiculars(swan, sheet, 1e-3) == (swan, 0.0)  # not farther than allowed
+    made, other = (fold_skeletal(swan, sheet, near=near, effort="fast") for near in (0.5, 0.0))
+    assert verify(made.creases, made.folded.layers, made.shape) == []
+    assert made.creases.crease_count < other.creases.crease_count
+    assert shortest_crease(made.creases) > 3 > shortest_crease(other.creases)
+
+
+def test_a_node_that_nearly_is_on_another_ridge_is_put_there() -> None:
+    shape = place(make_shape(read_shape(sample_path("letter-a")).loops), SHEET)[0]
+    made = fold_skeletal(shape, SHEET, near=0.2)
+    other = fold_skeletal(shape, SHEET, near=0.05)
+    assert made.moved_mm <= 0.2
+    assert made.creases.crease_count < other.creases.crease_count
+    assert shortest_crease(made.creases) > 1 > shortest_crease(other.creases)
+
+
 def test_choices_without_a_layer_order_are_refused_by_the_solver() -> None:
     found = perpendiculars([loop.tolist() for loop in random_loops(0, holes=True)])
     first = divide_sheet(found, next(found.fewest(1)))
@@ -178,7 +209,7 @@ def test_what_would_take_too_long_is_refused_at_once() -> None:
         fold_skeletal(placed([star(65, 0.8)]), SHEET)
     shape, _ = place(make_shape(random_loops(2, holes=False)), SHEET, margin=40)
     with pytest.raises(UnfoldableError, match=r"the pattern has 1,\d+ creases; at most 1,000"):
-        fold_skeletal(shape, SHEET)
+        fold_skeletal(shape, SHEET, near=0.0)
 
 
 def test_a_ribbon_wider_than_the_skeleton_is_refused() -> None:
