@@ -1,6 +1,7 @@
 """The paper's method, its verification and every exporter on loops of 1e2 to 1e6 boundary disks, against yardsticks.
 
-    python tests/bench/bench.py [--largest 1e5] [--sizes 1e2,1e3] [--kinds star,koch] [--limit SECONDS] [--out FOLDER]
+    python tests/bench/bench.py [--largest 1e5] [--sizes 1e2,1e3] [--kinds star,koch] [--without .step,.stl]
+        [--limit SECONDS] [--seed N] [--out FOLDER]
 
 ``make bench``, or ``make bench LARGEST=1e6``. The folder gets bench.json, bench.md (tables) and bench.svg (a log-log
 plot). What the yardsticks are is said in yardsticks.py; those that are not installed (extra ``bench``) are left out.
@@ -252,7 +253,7 @@ def main() -> None:
     parser.add_argument("--largest", type=float, default=1e5, help="boundary disks of the largest loops (1e5)")
     parser.add_argument("--sizes", help="these sizes instead of 1e2, 3e2, 1e3, ...")
     parser.add_argument("--kinds", default=",".join(LOOPS))
-    parser.add_argument("--items", help=f"these instead of all, with commas: {', '.join(ITEMS)}")
+    parser.add_argument("--without", default="", help=f"leave these out, with commas: {', '.join(ITEMS)}")
     parser.add_argument("--limit", type=float, default=LIMIT, help=f"seconds that an item may take ({LIMIT:g})")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, default=Path("out"))
@@ -265,22 +266,23 @@ def main() -> None:
         return
     started = time.perf_counter()
     sizes = [round(float(size)) for size in args.sizes.split(",")] if args.sizes else sizes_up_to(args.largest)
-    wanted = args.items.split(",") if args.items else list(ITEMS)
-    if unknown := set(wanted) - set(ITEMS):
-        parser.error(f"no such items: {', '.join(unknown)}")
+    without = args.without.split(",") if args.without else []
+    if unknown := set(without) - set(ITEMS):
+        parser.error(f"unknown: {', '.join(unknown)}; known: {', '.join(ITEMS)}")
+    wanted = [name for name in ITEMS if name not in without]
     missing = [name for name in wanted if (needs := ITEMS[name].needs) and not importlib.util.find_spec(needs)]
     for name in missing:
         print(f"{name} is not installed and left out: pip install '.[bench]'", flush=True)
-    rows: list[dict[str, Any]] = []
-    left_out: dict[str, dict[str, str]] = {}
-    for kind in args.kinds.split(","):
-        mine: list[dict[str, Any]] = []
-        reasons = left_out[kind] = dict.fromkeys(missing, "not installed: extra bench")
-        for size in sizes:
-            row = run(kind, size, choose(mine, size, wanted, args.limit, reasons), args)
+    kinds = args.kinds.split(",")
+    rows: dict[str, list[dict[str, Any]]] = {kind: [] for kind in kinds}
+    left_out = {kind: dict.fromkeys(missing, "not installed: extra bench") for kind in kinds}
+    for size in sizes:
+        for kind in list(kinds):
+            row = run(kind, size, choose(rows[kind], size, wanted, args.limit, left_out[kind]), args)
             if row is None:
-                break
-            mine.append(row)
+                kinds.remove(kind)
+                continue
+            rows[kind].append(row)
             print(
                 f"{kind}  {row['boundary_disks']:,} boundary disks  {row['creases']:,} creases  "
                 f"build {row['build_s']:.3g} s  "
@@ -288,24 +290,30 @@ def main() -> None:
                 + "".join(f"  {name}: {item['failed']}" for name, item in row["items"].items() if "failed" in item),
                 flush=True,
             )
-        rows += mine
-    result = {
-        "python": platform.python_version(),
-        "machine": platform.machine(),
-        "packages": {name: installed(name) for name in PACKAGES},
-        "seed": args.seed,
-        "limit_s": args.limit,
-        "took_s": time.perf_counter() - started,
-        "rows": rows,
-        "left_out": left_out,
-    }
+            result = {
+                "python": platform.python_version(),
+                "machine": platform.machine(),
+                "packages": {name: installed(name) for name in PACKAGES},
+                "seed": args.seed,
+                "limit_s": args.limit,
+                "took_s": time.perf_counter() - started,
+                "rows": [row for some in rows.values() for row in some],
+                "left_out": left_out,
+            }
+            write(result, args.out)
+    if kinds != args.kinds.split(","):
+        sys.exit("not all loops could be measured")
+    print(f"{args.out / 'bench.md'}, .json, .svg; {time.perf_counter() - started:.0f} s")
+
+
+def write(result: dict[str, Any], folder: Path) -> None:
+    """Write the three files, after every loop, so that an end before the end leaves what there is."""
     yardsticks = [item.name for item in YARDSTICKS]
     text, exponents = markdown(result, [f"{name}_s" for name in STAGES], yardsticks)
-    args.out.mkdir(parents=True, exist_ok=True)
-    (args.out / "bench.json").write_text(json.dumps(result | {"exponents": exponents}, indent=1) + "\n")
-    (args.out / "bench.md").write_text(text)
-    (args.out / "bench.svg").write_text(plot(rows, yardsticks))
-    print(f"{args.out / 'bench.md'}, .json, .svg; {result['took_s']:.0f} s")
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "bench.json").write_text(json.dumps(result | {"exponents": exponents}, indent=1) + "\n")
+    (folder / "bench.md").write_text(text)
+    (folder / "bench.svg").write_text(plot(result["rows"], yardsticks))
 
 
 if __name__ == "__main__":
