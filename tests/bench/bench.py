@@ -73,8 +73,8 @@ def measure(kind: str, size: int, seed: int, names: list[str], limit: float) -> 
     corners = shape.loops[0]
     ribbon = min(0.25, RIBBON * float(np.hypot(*(np.roll(corners, -1, axis=0) - corners).T).min()))
     tolerance = Tolerance.for_sheet(sheet)
-    compiled = size >= packing.MANY_DISKS and importlib.util.find_spec("numba") is not None
-    small, load = _small(compiled=compiled)
+    numba = importlib.util.find_spec("numba") is not None
+    small, load = _small(compiled=numba and 2 * size >= packing.MANY_DISKS)
     seconds: dict[str, float] = {}
 
     @contextmanager
@@ -109,7 +109,7 @@ def measure(kind: str, size: int, seed: int, names: list[str], limit: float) -> 
         "disks": disks,
         "creases": creases.crease_count,
         "faces": subject.faces,
-        "compiled": boundary_count >= packing.MANY_DISKS and compiled,
+        "compiled": numba and boundary_count >= packing.MANY_DISKS,
         **{f"{name}_s": seconds[name] for name in STAGES},
         "build_s": build,
         "load_s": load,
