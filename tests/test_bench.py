@@ -73,4 +73,4 @@ def test_what_would_take_longer_than_the_limit_or_failed_is_left_out_and_named(
     assert bench.choose(rows[:1], 300, list(first), 2.0, reasons) == [".cp", ".dxf laser-dxf", "Delaunay"]
     assert reasons == {"triangle": "why, at 104 boundary disks"}
     assert bench.choose(rows, 900, list(first), 2.0, reasons) == [".cp", "Delaunay"]
-    assert reasons[".dxf laser-dxf"].startswith("0.9 s at 312 boundary disks; some 8 s are expected at 900")
+    assert reasons[".dxf laser-dxf"].startswith("0.9 s at 312 boundary disks; some 8.1 s expected at 900")
