@@ -132,7 +132,7 @@ def _exponent(value: float | None) -> str:
     return "" if value is None else f"{value:.2f}"
 
 
-WIDTH, PANEL, LEFT, BOTTOM, NAMES = 720.0, 440.0, 60.0, 40.0, 215.0
+WIDTH, PANEL, LEFT, BOTTOM, NAMES = 730.0, 440.0, 60.0, 40.0, 225.0
 COLOURS = (
     "#c0392b", "#e67e22", "#2471a3", "#7f8c8d", "#17a589", "#8e44ad", "#34495e", "#b7950b", "#d35400", "#1e8449",
     "#5dade2", "#cb4f9b", "#6e2c00", "#000000", "#839192", "#7d6608", "#f1948a", "#117864",
@@ -144,7 +144,7 @@ def plot(rows: Sequence[Row], yardsticks: Sequence[str]) -> str:
     """Return seconds over boundary disks, both logarithmic, as an SVG: pattern and yardsticks, then exporters."""
     items = list(dict.fromkeys(name for row in rows for name in row["items"]))
     panels = [
-        {"packing": "packing_s", "whole pattern": "build_s"}
+        {"whole pattern": "build_s", "packing": "packing_s"}
         | {name: name for name in items if name in ("verify", *yardsticks)},
         {"whole pattern": "build_s"} | {name: name for name in items if name not in ("verify", *yardsticks)},
     ]
