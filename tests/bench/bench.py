@@ -307,6 +307,7 @@ def main() -> None:
                 "seed": args.seed,
                 "limit_s": args.limit,
                 "took_s": time.perf_counter() - started,
+                "processor_s": sum(os.times()[:4]),
                 "rows": [row for some in rows.values() for row in some],
                 "left_out": left_out,
             }

@@ -46,8 +46,9 @@ def markdown(result: dict[str, Any], stages: Sequence[str], yardsticks: Sequence
     parts = [
         "# Bench",
         f"Python {result['python']} on {result['machine']}, {packages}; seed {result['seed']}; "
-        f"{result['took_s']:.0f} s in all. Seconds are the processor's. Exponents are fitted from {LEAST} boundary "
-        "disks on, and to all rows whose packing is done by simple or by compiled code.",
+        f"{result['took_s']:.0f} s in all, {result['processor_s']:.0f} s of the processor. Seconds below are the "
+        f"processor's. Exponents are fitted from {LEAST} boundary disks on, and to all rows whose packing is done by "
+        "simple or by compiled code.",
         "![Seconds over boundary disks, both logarithmic](bench.svg)",
     ]
     exponents = {}
