@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-scale bench-compact bench-exporters bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -18,21 +18,16 @@ demo: $(VENV)/installed
 test: $(VENV)/installed-test tools
 	$(BIN)/python -m pytest -n 2
 
-## Measure; nothing here can fail for being slow.
-bench: $(VENV)/installed-test
-	$(BIN)/python tests/bench/bench.py
-
-## How the paper's method grows from 1e2 to 1e5 boundary disks, against Delaunay of the same points: out/scale.md.
-bench-scale: $(VENV)/installed-test
-	$(BIN)/python tests/bench/scale.py --out out
+## How packing, whole patterns, verification and exporters grow from 1e2 to LARGEST boundary disks, against what others
+## take: out/bench.md, .json, .svg. Nothing here can fail for being slow; each may take LIMIT seconds or ends there.
+LARGEST ?= 1e5
+LIMIT ?= 12
+bench: $(VENV)/installed-bench
+	$(BIN)/python tests/bench/bench.py --largest $(LARGEST) --limit $(LIMIT) --out out
 
 ## Creases of the default and the paper's method for every sample, and for every shape in the folder SHAPES and below.
 bench-compact: $(VENV)/installed-test
 	$(BIN)/python tests/bench/compact.py $(SHAPES)
-
-## Seconds that each format takes.
-bench-exporters: $(VENV)/installed-test
-	$(BIN)/python tests/bench/exporters.py
 
 ## What is imported, and how long it takes, for --help and for a whole pattern.
 bench-start: $(VENV)/installed-test
@@ -111,6 +106,10 @@ $(VENV)/installed-test: $(VENV)/python-ok pyproject.toml
 
 $(VENV)/installed-fuzz: $(VENV)/python-ok pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[fuzz]'
+	@touch $@
+
+$(VENV)/installed-bench: $(VENV)/python-ok pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@touch $@
 
 $(VENV)/installed-dev: $(VENV)/python-ok pyproject.toml

@@ -1,104 +1,331 @@
-"""Disks, creases, seconds and peak memory for every sample, and how the work grows with the size of the input.
+"""The paper's method, its verification and every exporter on loops of 1e2 to 1e6 boundary disks, against yardsticks.
 
-Run it with ``make bench``, or ``python tests/bench/bench.py [OUT.json]``. Every shape runs in a process of its own, so
-that peak memory is its own; times are wall-clock on whatever machine this is, so compare ratios within one run.
+    python tests/bench/bench.py [--largest 1e5] [--sizes 1e2,1e3] [--kinds star,koch] [--without .step,.stl]
+        [--limit SECONDS] [--seed N] [--out FOLDER]
+
+``make bench``, or ``make bench LARGEST=1e6``. The folder gets bench.json, bench.md (tables) and bench.svg (a log-log
+plot). What the yardsticks are is said in yardsticks.py; those that are not installed (extra ``bench``) are left out.
+
+Each loop is folded in a process of its own, and what is done with the pattern after that, in a copy of the process
+(fork), so that peak memory is its own. Times are the processor's, for the machine may be busy with other things: what
+is done in less than a fifth of a second is done again and again as long. Shape and sheet are made beforehand and not
+timed, nor is the import of what is used, nor the loading of compiled code, which is given by itself. Compare ratios
+within one run.
+
+Patterns are folded up to the largest size. Anything else goes on to the next size as long as it is expected to be done
+within the limit there, by how it grew so far, and in proportion to the disks at least; it is ended after twice the
+limit. Verification has six times as long. The tables end there, and bench.md says why.
 """
 
 from __future__ import annotations
 
+import argparse
+import importlib.util
 import json
 import math
+import os
 import platform
 import resource
+import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from typing import Any
 
-HERE = Path(__file__).parent
-SIZES = (20, 40, 80, 160, 320)
+import numpy as np
+from items import EXPORTERS, VERIFY, Item, Subject
+from loops import LOOPS, loop_of
+from report import markdown, plot
+from yardsticks import YARDSTICKS
+
+import foldcut
+from foldcut import layertree, packing
+from foldcut.assignment import assign_creases
+from foldcut.boundary import boundary_disks
+from foldcut.layers import fold_layers
+from foldcut.model import FoldedPattern
+from foldcut.molecules import build_molecules
+from foldcut.shape import make_shape
+from foldcut.sheet import parse_sheet, place
+from foldcut.tolerance import Tolerance
+
+ITEMS = {item.name: item for item in (VERIFY, *EXPORTERS, *YARDSTICKS)}
+STAGES = ("boundary", "packing", "molecules", "assignment", "layers")
+SHEET = "180x180mm"
+RIBBON = 0.05
+"""Of the shortest edge, and at most 0.25 mm: the half-width of the ribbon, which has to fit the finest features."""
+LIMIT = 12.0
+ENDED = 2.0
+"""In limits: when something that was expected to be done within the limit is ended."""
+LOADING = 15
+"""Seconds that an item may take beside, to import and to prepare."""
+PACKAGES = ("numpy", "scipy", "shapely", "numba", "triangle", "py-straight-skeleton", "shapely-polyskel")
 
 
-def measure(shape: object) -> dict[str, float]:
-    """Fold one shape on A4 and return its numbers."""
-    import foldcut
-    from foldcut.pipeline import PaperStages
+def measure(kind: str, size: int, seed: int, names: list[str], limit: float) -> dict[str, Any]:
+    """Fold a loop of about ``size`` boundary disks, do the items with the pattern, and return the numbers of all."""
+    sheet = parse_sheet(SHEET)
+    shape, placement = place(make_shape([loop_of(kind, size, seed)]), sheet, margin=12.0)
+    corners = shape.loops[0]
+    ribbon = min(0.25, RIBBON * float(np.hypot(*(np.roll(corners, -1, axis=0) - corners).T).min()))
+    tolerance = Tolerance.for_sheet(sheet)
+    small, load = _small(compiled=may_be_compiled(size))
+    seconds: dict[str, float] = {}
 
-    result = foldcut.fold(shape, method="paper")  # type: ignore[arg-type]
-    assert isinstance(result.stages, PaperStages)
-    creases = result.folded_pattern.creases
+    @contextmanager
+    def stage(name: str) -> Iterator[None]:
+        start = time.process_time()
+        yield
+        seconds[name] = time.process_time() - start
+
+    before = peak_bytes()
+    with stage("boundary"):
+        boundary = boundary_disks(shape, sheet, ribbon, tolerance)
+    with stage("packing"):
+        packed = packing.fill_gaps(boundary, tolerance)
+    boundary_count = len(boundary.radii)
+    del boundary
+    with stage("molecules"):
+        molecules = build_molecules(packed, tolerance)
+    with stage("assignment"):
+        assignment = assign_creases(molecules, packed.face_inside)
+    with stage("layers"):
+        creases, folded = fold_layers(molecules, assignment)
+    peak = peak_bytes()
+    del molecules, assignment
+    pattern = FoldedPattern(creases, folded, sheet, shape, placement, f"{kind} of {boundary_count:,} boundary disks")
+    subject = Subject(pattern, packed.centres.copy())
+    disks = len(packed.radii)
+    del packed
+    build = sum(seconds.values())
     return {
-        "boundary_disks": int(result.stages.packing.boundary_count),
-        "disks": len(result.stages.packing.radii),
+        "corners": len(corners),
+        "boundary_disks": boundary_count,
+        "disks": disks,
         "creases": creases.crease_count,
-        "build_s": result.seconds["build"],
-        "verify_s": result.seconds["verify"],
-        "verify_to_build": result.seconds["verify"] / result.seconds["build"],
-        "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        "verified": result.verified,
+        "faces": subject.faces,
+        "compiled": boundary_count >= packing.MANY_DISKS and may_be_compiled(size),
+        **{f"{name}_s": seconds[name] for name in STAGES},
+        "build_s": build,
+        "load_s": load,
+        "peak_mb": peak / 1e6,
+        "kb_a_disk": (peak - before) / 1e3 / disks if peak > before else None,
+        "items": {name: in_a_copy(ITEMS[name], subject, small, limit) for name in names},
     }
 
 
-def wavy_disc(corners: int) -> list[tuple[float, float]]:
-    """A gear with rounded-off random teeth: its number of boundary disks grows with its corners."""
-    points = []
-    for k in range(corners):
-        radius = 1.0 + 0.6 * math.pi / corners * (1 if k % 2 else -1) * (1 + 0.3 * math.sin(7.0 * k))
-        points.append((radius * math.cos(2 * math.pi * k / corners), radius * math.sin(2 * math.pi * k / corners)))
-    return points
+def may_be_compiled(size: int) -> bool:
+    """Whether a loop of about this size may be packed by compiled code."""
+    return 2 * size >= packing.MANY_DISKS and importlib.util.find_spec("numba") is not None
 
 
-def in_own_process(what: str) -> dict[str, float]:
-    """Measure a sample's name, or "wavy:N", in a new interpreter."""
-    run = subprocess.run([sys.executable, __file__, "--one", what], capture_output=True, text=True, check=True)
-    return json.loads(run.stdout)
+def _small(*, compiled: bool) -> tuple[Subject, float]:
+    """Return a pattern of few creases, with all loaded that folding takes, and what loading compiled code took."""
+    triangle = [[(0, 0), (3, 0), (0, 2)]]
+
+    def by_the_paper() -> foldcut.Result:
+        return foldcut.fold(triangle, SHEET, method="paper", min_crease=0)
+
+    by_the_paper()
+    load = 0.0
+    if compiled:
+        kept = packing.MANY_DISKS, layertree.MANY_QUERIES
+        packing.MANY_DISKS = layertree.MANY_QUERIES = 0
+        load = timed(by_the_paper, runs=1)[0] - timed(by_the_paper, runs=1)[0]
+        packing.MANY_DISKS, layertree.MANY_QUERIES = kept
+    pattern = foldcut.fold(triangle, SHEET, method="compact", effort="fast", min_crease=0).folded_pattern
+    return Subject(pattern, np.random.default_rng(0).random((100, 2))), load
 
 
-def exponent(rows: list[dict[str, float]]) -> float:
-    """The slope of log(build seconds) over log(boundary disks) between 100 and 1,000 disks, by least squares."""
-    used = [row for row in rows if 90 <= row["boundary_disks"] <= 1300]
-    x = [math.log(row["boundary_disks"]) for row in used]
-    y = [math.log(row["build_s"]) for row in used]
-    mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
-    return sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y, strict=True)) / sum((a - mean_x) ** 2 for a in x)
-
-
-def main(argv: list[str]) -> None:
-    if argv[:1] == ["--one"]:
-        from foldcut.samples import sample_path
-
-        what = argv[1]
-        shape = [wavy_disc(int(what[5:]))] if what.startswith("wavy:") else sample_path(what)
-        print(json.dumps(measure(shape)))
-        return
-    from foldcut.samples import sample_names
-
-    started = time.perf_counter()
-    report: dict[str, object] = {"python": platform.python_version(), "machine": platform.machine()}
-    columns = ("boundary_disks", "disks", "creases", "build_s", "verify_s", "verify_to_build", "peak_mb")
-    print(f"{'shape':<16}" + "".join(f"{name:>16}" for name in columns))
-
-    def row(name: str, what: str) -> dict[str, float]:
-        numbers = in_own_process(what)
-        cells = "".join(
-            f"{numbers[c]:>16.2f}" if isinstance(numbers[c], float) else f"{numbers[c]:>16}" for c in columns
-        )
-        print(f"{name:<16}{cells}{'' if numbers['verified'] else '  NOT VERIFIED'}", flush=True)
-        return numbers
-
-    samples = {}
-    for name in sample_names():
+def in_a_copy(item: Item, subject: Subject, small: Subject, limit: float) -> dict[str, Any]:
+    """Do an item in a copy of this process: its seconds and memory, and what else it says; or "failed" and why."""
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        os.close(read)
         try:
-            samples[name] = row(name, name)
-        except subprocess.CalledProcessError as error:
-            print(f"{name:<16}  refused: {error.stderr.strip().splitlines()[-1][:90]}")
-    growth = [row(f"gear of {n}", f"wavy:{n}") for n in SIZES]
-    report |= {"samples": samples, "growth": growth, "build_exponent": exponent(growth)}
-    print(f"build time grows as boundary disks to the power {report['build_exponent']:.2f}")
-    print(f"done in {time.perf_counter() - started:.0f} s")
-    if argv:
-        Path(argv[0]).write_text(json.dumps(report, indent=1) + "\n")
+            said = json.dumps(_do(item, subject, small, limit))
+        except BaseException as error:
+            said = json.dumps({"failed": f"{type(error).__name__}: {error}".splitlines()[0][:200]})
+        with os.fdopen(write, "w") as pipe:
+            pipe.write(said)
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        said = pipe.read()
+    _, status, used = os.wait4(child, 0)
+    if said:
+        numbers: dict[str, Any] = json.loads(said)
+        return numbers
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGXCPU:
+        return {"failed": f"ended after {used.ru_utime + used.ru_stime:.0f} s"}
+    return {"failed": f"ended with status {status}"}
+
+
+def _do(item: Item, subject: Subject, small: Subject, limit: float) -> dict[str, Any]:
+    if math.isfinite(item.limit):
+        most = math.ceil(ENDED * item.limit * limit) + LOADING
+        resource.setrlimit(resource.RLIMIT_CPU, (most, most + 5))
+    item.prepare(small)()
+    before = peak_bytes()
+    seconds, result = timed(item.prepare(subject))
+    peak = peak_bytes()
+    return {"s": seconds, "peak_mb": peak / 1e6, "added_mb": (peak - before) / 1e6, **item.numbers(result)}
+
+
+def timed(do: Callable[[], Any], runs: int = 100) -> tuple[float, Any]:
+    """Return the seconds of the processor that something takes, the mean of the runs in a fifth of a second."""
+    start, spent, done = time.process_time(), 0.0, 0
+    while done < runs and spent < 0.2:
+        result = do()
+        spent, done = time.process_time() - start, done + 1
+    return spent / done, result
+
+
+def peak_bytes() -> int:
+    """Return this process's greatest memory so far."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def expected(rows: list[dict[str, Any]], name: str, size: int) -> float | None:
+    """Return what an item is going to take for ``size`` disks, by how it grew so far; None: nothing is known yet."""
+    known = [(row["size"], row["items"][name]["s"]) for row in rows if "s" in row["items"].get(name, {})]
+    if not known:
+        return None
+    power = 1.0
+    if len(known) > 1:
+        (n0, s0), (n1, s1) = known[-2:]
+        power = min(max(math.log(s1 / s0) / math.log(n1 / n0), 1.0), 2.5)
+    last, took = known[-1]
+    return float(took * (size / last) ** power)
+
+
+def choose(
+    rows: list[dict[str, Any]], size: int, wanted: list[str], limit: float, left_out: dict[str, str]
+) -> list[str]:
+    """Return the items for the next size, and note why an item is left out from there on."""
+    chosen = []
+    for name in wanted:
+        if name in left_out:
+            continue
+        last = rows[-1]["items"].get(name, {}) if rows else {}
+        seconds = expected(rows, name, size)
+        if "failed" in last:
+            left_out[name] = f"{last['failed']}, at {rows[-1]['boundary_disks']:,} boundary disks"
+        elif seconds is not None and seconds > ITEMS[name].limit * limit:
+            left_out[name] = (
+                f"{last['s']:.2g} s at {rows[-1]['boundary_disks']:,} boundary disks; "
+                f"some {seconds:.1f} s expected at {size:,}, more than {ITEMS[name].limit * limit:g} s"
+            )
+        else:
+            chosen.append(name)
+    return chosen
+
+
+def sizes_up_to(largest: float) -> list[int]:
+    """Return 100, 300, 1,000, 3,000 and so on."""
+    return [size for power in range(2, 10) for size in (10**power, 3 * 10**power) if size <= largest]
+
+
+def run(kind: str, size: int, names: list[str], args: argparse.Namespace) -> dict[str, Any] | None:
+    """Measure a loop in a new process; None: it failed."""
+    command = [sys.executable, __file__, "--one", kind, str(size), ",".join(names)]
+    command += ["--seed", str(args.seed), "--limit", str(args.limit)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    if done.returncode:
+        said = done.stderr.strip().splitlines()
+        print(f"{kind} {size}: {said[-1] if said else f'status {done.returncode}'}", flush=True)
+        return None
+    return {"kind": kind, "size": size, **json.loads(done.stdout)}
+
+
+def installed(package: str) -> str | None:
+    """Return a package's version."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def main() -> None:
+    """Print a line for each loop, and write the three files."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--largest", type=float, default=1e5, help="boundary disks of the largest loops (1e5)")
+    parser.add_argument("--sizes", help="these sizes instead of 1e2, 3e2, 1e3, ...")
+    parser.add_argument("--kinds", default=",".join(LOOPS))
+    parser.add_argument("--without", default="", help=f"leave these out, with commas: {', '.join(ITEMS)}")
+    parser.add_argument("--limit", type=float, default=LIMIT, help=f"seconds that an item may take ({LIMIT:g})")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("out"))
+    parser.add_argument("--one", nargs=3, help=argparse.SUPPRESS)
+    parser.add_argument("--load", action="store_true", help=argparse.SUPPRESS)
+    args = parser.parse_args()
+    if args.load:
+        _small(compiled=True)
+        return
+    if args.one:
+        kind, size, names = args.one
+        names = names.split(",") if names else []
+        print(json.dumps(measure(kind, int(size), args.seed, names, args.limit)))
+        return
+    started = time.perf_counter()
+    sizes = [round(float(size)) for size in args.sizes.split(",")] if args.sizes else sizes_up_to(args.largest)
+    without = args.without.split(",") if args.without else []
+    if unknown := set(without) - set(ITEMS):
+        parser.error(f"unknown: {', '.join(unknown)}; known: {', '.join(ITEMS)}")
+    wanted = [name for name in ITEMS if name not in without]
+    missing = [name for name in wanted if (needs := ITEMS[name].needs) and not importlib.util.find_spec(needs)]
+    for name in missing:
+        print(f"{name} is not installed and left out: pip install '.[bench]'", flush=True)
+    if may_be_compiled(max(sizes)):  # the first use on a machine compiles, which is not what is measured
+        subprocess.run([sys.executable, __file__, "--load"], check=True)
+    kinds = args.kinds.split(",")
+    rows: dict[str, list[dict[str, Any]]] = {kind: [] for kind in kinds}
+    left_out = {kind: dict.fromkeys(missing, "not installed: extra bench") for kind in kinds}
+    for size in sizes:
+        for kind in list(kinds):
+            row = run(kind, size, choose(rows[kind], size, wanted, args.limit, left_out[kind]), args)
+            if row is None:
+                kinds.remove(kind)
+                continue
+            rows[kind].append(row)
+            print(
+                f"{kind}  {row['boundary_disks']:,} boundary disks  {row['creases']:,} creases  "
+                f"build {row['build_s']:.3g} s  "
+                + "  ".join(f"{name} {item['s']:.3g} s" for name, item in row["items"].items() if "s" in item)
+                + "".join(f"  {name}: {item['failed']}" for name, item in row["items"].items() if "failed" in item),
+                flush=True,
+            )
+            result = {
+                "python": platform.python_version(),
+                "machine": platform.machine(),
+                "packages": {name: installed(name) for name in PACKAGES},
+                "seed": args.seed,
+                "limit_s": args.limit,
+                "took_s": time.perf_counter() - started,
+                "processor_s": sum(os.times()[:4]),
+                "rows": [row for some in rows.values() for row in some],
+                "left_out": left_out,
+            }
+            write(result, args.out)
+    if kinds != args.kinds.split(","):
+        sys.exit("not all loops could be measured")
+    print(f"{args.out / 'bench.md'}, .json, .svg; {time.perf_counter() - started:.0f} s")
+
+
+def write(result: dict[str, Any], folder: Path) -> None:
+    """Write the three files, after every loop, so that an end before the end leaves what there is."""
+    yardsticks = [item.name for item in YARDSTICKS]
+    text, exponents = markdown(result, [f"{name}_s" for name in STAGES], yardsticks)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "bench.json").write_text(json.dumps(result | {"exponents": exponents}, indent=1) + "\n")
+    (folder / "bench.md").write_text(text)
+    (folder / "bench.svg").write_text(plot(result["rows"], yardsticks))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()
