@@ -1129,8 +1129,8 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
         choices=METHODS,
         default=DEFAULT_METHOD,
         help="mirror: fold the drawing's mirror axes first, the rest through two or four layers; compact: one loop, "
-        "few creases; skeleton: any loops, few creases, but not all drawings (extra: skeleton); auto: of these, what is "
-        "easiest to fold, or else gate or paper; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
+        "few creases; skeleton: any loops, few creases, but not all drawings (extra: skeleton); auto: of these, what "
+        "is easiest to fold, or else gate or paper; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
         "thousands of creases; gate: the same for several loops (default: %(default)s)",
     )
     make.add_argument(
