@@ -58,14 +58,14 @@ examples:
   foldcut make logo.svg --layer Cut --flatten 0.2mm
   foldcut make part.dxf --layer OUTLINE --join 0.2mm
   cat fish.svg | foldcut make - --from svg -o fish.fold
-  foldcut make --text A --font DejaVuSans-Bold.ttf
+  foldcut make --text A --font MyFont.ttf
   foldcut make photo.png --threshold 0.4 --simplify 1mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
   foldcut make logo.svg --width 80mm --sheet 100x150mm
   foldcut make fish -o fish.fold --json > report.json
   foldcut make swan --effort best --seconds 60
   foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
-  foldcut make fish --method paper --ribbon 0.5mm
+  foldcut make fish --method paper --ribbon 0.4mm
   foldcut make fish --profile laser-dxf --material card-160g --treatment perforate
   foldcut make swan --sheet a2 --profile printer-a4 --tile
   foldcut make fish --profile laser-dxf --two-sided --registration pins -o fish.zip
@@ -420,7 +420,10 @@ def _batch(args: argparse.Namespace) -> int:
     counts = ", ".join(f"{count} {status}" for status, count in batch.counts.items())
     before = f"; {batch.resumed} were done before" if batch.resumed else ""
     lines = [f"{len(batch.rows)} drawing{'s' * (len(batch.rows) != 1)}: {counts}{before}"]
-    lines += [f"  {row['status']:<10} {row['file']}: {_cut_short(row['error'])}" for row in failed[:MOST_FAILURES]]
+    lines += [
+        f"  {row['status']:<10} {row['file']}: {_cut_short(row['error'].removeprefix(row['file'] + ': '))}"
+        for row in failed[:MOST_FAILURES]
+    ]
     lines += [f"  and {len(failed) - MOST_FAILURES} more, see {out / RESULTS}"] if len(failed) > MOST_FAILURES else []
     lines += [f"  written    {path}" for path in batch.written]
     if args.json or not args.quiet:
