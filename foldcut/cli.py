@@ -234,7 +234,10 @@ def _make(args: argparse.Namespace) -> int:
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
     stem = _stem(source)
     targets = [target for path in outputs for target in _targets(path, stem, profile, args)]
-    targets += [Path(args.preview)] if args.preview else []
+    if args.preview:
+        if Path(args.preview).suffix.lower() != ".svg":
+            raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
+        targets.append(Path(args.preview))
     check_targets(targets, replace=args.force)
 
     result = _folded(source, args)
@@ -502,7 +505,7 @@ def _samples(args: argparse.Namespace) -> int:
 def _source(args: argparse.Namespace) -> Path:
     """Return the path of the drawing, that of standard input, or for a text a name that no file has to have."""
     text = getattr(args, "text", None)
-    if (text is None) == (args.shape is None):
+    if (text is None) == (not args.shape):
         raise BadInputError(f"give a SHAPE or a --text, {'one of them' if text is None else 'not both'}")
     if text is not None:
         return Path("".join(letter for letter in text if letter.isalnum())[:40] or "text")

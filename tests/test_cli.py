@@ -200,6 +200,8 @@ BAD_INPUT = {
     "--two-sided goes with a machine": ["make", "box.json", "--two-sided"],
     "--tile is for a machine, and plain is none": ["make", "box.json", "--profile", "plain", "--tile"],
     "own.svg is a file, and a batch is written into a folder": ["batch", "box.json", "-o", "own.svg"],
+    "a preview is SVG": ["make", "box.json", "--preview", "p.txt"],
+    "give a SHAPE or a --text, one of them": ["make", ""],
     "required: COMMAND": [],
     "broken.json: ": ["make", "broken.json"],
     "broken.fold: ": ["check", "broken.fold"],
