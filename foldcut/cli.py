@@ -149,7 +149,9 @@ class _TimedOut(BaseException):
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that raises where argparse would print its usage and exit."""
+    """A parser that raises where argparse would print its usage and exit; ``commands`` are the names it has."""
+
+    commands: tuple[str, ...] = ()
 
     def error(self, message: str) -> NoReturn:
         raise BadInputError(f"{message}; see {self.prog} --help")
@@ -190,12 +192,18 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _parsed(argv: Sequence[str]) -> argparse.Namespace:
     """Return what the arguments say; raises BadInputError for what no option is, with the nearest that is."""
-    args, unknown = _parser().parse_known_args(_with_joined_values(argv))
+    parser = _parser()
+    if argv and argv[0][:1] != "-" and argv[0] not in parser.commands:
+        of_all = f"choose one of {', '.join(parser.commands)}, such as foldcut make {argv[0]}"
+        raise BadInputError(f"there is no command {argv[0]!r}; {_nearest(argv[0], parser.commands) or of_all}")
+    args, unknown = parser.parse_known_args(_with_joined_values(argv))
     if unknown:
         command: argparse.ArgumentParser = args.parser
         known = [option for action in command._actions for option in action.option_strings]
         nearest = _nearest(unknown[0].partition("=")[0], known) if unknown[0].startswith("--") else ""
         remedy = nearest or f"see {command.prog} --help"
+        if hasattr(args, "shape") and unknown[0][:1] != "-":
+            remedy = "give one drawing, or all to foldcut batch"
         raise BadInputError(f"unrecognized arguments: {' '.join(unknown)}; {remedy}")
     return args
 
@@ -877,6 +885,7 @@ def _parser() -> _Parser:
     _add_coupon(commands)
     _add_profiles(commands)
     _add_samples(commands)
+    parser.commands = tuple(commands.choices)
     return parser
 
 
