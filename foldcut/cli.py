@@ -14,7 +14,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -451,6 +451,8 @@ def _cut_short(text: str) -> str:
 
 def _serve(args: argparse.Namespace) -> int:
     """Serve the web page until Ctrl-C."""
+    import socket
+
     try:
         import uvicorn
 
@@ -459,21 +461,25 @@ def _serve(args: argparse.Namespace) -> int:
         raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
     if not 0 < args.port < 65536:
         raise BadInputError(f"--port {args.port} is none; give one from 1 to 65535")
+    if not 0 < args.job_seconds < 1e8:
+        raise BadInputError(f"--job-seconds is {args.job_seconds:g}; give a positive number")
     name = f"[{args.host}]" if ":" in args.host else args.host
     own = Settings().hosts
     everywhere = args.host in ("0.0.0.0", "::")
     settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if everywhere else (*own, name))
-    print(f"http://{name}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
-    if name not in own:
-        print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
-    uvicorn.run(
-        make_app(settings),
-        host=args.host,
-        port=args.port,
-        log_level="warning",
-        server_header=False,
-        limit_concurrency=200,
-    )
+    config = uvicorn.Config(make_app(settings), log_level="warning", server_header=False, limit_concurrency=200)
+    family = socket.AF_INET6 if ":" in args.host else socket.AF_INET
+    try:
+        listening = socket.create_server((args.host, args.port), family=family)
+    except OSError as error:
+        what = (error.strerror or str(error)).partition(" (while")[0]
+        raise BadInputError(f"cannot listen at {name}:{args.port}: {what}; give another --port or --host") from None
+    with listening:
+        print(f"http://{name}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
+        if name not in own:
+            print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
+        with suppress(KeyboardInterrupt):
+            uvicorn.Server(config).run(sockets=[listening])
     return DONE
 
 
