@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from foldcut.foldability import PAPER_MM, crease_numbers, foldability
+from foldcut.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.model import CreasePattern, Finding, Sheet
 from foldcut.verify import CHECKS
 
@@ -125,8 +125,8 @@ def make_lines(report: Report) -> list[str]:
         *_pattern_rows(report),
         (
             "layers",
-            f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of {report['paper']}; "
-            f"{report['layers_at_cut']} to cut through",
+            f"{report['layers']} at the thickest place, about {thickness(report['thickness_mm'])} of "
+            f"{report['paper']}; {report['layers_at_cut']} to cut through",
         ),
         ("time", f"{seconds.get('build', 0):.2f} s to build, {seconds.get('verify', 0):.2f} s to verify"),
         *[("note", note) for note in report["notes"]],
