@@ -998,8 +998,8 @@ def _add_machine(make: argparse.ArgumentParser) -> None:
         "--marks",
         metavar="NAME,...",
         help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what is seen of the "
-        "outline when folded), numbers (the order to press creases), title, ruler; or none "
-        "(default: outline,first-folds)",
+        "outline when folded), numbers (the order to press creases), title, ruler (PDF has both anyway); "
+        "or none (default: outline,first-folds)",
     )
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
