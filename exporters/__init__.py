@@ -61,7 +61,8 @@ def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile |
     if suffix.lower() in JOB_EXPORTERS:
         raise FileFormatError(f"{suffix} files are for a machine: name it with --profile; see foldcut profiles")
     what = f"foldcut cannot write {suffix} files" if suffix else "an output file needs an ending that names its format"
-    raise FileFormatError(f"{what}; use one of {', '.join(known)}")
+    machines = "" if machine else f"; for a machine, with --profile, {', '.join(JOB_EXPORTERS)}"
+    raise FileFormatError(f"{what}; use one of {', '.join(known)}{machines}")
 
 
 def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) -> bytes:

@@ -19,6 +19,13 @@ README = "README.txt"
 OURS = "foldcut"
 """What our README begins with."""
 
+WHAT = {
+    "svg": "the pattern, at true size",
+    "fold": "the pattern for origami programs and for foldcut view, draw, guide and check",
+    "png": "a picture of it",
+}
+"""What files without a job are, by their endings."""
+
 
 def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None) -> bytes:
     """Return the text that says what each file is, in the order to load them, and how to go on.
@@ -32,10 +39,11 @@ def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Pro
         "",
         f"Sheet: {number(sheet.width)} x {number(sheet.height)} mm",
         "",
-        "Files, in the order to use them:",
+        "Files, in the order to use them:" if jobs else "Files:",
     ]
     for place, (name, job) in enumerate(files.items(), start=1):
         what = f": {job.side} of the sheet" if job and job.side != "both" else ""
+        what = f": {WHAT[ending]}" if job is None and (ending := name.rpartition(".")[2]) in WHAT else what
         turned = ", which lies a quarter turn to the left" if job and job.turned else ""
         lines.append(f"  {place}. {name}{what}{turned}")
     for job in jobs:

@@ -56,7 +56,9 @@ def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
     """Return what to do from the flat sheet to the shape cut out."""
     numbers = foldability(pattern)
     advice = [f"{numbers.layers_at_cut} layers will lie on the cut, {numbers.layers} at the thickest place"]
-    advice += [f"the shortest crease is {numbers.shortest_crease_mm:.1f} mm long"] if numbers.shortest_crease_mm else []
+    told = any(warning.startswith("the shortest crease") for warning in numbers.warnings)
+    if numbers.shortest_crease_mm and not told:
+        advice.append(f"the shortest crease is {numbers.shortest_crease_mm:.1f} mm long")
     text = f"Print or score the pattern in true size, on a sheet of {pattern.sheet}. For office paper: "
     made = [
         Instruction("The sheet", text + "; ".join([*advice, *numbers.warnings]) + ".", pictures.creases(pattern, look))

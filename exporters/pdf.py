@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -145,13 +146,17 @@ def _legend(canvas: Canvas, job: Job, profile: Profile) -> None:
     x, y = page.margin_mm + 2, page.margin_mm + 2 + 3 * look.text_mm
     canvas.setFont("Helvetica", look.text_mm * mm)
     canvas.setFillColor(look.legend_colour)
+    roles = Counter(step.role for step in job.steps)
     for step in reversed(job.steps):
+        alone = roles[step.role] == 1  # on a test card each row has an operation of its own
         canvas.setStrokeColor(step.operation.colour)
         canvas.setLineWidth(look.crease_stroke_mm * mm)
-        for start, end in pieces.get(step.role, sample[None]).tolist():
+        for start, end in (pieces.get(step.role, sample[None]) if alone else sample[None]).tolist():
             height = y + 0.35 * look.text_mm
             canvas.line((x + start[0]) * mm, height * mm, (x + end[0]) * mm, height * mm)
-        canvas.drawString((x + look.sample_mm + 2) * mm, y * mm, MEANING[step.role])
+        canvas.drawString(
+            (x + look.sample_mm + 2) * mm, y * mm, MEANING[step.role] if alone else printable(step.operation.layer)
+        )
         y += 1.6 * look.text_mm
     canvas.drawString(x * mm, y * mm, printable(job.title))
 

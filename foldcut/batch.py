@@ -115,6 +115,8 @@ def run_batch(
     arrow = _extra("pyarrow") if parquet else None
     dask = _extra("distributed") if cluster else None
     items = find_drawings(inputs, out)
+    if out.exists() and not out.is_dir():
+        raise OutputError(f"{out} is a file, and a batch is written into a folder; give another name")
     out.mkdir(parents=True, exist_ok=True)
     if not (out / JOURNAL).exists() or not (out / JOURNAL).stat().st_size:
         _check_free(out, items, recipe, [f"{CONTACT_SHEET}{sheet}", RESULTS], replace=replace)

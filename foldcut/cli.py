@@ -1,4 +1,4 @@
-"""The command line: ``foldcut make``, ``view``, ``batch``, ``check``, ``coupon``, ``profiles``, ``samples``.
+"""The command line: ``foldcut make`` and the other commands of ``foldcut --help``.
 
 Only this module prints: reports on stdout, progress and one-line errors on stderr. It exits with 0 when the
 pattern was made and verified, 1 when there is none or it is not verified, 2 when the input is at fault, 130
@@ -14,7 +14,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from foldcut.reopen import Reopened
 
 DONE, FAILED, BAD_INPUT = 0, 1, 2
-FOLD = ".fold"
+FOLD, CREASES = ".fold", "-creases"  # the ending of patterns, and what stands before it in names made here
 ANY_LASER = "laser-dxf"  # whom a DXF is for when nobody is named
 MOST_FAILURES, MOST_LETTERS = 10, 120  # of a batch: how many are listed, and how much of each error
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
@@ -58,22 +58,22 @@ examples:
   foldcut make logo.svg --layer Cut --flatten 0.2mm
   foldcut make part.dxf --layer OUTLINE --join 0.2mm
   cat fish.svg | foldcut make - --from svg -o fish.fold
-  foldcut make --text A --font DejaVuSans-Bold.ttf
+  foldcut make --text A --font MyFont.ttf
   foldcut make photo.png --threshold 0.4 --simplify 1mm
   foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
   foldcut make logo.svg --width 80mm --sheet 100x150mm
   foldcut make fish -o fish.fold --json > report.json
   foldcut make swan --effort best --seconds 60
   foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
-  foldcut make fish --method paper --ribbon 0.5mm
+  foldcut make fish --method paper --ribbon 0.4mm
   foldcut make fish --profile laser-dxf --material card-160g --treatment perforate
   foldcut make swan --sheet a2 --profile printer-a4 --tile
   foldcut make fish --profile laser-dxf --two-sided --registration pins -o fish.zip
   foldcut make fish --profile axidraw-a4 --marks outline,numbers,title
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
 
-Without -o it writes NAME-creases.svg and NAME-creases.fold into the current folder, or with --profile
-NAME-PROFILE with the ending of the machine's format.
+Without -o it writes NAME-creases.svg and, unless SHAPE is a .fold, NAME-creases.fold into the current folder, or with
+--profile NAME-PROFILE with the ending of the machine's format.
 Existing files are replaced only with --force. Ctrl-C during the search goes on with the best pattern found so far.
 """
 
@@ -149,7 +149,9 @@ class _TimedOut(BaseException):
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that raises where argparse would print its usage and exit."""
+    """A parser that raises where argparse would print its usage and exit; ``commands`` are the names it has."""
+
+    commands: tuple[str, ...] = ()
 
     def error(self, message: str) -> NoReturn:
         raise BadInputError(f"{message}; see {self.prog} --help")
@@ -165,7 +167,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")  # a title that the terminal has no letters for
     try:
         with _sigterm_raises():
-            args = _parser().parse_args(_with_joined_offset(argv))
+            args = _parsed(argv)
             with _time_limit(getattr(args, "timeout", None)):
                 status: int = args.run(args)
             sys.stdout.flush()
@@ -188,6 +190,31 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(error, f"terminated; {_notes(error)}no file is half-written", TERMINATED, as_json)
 
 
+def _parsed(argv: Sequence[str]) -> argparse.Namespace:
+    """Return what the arguments say; raises BadInputError for what no option is, with the nearest that is."""
+    parser = _parser()
+    if argv and argv[0][:1] != "-" and argv[0] not in parser.commands:
+        of_all = f"choose one of {', '.join(parser.commands)}, such as foldcut make {argv[0]}"
+        raise BadInputError(f"there is no command {argv[0]!r}; {_nearest(argv[0], parser.commands) or of_all}")
+    args, unknown = parser.parse_known_args(_with_joined_values(argv))
+    if unknown:
+        command: argparse.ArgumentParser = args.parser
+        known = [option for action in command._actions for option in action.option_strings]
+        nearest = _nearest(unknown[0].partition("=")[0], known) if unknown[0].startswith("--") else ""
+        remedy = nearest or f"see {command.prog} --help"
+        if hasattr(args, "shape") and unknown[0][:1] != "-":
+            remedy = "give one drawing, or all to foldcut batch"
+        raise BadInputError(f"unrecognized arguments: {' '.join(unknown)}; {remedy}")
+    return args
+
+
+def _nearest(name: str, known: Sequence[str], what: str = "") -> str:
+    """Return a question after the known name that is most like this one; an empty text if none is."""
+    from difflib import get_close_matches
+
+    return "".join(f"did you mean {what}{match}?" for match in get_close_matches(name, known, n=1))
+
+
 def _notes(error: BaseException) -> str:
     """Return what was noted about an interruption on its way."""
     return "".join(f"{note}; " for note in getattr(error, "__notes__", ()))
@@ -205,6 +232,9 @@ def _make(args: argparse.Namespace) -> int:
         args.profile = ANY_LASER
     profile = None if args.profile is None else load_profile(args.profile, args.set)
     names = [f"{_stem(source)}.html"] if args.command == "view" else _default_outputs(source, args.profile, profile)
+    for out in args.output or ():
+        if out.endswith(("/", os.sep)) and not Path(out).is_dir():
+            raise BadInputError(f"cannot write into {out}: there is no such folder; create it first")
     outputs = [Path(out) for out in args.output or names]
     _check_machine(args, profile, outputs)
     for path in outputs:
@@ -212,7 +242,10 @@ def _make(args: argparse.Namespace) -> int:
             raise BadInputError(f"{path} is the drawing itself; give the output another name")
     stem = _stem(source)
     targets = [target for path in outputs for target in _targets(path, stem, profile, args)]
-    targets += [Path(args.preview)] if args.preview else []
+    if args.preview:
+        if Path(args.preview).suffix.lower() != ".svg":
+            raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
+        targets.append(Path(args.preview))
     check_targets(targets, replace=args.force)
 
     result = _folded(source, args)
@@ -397,8 +430,11 @@ def _batch(args: argparse.Namespace) -> int:
     failed = [row for row in batch.rows if row["status"] != MADE]
     counts = ", ".join(f"{count} {status}" for status, count in batch.counts.items())
     before = f"; {batch.resumed} were done before" if batch.resumed else ""
-    lines = [f"{len(batch.rows)} drawings: {counts}{before}"]
-    lines += [f"  {row['status']:<10} {row['file']}: {_cut_short(row['error'])}" for row in failed[:MOST_FAILURES]]
+    lines = [f"{len(batch.rows)} drawing{'s' * (len(batch.rows) != 1)}: {counts}{before}"]
+    lines += [
+        f"  {row['status']:<10} {row['file']}: {_cut_short(row['error'].removeprefix(row['file'] + ': '))}"
+        for row in failed[:MOST_FAILURES]
+    ]
     lines += [f"  and {len(failed) - MOST_FAILURES} more, see {out / RESULTS}"] if len(failed) > MOST_FAILURES else []
     lines += [f"  written    {path}" for path in batch.written]
     if args.json or not args.quiet:
@@ -415,6 +451,8 @@ def _cut_short(text: str) -> str:
 
 def _serve(args: argparse.Namespace) -> int:
     """Serve the web page until Ctrl-C."""
+    import socket
+
     try:
         import uvicorn
 
@@ -423,21 +461,25 @@ def _serve(args: argparse.Namespace) -> int:
         raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
     if not 0 < args.port < 65536:
         raise BadInputError(f"--port {args.port} is none; give one from 1 to 65535")
+    if not 0 < args.job_seconds < 1e8:
+        raise BadInputError(f"--job-seconds is {args.job_seconds:g}; give a positive number")
     name = f"[{args.host}]" if ":" in args.host else args.host
     own = Settings().hosts
     everywhere = args.host in ("0.0.0.0", "::")
     settings = Settings(job_seconds=args.job_seconds, hosts=("*",) if everywhere else (*own, name))
-    print(f"http://{name}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
-    if name not in own:
-        print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
-    uvicorn.run(
-        make_app(settings),
-        host=args.host,
-        port=args.port,
-        log_level="warning",
-        server_header=False,
-        limit_concurrency=200,
-    )
+    config = uvicorn.Config(make_app(settings), log_level="warning", server_header=False, limit_concurrency=200)
+    family = socket.AF_INET6 if ":" in args.host else socket.AF_INET
+    try:
+        listening = socket.create_server((args.host, args.port), family=family)
+    except OSError as error:
+        what = (error.strerror or str(error)).partition(" (while")[0]
+        raise BadInputError(f"cannot listen at {name}:{args.port}: {what}; give another --port or --host") from None
+    with listening:
+        print(f"http://{name}:{args.port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
+        if name not in own:
+            print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)
+        with suppress(KeyboardInterrupt):
+            uvicorn.Server(config).run(sockets=[listening])
     return DONE
 
 
@@ -477,7 +519,7 @@ def _samples(args: argparse.Namespace) -> int:
 def _source(args: argparse.Namespace) -> Path:
     """Return the path of the drawing, that of standard input, or for a text a name that no file has to have."""
     text = getattr(args, "text", None)
-    if (text is None) == (args.shape is None):
+    if (text is None) == (not args.shape):
         raise BadInputError(f"give a SHAPE or a --text, {'one of them' if text is None else 'not both'}")
     if text is not None:
         return Path("".join(letter for letter in text if letter.isalnum())[:40] or "text")
@@ -496,8 +538,9 @@ def _drawing(args: argparse.Namespace, source: Path) -> Drawing:
 
 
 def _stem(source: Path) -> str:
-    """Return what files are called after a drawing."""
-    return "drawing" if str(source) == "-" else source.stem
+    """Return what files are called after a drawing, or after a pattern that ``foldcut make`` named after one."""
+    stem = source.stem.removesuffix(CREASES) if source.suffix.lower() == FOLD else source.stem
+    return "drawing" if str(source) == "-" else stem or source.stem
 
 
 def _read_options(args: argparse.Namespace) -> ReadOptions:
@@ -526,8 +569,10 @@ def _shape_path(name: str) -> Path:
         return path
     if name in sample_names():
         return sample_path(name)
-    what = "is a folder" if path.is_dir() else "there is no such file"
-    raise BadInputError(f"{name}: {what}; give a drawing or one of the samples {', '.join(sample_names())}")
+    if path.is_dir():
+        raise BadInputError(f"{name}: is a folder; give a drawing, or all in it to foldcut batch")
+    remedy = "give a drawing or one of the samples, which foldcut samples lists"
+    raise BadInputError(f"{name}: there is no such file; {_nearest(name, sample_names(), 'the sample ') or remedy}")
 
 
 def _contents(
@@ -611,18 +656,17 @@ def _check_machine(args: argparse.Namespace, profile: Profile | None, outputs: S
     from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
     from foldcut.sheet import parse_sheet
 
-    job_options = args.material or args.treatment or args.two_sided or args.registration or args.marks or args.tile
     machine = profile if profile is not None and profile.operations else None
-    if (profile is None and args.set) or (machine is None and job_options):
-        what = (
-            "--set"
-            if args.set and not job_options
-            else "--material, --treatment, --two-sided, --registration, --marks and --tile"
-        )
-        verb = (
-            f"are for a machine, and {args.profile} is none" if profile else "go with a machine: name it with --profile"
-        )
-        raise BadInputError(f"{what} {verb}; see foldcut profiles")
+    of_jobs = ("material", "treatment", "two_sided", "registration", "marks", "tile")
+    of_machines = (*(() if profile else ("set",)), *(() if machine else of_jobs))
+    given = [f"--{name.replace('_', '-')}" for name in of_machines if getattr(args, name)]
+    if given:
+        one = len(given) == 1
+        if profile is None:
+            what = f"{'goes' if one else 'go'} with a machine: name it with --profile"
+        else:
+            what = f"{'is' if one else 'are'} for a machine, and {args.profile} is none"
+        raise BadInputError(f"{' and '.join(given)} {what}; see foldcut profiles")
     if args.registration and not args.two_sided:
         raise BadInputError("--registration lines the back up with the front: it goes with --two-sided")
     _marks(args.marks)
@@ -643,7 +687,7 @@ def _default_outputs(source: Path, name: str | None, profile: Profile | None) ->
     """Return the outputs when none are asked for; never the drawing's own name."""
     stem = _stem(source)
     if name is None or profile is None:
-        return [f"{stem}-creases.svg", f"{stem}-creases.fold"]
+        return [f"{stem}{CREASES}.svg"] + ([] if source.suffix.lower() == FOLD else [f"{stem}{CREASES}.fold"])
     return [f"{stem}-{Path(name).stem}.{profile.format}"]
 
 
@@ -737,12 +781,14 @@ def _parse_offset(text: str | None) -> tuple[float, float] | None:
     return x, y
 
 
-def _with_joined_offset(argv: Sequence[str]) -> list[str]:
-    """Return the arguments with ``--offset -5,3`` as one: argparse would take the value for an option."""
+def _with_joined_values(argv: Sequence[str]) -> list[str]:
+    """Return the arguments with ``--offset -5,3`` or ``--text -A`` as one: argparse takes such values for options."""
     joined: list[str] = []
     for argument in argv:
-        if joined and joined[-1] == "--offset":
-            joined[-1] = f"--offset={argument}"
+        before = joined[-1] if joined else ""
+        negative = argument[:1] == "-" and argument[1:2].isdigit() and before[:2] == "--" and "=" not in before
+        if negative or (before in ("--offset", "--text") and argument[:2] != "--"):
+            joined[-1] = f"{before}={argument}"
         else:
             joined.append(argument)
     return joined
@@ -845,6 +891,7 @@ def _parser() -> _Parser:
     _add_coupon(commands)
     _add_profiles(commands)
     _add_samples(commands)
+    parser.commands = tuple(commands.choices)
     return parser
 
 
@@ -874,7 +921,7 @@ def _command(
     command: argparse.ArgumentParser = commands.add_parser(
         name, help=summary, description=description, epilog=epilog, formatter_class=form
     )
-    command.set_defaults(run=run)
+    command.set_defaults(run=run, parser=command)
     return command
 
 
@@ -951,8 +998,8 @@ def _add_machine(make: argparse.ArgumentParser) -> None:
         "--marks",
         metavar="NAME,...",
         help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what is seen of the "
-        "outline when folded), numbers (the order to press creases), title, ruler; or none "
-        "(default: outline,first-folds)",
+        "outline when folded), numbers (the order to press creases), title, ruler (PDF has both anyway); "
+        "or none (default: outline,first-folds)",
     )
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
@@ -1102,9 +1149,10 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
         "--method",
         choices=METHODS,
         default=DEFAULT_METHOD,
-        help="mirror: fold the drawing's mirror axes first, the rest through two or four layers; compact: few creases; "
-        "auto: of these, what is easiest to fold; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
-        "thousands of creases; gate: the same for several loops, what auto takes last (default: %(default)s)",
+        help="mirror: fold the drawing's mirror axes first, the rest through two or four layers; compact: one loop, "
+        "few creases; skeleton: any loops, few creases, but not all drawings (extra: skeleton); auto: of these, what "
+        "is easiest to fold, or else gate or paper; paper: the disk packing of Bern, Demaine, Eppstein and Hayes, "
+        "thousands of creases; gate: the same for several loops (default: %(default)s)",
     )
     make.add_argument(
         "--effort",
@@ -1127,7 +1175,7 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
     make.add_argument(
         "--min-crease",
         metavar="LENGTH",
-        help="refuse patterns with a shorter crease (default: 0.5mm; with --method paper and gate 0mm)",
+        help="refuse patterns with a shorter crease (default: 0.5mm; of skeleton, gate and paper 0mm)",
     )
     make.add_argument(
         "--simplify",

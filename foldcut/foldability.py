@@ -97,7 +97,7 @@ def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM) -> Foldabili
         layers_at_cut=at_cut,
         thickness_mm=layers * paper_mm,
         sheet_used=_area(pattern.shape) / (pattern.sheet.width * pattern.sheet.height),
-        warnings=_warnings(numbers, at_cut, at_cut * paper_mm, pattern.sheet),
+        warnings=_warnings(numbers, at_cut, at_cut * paper_mm, pattern),
     )
 
 
@@ -119,10 +119,11 @@ def crease_numbers(creases: CreasePattern) -> CreaseNumbers:
     )
 
 
-def remedies(sheet: Sheet, factor: float) -> str:
-    """Return words for what makes the shortest crease ``factor`` times as long."""
+def remedies(sheet: Sheet, factor: float, loops: int) -> str:
+    """Return words for what makes the shortest crease of a drawing of so many loops ``factor`` times as long."""
     if factor > LARGEST_FACTOR:
-        return "leave out small corners with --simplify, or try --method compact or a higher --effort"
+        other = "try --method compact or a higher --effort" if loops == 1 else "fold fewer loops at a time"
+        return f"leave out small corners with --simplify, or {other}"
     factor = math.ceil(factor * 10 - 1e-9) / 10
     size = f"{math.ceil(sheet.width * factor)} x {math.ceil(sheet.height * factor)} mm"
     return (
@@ -244,20 +245,25 @@ def _area(shape: Shape) -> float:
     return area
 
 
-def _warnings(numbers: CreaseNumbers, at_cut: int, cut_mm: float, sheet: Sheet) -> tuple[str, ...]:
+def thickness(mm: float) -> str:
+    """Return a thickness in words, with three figures."""
+    return f"{mm:.3g} mm" if mm < 999.5 else f"{mm:,.0f} mm"
+
+
+def _warnings(numbers: CreaseNumbers, at_cut: int, cut_mm: float, pattern: FoldedPattern) -> tuple[str, ...]:
     warnings = []
     shortest = numbers.shortest_crease_mm
     if shortest is not None and numbers.shortest_crease_at is not None and shortest < COMFORTABLE_CREASE_MM:
         x, y = numbers.shortest_crease_at
-        remedy = remedies(sheet, COMFORTABLE_CREASE_MM / max(shortest, 1e-6))
+        remedy = remedies(pattern.sheet, COMFORTABLE_CREASE_MM / max(shortest, 1e-6), len(pattern.shape.loops))
         warnings.append(
             f"the shortest crease, at ({x:.4g}, {y:.4g}), is {shortest:.2g} mm long; creases under "
             f"{COMFORTABLE_CREASE_MM:g} mm are hard to fold by hand; {remedy}"
         )
     if at_cut > COMFORTABLE_LAYERS:
         warnings.append(
-            f"the cut goes through {at_cut} layers, about {cut_mm:.3g} mm of paper; more than {COMFORTABLE_LAYERS} are "
-            "hard to cut at once; leave out small corners with --simplify, use thinner paper, or cut with a knife"
+            f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; more than {COMFORTABLE_LAYERS} "
+            "are hard to cut at once; leave out small corners with --simplify, use thinner paper, or cut with a knife"
         )
     return tuple(warnings)
 

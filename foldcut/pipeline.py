@@ -241,7 +241,7 @@ def fold(
         findings = verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
     if not findings:
         least = MIN_CREASE_MM[made.method] if min_crease is None else min_crease
-        _require_length(made.stages.creases, made.laid.sheet, least)
+        _require_length(made.stages.creases, made.laid.sheet, least, len(made.laid.shape.loops))
     on = made.laid
     pattern = FoldedPattern(
         made.stages.creases,
@@ -500,15 +500,15 @@ def _fold_by_the_paper(shape: Shape, sheet: Sheet, ribbon: float, stages: _Stage
     return PaperStages(packing, built, assignment, creases, folded)
 
 
-def _require_length(creases: CreasePattern, sheet: Sheet, least: float) -> None:
-    """Refuse a crease that is shorter than ``least``, in mm, with what to do about it."""
+def _require_length(creases: CreasePattern, sheet: Sheet, least: float, loops: int) -> None:
+    """Refuse a crease of a drawing of ``loops`` that is shorter than ``least``, in mm, with what to do about it."""
     numbers = crease_numbers(creases)
     length, at = numbers.shortest_crease_mm, numbers.shortest_crease_at
     if length is None or at is None or length >= least:
         return
     raise CreaseTooShortError(
         f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {length:.2g} mm long, shorter than {least:g} mm; "
-        f"{remedies(sheet, least / length)}, or allow it with --min-crease {_rounded_down(length)}mm",
+        f"{remedies(sheet, least / length, loops)}, or allow it with --min-crease {_rounded_down(length)}mm",
         length,
         at,
     )

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from foldcut.foldability import PAPER_MM, crease_numbers, foldability
+from foldcut.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.model import CreasePattern, Finding, Sheet
 from foldcut.verify import CHECKS
 
@@ -91,7 +91,7 @@ def _drawing_rows(report: Report) -> list[tuple[str, str]]:
     width, height = drawing["size"] if unit is None else drawing["size_mm"]
     size = f"{width:.4g} x {height:.4g}"
     said = "in a unit that the file does not say" if unit is None else f"mm; the file's unit is {unit:.4g} mm"
-    loops = f"{drawing['loops']} loop{'s' * (drawing['loops'] != 1)}, {drawing['points']} points"
+    loops = f"{_count(drawing['loops'], 'loop')}, {drawing['points']} points"
     rows = [("drawing", f"{loops}, {size} {said}")]
     return [*rows, ("ignored", ", ".join(drawing["ignored"]))] if drawing["ignored"] else rows
 
@@ -125,8 +125,8 @@ def make_lines(report: Report) -> list[str]:
         *_pattern_rows(report),
         (
             "layers",
-            f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of {report['paper']}; "
-            f"{report['layers_at_cut']} to cut through",
+            f"{report['layers']} at the thickest place, about {thickness(report['thickness_mm'])} of "
+            f"{report['paper']}; {report['layers_at_cut']} to cut through",
         ),
         ("time", f"{seconds.get('build', 0):.2f} s to build, {seconds.get('verify', 0):.2f} s to verify"),
         *[("note", note) for note in report["notes"]],
@@ -192,7 +192,7 @@ def _method_rows(report: Report) -> list[tuple[str, str]]:
     if report["method"] == "gate":
         rows = [("method", f"gate: {report['rings']} rings, {packing}")]
     elif report["method"] == "skeleton":
-        rows = [("method", f"skeleton: {report['perpendiculars']} perpendiculars")]
+        rows = [("method", f"skeleton: {_count(report['perpendiculars'], 'perpendicular')}")]
     else:
         best = f"{report['method']}, best of {report['tried']} tried"
         rows = [("method", f"interrupted: {best}" if report["interrupted"] else best)]
@@ -269,14 +269,19 @@ def _file_rows(report: Report) -> list[tuple[str, str]]:
 
 def _pattern_rows(report: Report) -> list[tuple[str, str]]:
     """Return the lines that every pattern has."""
-    counts = f"{report['creases']}: {report['mountains']} mountains, {report['valleys']} valleys"
-    rows = [("creases", f"{counts}; on {report['lines']} lines")]
+    counts = f"{_count(report['mountains'], 'mountain')}, {_count(report['valleys'], 'valley')}"
+    rows = [("creases", f"{report['creases']}: {counts}; on {_count(report['lines'], 'line')}")]
     if report["shortest_crease_mm"] is not None:
         x, y = report["shortest_crease_at"]
         rows.append(("", f"the shortest {report['shortest_crease_mm']:.3g} mm long, at ({x:.4g}, {y:.4g})"))
     if report["smallest_angle_deg"] is not None:
         rows.append(("", f"the smallest angle between two {report['smallest_angle_deg']:.3g} degrees"))
     return [*rows, ("faces", f"{report['faces']}")]
+
+
+def _count(number: int, thing: str) -> str:
+    """Return a number of things in words."""
+    return f"{number} {thing}{'s' * (number != 1)}"
 
 
 def _verdict_rows(report: Report) -> list[tuple[str, str]]:

@@ -79,6 +79,21 @@ def test_make_without_output_names_files_after_the_drawing(
     assert names(folder) == {"box.json", "box-creases.svg", "box-creases.fold"}
 
 
+def test_what_is_made_of_a_pattern_is_named_after_its_drawing(folder: Path, drawing: str) -> None:
+    assert main(["make", drawing, *SMALL, "--quiet"]) == 0
+    (folder / "box-creases.svg").unlink()
+    for command in ("make", "view", "draw", "guide"):
+        assert main([command, "box-creases.fold", "--quiet"]) == 0
+    assert names(folder) == {
+        "box.json",
+        "box-creases.fold",
+        "box-creases.svg",
+        "box.html",
+        "box-pictures.svg",
+        "box-guide.pdf",
+    }
+
+
 def test_make_says_which_file_it_replaced(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
     _, first = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg")
     _, second = run_json(capsys, "make", drawing, *SMALL, "-o", "box.svg", "--force")
@@ -174,6 +189,23 @@ BAD_INPUT = {
     "'thin' is not a length": ["make", "box.json", "--simplify", "thin"],
     "'short' is not a length": ["make", "box.json", "--min-crease", "short"],
     "unrecognized arguments: --colour": ["make", "box.json", "--colour", "red"],
+    "unrecognized arguments: --shet a4; did you mean --sheet?": ["make", "box.json", "--shet", "a4"],
+    "fihs: there is no such file; did you mean the sample fish?": ["make", "fihs"],
+    "out/: there is no such folder; create it first": ["make", "box.json", "-o", "out/"],
+    "with --profile, .svg, .dxf": ["make", "box.json", "-o", "a.docx"],
+    "'-5mm' is not a length": ["make", "box.json", "--margin", "-5mm"],
+    "--rotate -45deg is no angle": ["make", "box.json", "--rotate", "-45deg"],
+    "nowhere.ttf: there is no such font file": ["make", "--font", "nowhere.ttf", "--text", "-Z"],
+    "the threshold is 2; give a number from 0": ["make", "box.json", "--threshold", "2"],
+    "--two-sided goes with a machine": ["make", "box.json", "--two-sided"],
+    "--tile is for a machine, and plain is none": ["make", "box.json", "--profile", "plain", "--tile"],
+    "own.svg is a file, and a batch is written into a folder": ["batch", "box.json", "-o", "own.svg"],
+    "there is no command 'maek'; did you mean make?": ["maek", "box.json"],
+    "there is no command 'box.json'; choose one of make, view,": ["box.json"],
+    "such as foldcut make own.svg": ["own.svg", "--sheet", "a5"],
+    "unrecognized arguments: b.svg; give one drawing": ["make", "own.svg", "b.svg"],
+    "a preview is SVG": ["make", "box.json", "--preview", "p.txt"],
+    "give a SHAPE or a --text, one of them": ["make", ""],
     "required: COMMAND": [],
     "broken.json: ": ["make", "broken.json"],
     "broken.fold: ": ["check", "broken.fold"],
@@ -234,6 +266,9 @@ def test_a_folder_and_an_archive_hold_all_files_and_say_what_they_are(
     capsys.readouterr()
     assert main(["make", drawing, *SMALL, "-o", "out", "--force"]) == 0, "its own README.txt may be replaced"
     assert {f"{stem}.svg", f"{stem}.fold", f"{stem}.png"} <= {path.name for path in Path("out").iterdir()}
+    text = Path("out/README.txt").read_text()
+    assert f"1. {stem}.svg: the pattern, at true size" in text
+    assert "in the order" not in text, "none comes before another"
 
 
 def break_verification(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pypdfium2
 import pytest
 import shapely
 
@@ -38,6 +39,14 @@ def test_strips_are_free_but_for_their_left_ends() -> None:
     powers = [step.setting.power_percent for step in job.steps[1 : 1 + len(POWERS)] if step.setting]
     assert powers == sorted(powers)
     assert powers[0] < powers[-1]
+
+
+def test_a_printed_card_says_what_each_row_is() -> None:
+    profile = load_profile("printer-a4")
+    job, rows = make_coupon(profile)
+    text = pypdfium2.PdfDocument(export_job(job, ".pdf", profile))[0].get_textpage().get_text_range()
+    assert all(row in text for row in rows)
+    assert "fold away" not in text
 
 
 @pytest.mark.parametrize("origin", ["lower-left", "upper-left"])

@@ -11,7 +11,7 @@ from paper import random_paper
 from patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 
 from foldcut.flatfold import fold_faces
-from foldcut.foldability import crease_numbers, foldability, layers_at_cut, most_layers
+from foldcut.foldability import crease_numbers, foldability, layers_at_cut, most_layers, remedies, thickness
 from foldcut.model import CreasePattern, FoldedPattern, FoldedState, Sheet, index_array, points_array
 from foldcut.planar import edge_faces
 
@@ -117,6 +117,13 @@ def test_a_short_crease_is_warned_of_with_the_sheet_that_would_do() -> None:
         "sheet 1.5 times as large (about 150 x 150 mm) with the drawing larger to match, or leave out small corners "
         "with --simplify"
     )
+
+
+def test_remedies_are_those_for_the_drawings_loops_and_thicknesses_are_in_plain_figures() -> None:
+    sheet = Sheet(100.0, 100.0)
+    assert "--method compact" in remedies(sheet, 1e3, loops=1)
+    assert "--method compact" not in remedies(sheet, 1e3, loops=2), "which folds one loop only"
+    assert [thickness(mm) for mm in (0.6, 999.4, 3709.4)] == ["0.6 mm", "999 mm", "3,709 mm"]
 
 
 def test_pleats_lie_on_each_other_and_many_are_warned_of() -> None:

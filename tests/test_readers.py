@@ -223,7 +223,10 @@ BAD_SVG = [
     ),
     (f"<svg>&undefined;{POLYGON}</svg>", "not XML: undefined entity"),
     (svg(""), "the file has no polygon, polyline, rect or path"),
-    (svg("<text>A</text>"), "the file has no polygon, polyline, rect or path"),
+    (
+        svg("<text>A</text>"),
+        "the file has no polygon, polyline, rect or path; draw a closed outline, and make texts into paths",
+    ),
     (svg(POLYGON, 'viewBox="0 0 10"'), "the viewBox is '0 0 10'"),
     (svg(POLYGON, 'viewBox="0 0 0 10"'), "the viewBox is '0 0 0 10'"),
     (svg(POLYGON, 'viewBox="0 0 ten 10"'), "the viewBox has something other than numbers"),

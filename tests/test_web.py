@@ -258,16 +258,32 @@ def test_the_server_answers_to_the_address_it_listens_at(
     host: str, hosts: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     apps: list[Any] = []
-    monkeypatch.setattr("uvicorn.run", lambda app, **options: apps.append((app, options["host"])))
+    listens: list[tuple[str, int]] = []
+    free = socket.create_server(("127.0.0.1", 0))
+    monkeypatch.setattr("socket.create_server", lambda address, **_: listens.append(address) or free)
+    monkeypatch.setattr("uvicorn.Server.run", lambda server, sockets: apps.append((server.config.app, sockets)))
     assert main(["serve", "--host", host]) == 0
-    ((app, listens),) = apps
+    ((app, sockets),) = apps
     (middleware,) = [one for one in app.user_middleware if "allowed_hosts" in one.kwargs]
-    assert listens == host
+    assert (listens, sockets) == ([(host, 8000)], [free])
     assert set(hosts) <= set(middleware.kwargs["allowed_hosts"])
     assert ("*" in middleware.kwargs["allowed_hosts"]) == (host == "0.0.0.0")
     out, err = capsys.readouterr()
     assert out.startswith(f"http://{'[::1]' if host == '::1' else host}:8000/")
     assert ("no password" in err) == (host != "::1")
+
+
+def test_an_address_where_nobody_can_listen_is_an_error_of_one_line(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        assert main(["serve", "--port", port]) == 2
+    assert main(["serve", "--job-seconds", "-1"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.splitlines() == [
+        f"foldcut: error: cannot listen at 127.0.0.1:{port}: Address already in use; give another --port or --host",
+        "foldcut: error: --job-seconds is -1; give a positive number",
+    ]
 
 
 def test_what_takes_too_long_is_stopped() -> None:

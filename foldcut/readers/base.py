@@ -42,6 +42,8 @@ class ReadOptions:
     def __post_init__(self) -> None:
         if not 0 < self.flatten_mm < float("inf"):
             raise BadInputError(f"curves cannot be flattened to {self.flatten_mm:g} mm; give a length above 0")
+        if not 0 <= self.threshold <= 1:
+            raise BadInputError(f"the threshold is {self.threshold:g}; give a number from 0, black, to 1, white")
 
     def units(self, length_mm: float, unit_mm: float | None, extent: float) -> float:
         """Return a length in drawing units; ``extent`` is the drawing's longer side."""

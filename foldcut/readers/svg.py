@@ -220,7 +220,8 @@ class _Page:
             if names:
                 known = ", ".join(sorted(there)[:20]) or "none"
                 return f"no outline is in {option} {', '.join(names)}; the file has {known}"
-        return "the file has no polygon, polyline, rect or path; draw a closed outline"
+        texts = ", and make texts into paths" if self.ignored["text"] else ""
+        return f"the file has no polygon, polyline, rect or path; draw a closed outline{texts}"
 
     def seen(self) -> list[_Element]:
         """Return the outlines that are painted, all if none is, without a white background that is behind others."""
