@@ -24,6 +24,7 @@ from foldcut import compact, molecules
 from foldcut.assignment import Assignment, assign_creases, require_one_loop
 from foldcut.boundary import boundary_disks, default_ribbon
 from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
+from foldcut.fewest import fewest_folds
 from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.gate import Gated, fold_gated
 from foldcut.layers import fold_layers
@@ -50,7 +51,7 @@ from foldcut.search import Compact, fold_compact, rank, shortest_crease
 from foldcut.shape import LARGEST_NUMBER, make_shape
 from foldcut.sheet import Layout, parse_sheet
 from foldcut.simplify import simplify as simplify_shape
-from foldcut.straight import Skeletal, fold_skeletal
+from foldcut.straight import Skeletal, fold_ridges, fold_skeletal
 from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.tolerance import Tolerance
 from foldcut.verify import COINCIDENT, verify
@@ -329,7 +330,8 @@ class _Trials:
         *,
         may_turn: bool,
     ) -> None:
-        self.stages, self.ribbon, self.symmetry, self.may_turn = stages, ribbon, symmetry, may_turn
+        self.stages, self.ribbon, self.may_turn = stages, ribbon, may_turn
+        self.symmetry, self.adjust = symmetry, adjust
         self.free = ribbon or 0.0  # the ribbon of methods that need none
         self.fold_compact = partial(
             fold_compact, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
@@ -353,6 +355,8 @@ class _Trials:
         }
         if method != "auto":
             return self._kept(folds[method](1.0))
+        if (proven := self._fewest(laid)) is not None:
+            return self._kept(proven)
         made: list[_Made] = []
         reasons: list[str] = []
         for name in ("mirror", "skeleton", "compact", "gate" if len(laid.shape.loops) > 1 else "paper"):
@@ -435,9 +439,26 @@ class _Trials:
             f"make it so with --symmetry {math.ceil(off * 100) / 100:g}mm"
         )
 
+    def _fewest(self, laid: _Laid) -> _Made | None:
+        """Return the pattern of the straight skeleton's ridges alone where it is proven that none has fewer folds."""
+        least = fewest_folds(laid.shape, laid.sheet, self.adjust, self.symmetry)
+        # else a pattern of ridges is unlikely or has more folds
+        if not least.bisectors <= least.folds < least.corners:
+            return None
+        try:
+            with self.stages("straight skeleton"):
+                made = self._of_skeleton(laid, fold_ridges(laid.shape, laid.sheet, ribbon=self.free, near=self.adjust))
+        except UnfoldableError:
+            return None
+        too_short, folds, _ = rank(made.actions, shortest_crease(made.stages.creases))
+        return None if too_short or folds > least.folds else made
+
     def _skeleton(self, laid: _Laid, share: float) -> _Made:
         with self.stages("straight skeleton"):
             made = self.fold_skeletal(laid.shape, laid.sheet, share=share)
+        return self._of_skeleton(laid, made)
+
+    def _of_skeleton(self, laid: _Laid, made: Skeletal) -> _Made:
         notes = list(laid.notes)
         if made.moved_mm > COINCIDENT[0] * laid.sheet.diagonal:
             notes.append(f"corners moved by at most {made.moved_mm:.2g} mm, so that creases meet")

@@ -23,7 +23,7 @@ from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straigh
 from foldcut.search import Rank, rank, shortest_crease
 from foldcut.verify import verify
 
-__all__ = ["Skeletal", "fold_skeletal"]
+__all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]
 
 SECONDS = {"fast": 1.0, "normal": 8.0, "best": 60.0}
 """How long choices are tried, by effort and the model of ``_cost``: what comes out does not depend on the machine."""
@@ -84,6 +84,30 @@ def fold_skeletal(
     return _fold(shape, 0.0, sheet, ribbon, limit, progress)
 
 
+def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float = ADJUST_MM) -> Skeletal:
+    """Fold a shape along the ridges of its straight skeleton alone; the options are those of ``fold_skeletal``.
+
+    Raises ``UnfoldableError`` with the reason where this needs perpendiculars, too, or has no layer order.
+    """
+    tied, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
+    perpendiculars = _perpendiculars(tied, sheet, ribbon)
+    if perpendiculars.odd:
+        raise UnfoldableError("at some nodes of the straight skeleton perpendiculars begin")
+    return _ordered(tied, moved, _divided(perpendiculars, []), 0)
+
+
+def _perpendiculars(shape: Shape, sheet: Sheet, ribbon: float) -> Perpendiculars:
+    """Return the straight skeleton with where perpendiculars may begin, if no creases meet within the ribbon."""
+    skeleton = straight_skeleton(shape, sheet)
+    perpendiculars = Perpendiculars(skeleton, sheet)
+    lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
+    if lowest <= ribbon:
+        raise UnfoldableError(
+            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
+        )
+    return perpendiculars
+
+
 def _fold(
     shape: Shape,
     moved: float,
@@ -93,13 +117,7 @@ def _fold(
     progress: Callable[[str, float], None] | None,
 ) -> Skeletal:
     """Fold a shape as it is; ``moved`` is only noted."""
-    skeleton = straight_skeleton(shape, sheet)
-    perpendiculars = Perpendiculars(skeleton, sheet)
-    lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
-    if lowest <= ribbon:
-        raise UnfoldableError(
-            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
-        )
+    perpendiculars = _perpendiculars(shape, sheet, ribbon)
     best: tuple[Rank, Skeletal] | None = None
     problem, spent = "", 0.0
     for taken in _choices(perpendiculars):
