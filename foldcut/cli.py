@@ -8,6 +8,8 @@ and 143 when it was interrupted or terminated. Everything slow to import is impo
 from __future__ import annotations
 
 import argparse
+import atexit
+import gc
 import io
 import json
 import os
@@ -35,6 +37,7 @@ DONE, FAILED, BAD_INPUT = 0, 1, 2
 FOLD = ".fold"
 ANY_LASER = "laser-dxf"  # whom a DXF is for when nobody is named
 MOST_FAILURES, MOST_LETTERS = 10, 120  # of a batch: how many are listed, and how much of each error
+GARBAGE = 50_000  # so many new objects before garbage is looked for; Python does so after 700
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
 
 EPILOG = """\
@@ -159,8 +162,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status; ``argv`` is ``sys.argv[1:]`` unless given."""
     argv = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in argv
-    # Matrices are small: threads for them cost more than they save. numpy reads this when it is imported.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    _start_fast()
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a title that the terminal has no letters for
     try:
@@ -186,6 +188,15 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(error, f"timed out after {args.timeout:g} s, no file is half-written; {remedy}", FAILED, as_json)
     except _Terminated as error:
         return _fail(error, f"terminated; {_notes(error)}no file is half-written", TERMINATED, as_json)
+
+
+def _start_fast() -> None:
+    """Leave out what takes long and is not needed; nothing is imported yet that asks."""
+    # matrices are small: threads for them cost more than they save
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # what is imported stays: no looking for garbage in it again and again, nor at the end
+    gc.set_threshold(GARBAGE)
+    atexit.register(gc.freeze)
 
 
 def _notes(error: BaseException) -> str:
