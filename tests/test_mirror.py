@@ -264,3 +264,4 @@ def test_a_side_goes_on_as_far_beyond_the_border_as_asked_but_a_flat_one_no_more
         assert np.allclose(_beyond(np.array(before), end, (0,), 6.0), beyond)
         turned = _beyond(np.array(before[::-1]), end[::-1], (1,), 6.0)
         assert np.allclose(turned, beyond[::-1])
+    assert np.allclose(_beyond(np.array([4.0, 6.0]), np.array([10.0, 0.0]), (0, 1), 6.0), (16.0, -6.0))
