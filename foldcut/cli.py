@@ -21,7 +21,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from foldcut.errors import BadInputError, FileFormatError, FoldcutError, UnfoldableError
+from foldcut.errors import BadInputError, FileFormatError, FoldcutError, ShapeError, UnfoldableError
 from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
@@ -245,7 +245,13 @@ def _folded(source: Path, args: argparse.Namespace) -> Result | Reopened:
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         progress = progress_lines(sys.stderr) if args.progress else bar
-        return pipeline.fold(_drawing(args, source), **_fold_options(args), progress=progress)
+        drawing = _drawing(args, source)
+        try:
+            return pipeline.fold(drawing, **_fold_options(args), progress=progress)
+        except ShapeError as error:
+            if args.text is not None:
+                raise
+            raise ShapeError(f"{source}: {error}") from error
 
 
 def _fold_options(args: argparse.Namespace) -> dict[str, Any]:
