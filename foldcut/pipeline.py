@@ -63,6 +63,9 @@ Progress = Callable[[str, float], None]
 NEARLY = 0.01
 """Corners that are off by less than this, relative to the shape's size, are worth a hint."""
 
+READ, RIDGES, ENDS, FOLDED = 0.02, 0.04, {"mirror": 0.6, "skeleton": 0.75, "compact": 0.9}, 0.98
+"""How much of all is done when the drawing is read, after each method that ``auto`` tries, and with a pattern."""
+
 AFTER_OTHERS = 0.3
 """The part of the effort that a method gets when another has given a pattern."""
 
@@ -188,7 +191,7 @@ def fold(
     "skeleton" may move corners so that creases meet. ``effort`` ("fast", "normal", "best") and
     ``seconds`` bound the search. ``limits`` bound how large a file may be. ``preparation`` says how the drawing is
     mended and simplified, None that it must be a shape as it is. ``progress`` is called with a stage's name and the
-    part of it that is done.
+    part of all that is done, which never gets smaller.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
@@ -196,6 +199,7 @@ def fold(
     """
     _check_options(method, ribbon, min_crease, symmetry, adjust, effort, seconds)
     stages = _Stages(progress)
+    stages.up_to(READ)
     with stages("reading"):
         drawing = (
             read_shape(Path(shape), ReadOptions(limits=limits or Limits()))
@@ -237,6 +241,8 @@ def fold(
         laid = lay(0.0)
     trials = _Trials(stages, ribbon, effort, seconds, symmetry, adjust, may_turn=rotation is None and offset is None)
     made = trials.run(method, laid, lay)
+    stages.up_to(FOLDED)
+    stages.up_to(1.0)
     stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
         findings = verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
@@ -353,6 +359,7 @@ class _Trials:
             "gate": lambda _: self._gate(laid),
             "paper": lambda _: self._paper(laid),
         }
+        self.stages.up_to(RIDGES if method == "auto" else FOLDED)
         if method != "auto":
             return self._kept(folds[method](1.0))
         if (proven := self._fewest(laid)) is not None:
@@ -362,6 +369,7 @@ class _Trials:
         for name in ("mirror", "skeleton", "compact", "gate" if len(laid.shape.loops) > 1 else "paper"):
             if name in ("gate", "paper") and made:
                 break
+            self.stages.up_to(ENDS.get(name, FOLDED))
             try:
                 made.append(self._kept(folds[name](AFTER_OTHERS if made else 1.0)))
             except UnfoldableError as error:
@@ -392,7 +400,7 @@ class _Trials:
         return _Made("compact", found, laid, self.free, crease_numbers(found.creases).lines)
 
     def _mirror(self, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
-        with self.stages("mirror axes"):
+        with self.stages("mirror axes", 0.02):
             candidates = list(self._halves(laid, lay))
         with self.stages("searching half"):
             made = self.fold_mirrored([half for half, _ in candidates])
@@ -508,13 +516,13 @@ def _check_options(
 def _fold_by_the_paper(shape: Shape, sheet: Sheet, ribbon: float, stages: _Stages) -> PaperStages:
     """Run the stages of the paper's method."""
     tolerance = Tolerance.for_sheet(sheet)
-    with stages("boundary disks"):
+    with stages("boundary disks", 0.1):
         boundary = boundary_disks(shape, sheet, ribbon, tolerance)
-    with stages("packing"):
+    with stages("packing", 0.3):
         packing = fill_gaps(boundary, tolerance, stages.report)
-    with stages("molecules"):
+    with stages("molecules", 0.4):
         built = build_molecules(packing, tolerance)
-    with stages("assignment"):
+    with stages("assignment", 0.4):
         assignment = assign_creases(built, packing.face_inside)
     with stages("layers"):
         creases, folded = fold_layers(built, assignment)
@@ -542,16 +550,23 @@ def _rounded_down(length: float) -> str:
 
 
 class _Stages:
-    """Times the stages and reports them."""
+    """Times the stages and reports them, and how much of all is done: a part that never gets smaller."""
 
     def __init__(self, progress: Progress | None) -> None:
         self.progress = progress
         self.seconds: dict[str, float] = {}
         self.name = ""
+        self.done = self.start = self.end = self.until = 0.0
+
+    def up_to(self, done: float) -> None:
+        """Say that the stages so far are over, and how much of all is done when those that follow are."""
+        self.done, self.end = max(self.done, self.end), done
 
     @contextmanager
-    def __call__(self, name: str) -> Iterator[None]:
-        self.name = name
+    def __call__(self, name: str, part: float = 1.0) -> Iterator[None]:
+        """Time a stage that is this part of what follows up to the end that was said."""
+        self.name, self.start = name, self.done
+        self.until = self.start + part * (self.end - self.start)
         self.report(0.0)
         start = time.perf_counter()
         yield
@@ -562,5 +577,6 @@ class _Stages:
         self.tell(self.name, fraction)
 
     def tell(self, stage: str, fraction: float) -> None:
+        self.done = max(self.done, self.start + fraction * (self.until - self.start))
         if self.progress is not None:
-            self.progress(stage, fraction)
+            self.progress(stage, self.done)

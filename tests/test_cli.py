@@ -435,7 +435,8 @@ def test_progress_shows_the_best_count_so_far(monkeypatch: pytest.MonkeyPatch) -
         method="compact",
         progress=lambda stage, part: seen.append((stage, part)),
     )
-    assert ("searching: 8 creases", 0.5) in seen
+    parts = dict(seen)
+    assert parts["reading"] < parts["searching: 8 creases"] < parts["searching"] < 1
     assert seen[-1] == ("verify", 1.0)
 
 
@@ -545,7 +546,10 @@ def test_progress_for_programs_is_lines_of_json_with_every_stage(
     stages = [line["stage"].partition(":")[0] for line in told]
     assert (stages[0], stages[-1]) == ("reading", "verify")
     assert "straight skeleton" in stages
-    assert all(0 <= line["fraction"] <= 1 for line in told)
+    parts = [line["fraction"] for line in told]
+    assert parts == sorted(parts)
+    assert parts[0] == 0
+    assert parts[-1] >= 0.98
 
 
 def test_progress_for_programs_tells_a_stage_once_in_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
