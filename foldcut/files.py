@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import errno
 import os
+import secrets
 import signal
 import stat
 import time
@@ -81,7 +82,7 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> Non
         for path, data in contents.items():
             target = _resolved(path)
             # A short name of its own: one as long as the target's plus an ending might be too long.
-            temporary = target.with_name(f".foldcut-{os.urandom(8).hex()}.tmp")
+            temporary = target.with_name(f".foldcut-{secrets.token_hex(8)}.tmp")
             moves.append((path, temporary, target))
             with _explained(path):
                 _write_flushed(temporary, data, like=target)
