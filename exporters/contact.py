@@ -1,8 +1,8 @@
 """The contact sheet: one picture with a thumbnail and the name of every pattern of a batch.
 
 ``thumbnail``: a ``FoldedPattern`` -> a few hundred numbers at most, which a batch keeps until all patterns are made.
-``contact_sheet``: names and thumbnails -> SVG 1.1, one user unit is 1 mm. Mountains are red, valleys blue, the shape
-is yellow, as in ``pictures``.
+``contact_sheet``: names and thumbnails -> SVG 1.1, one user unit is 1 mm. Mountains are dash-dotted and red, valleys
+dashed and blue, the shape is yellow, as in ``pictures``; a line below says so.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 import svgwrite
 
 from foldcut.model import Floats, FoldedPattern
+from foldcut.profiles import Drawing
 
 from .svg import path_data, shortened
 from .text import number, printable
@@ -27,6 +28,14 @@ MOST_CREASES, MOST_POINTS = 300, 600
 """A thumbnail has the longest creases only, and of an outline evenly chosen corners; there is no room for more."""
 
 THUMBNAIL_MM, CELL_MM, CAPTION_MM = 40.0, 46.0, 2.4
+
+DASHES = 0.3
+"""How long dashes are on a thumbnail, as a part of what they are on a sheet in true size."""
+
+STROKE_MM, SAMPLE_MM, KEY_MM = 0.12, 5.0, 20.0
+"""How wide creases are; how long a sample of the legend is, and the room for it and its word."""
+
+TEXT = {"font_size": number(CAPTION_MM), "font_family": "sans-serif", "fill": "#222222"}
 
 
 @dataclass(frozen=True)
@@ -63,12 +72,18 @@ def thumbnail(pattern: FoldedPattern) -> Thumbnail:
     return Thumbnail(round(sheet.width * scale), round(sheet.height * scale), "".join(loops), lines("M"), lines("V"))
 
 
-def contact_sheet(thumbnails: Sequence[tuple[str, Thumbnail]], title: str) -> tuple[bytes, tuple[float, float]]:
-    """Return the SVG of all thumbnails in rows, each over its name, and its width and height in mm."""
+def contact_sheet(
+    thumbnails: Sequence[tuple[str, Thumbnail]], title: str, look: Drawing
+) -> tuple[bytes, tuple[float, float]]:
+    """Return the SVG of all thumbnails in rows, each over its name, and its width and height in mm.
+
+    ``look`` has the colours of creases, and their dashes in true size.
+    """
     columns = max(1, math.ceil(math.sqrt(len(thumbnails))))
     rows = max(1, math.ceil(len(thumbnails) / columns))
     gap = (CELL_MM - THUMBNAIL_MM) / 2
-    size = (columns * CELL_MM, rows * (CELL_MM + 2 * CAPTION_MM))
+    legend = rows * (CELL_MM + 2 * CAPTION_MM)
+    size = (columns * CELL_MM, legend + 2 * CAPTION_MM)
     drawing = svgwrite.Drawing(
         size=tuple(f"{number(side)}mm" for side in size),
         viewBox=f"0 0 {number(size[0])} {number(size[1])}",
@@ -77,23 +92,37 @@ def contact_sheet(thumbnails: Sequence[tuple[str, Thumbnail]], title: str) -> tu
     drawing.set_desc(title=printable(title))
     drawing.add(drawing.rect(size=size, fill="#ffffff"))
     scale = THUMBNAIL_MM / GRID
+    mountain, valley = _styles(look, scale)
     for place, (name, picture) in enumerate(thumbnails):
         x = (place % columns) * CELL_MM + gap
         y = (place // columns) * (CELL_MM + 2 * CAPTION_MM) + gap
         at = f"translate({number(x)} {number(y)}) scale({number(scale)})"
-        group = drawing.add(drawing.g(transform=at, fill="none", stroke_width=number(0.12 / scale)))
+        group = drawing.add(drawing.g(transform=at, fill="none", stroke_width=number(STROKE_MM / scale)))
         group.add(drawing.rect(size=(picture.width, picture.height), stroke="#888888"))
-        for data, look in (
+        for data, style in (
             (picture.shape, {"fill": "#ffe08a", "fill_rule": "evenodd"}),
-            (picture.valleys, {"stroke": "#0000ff"}),
-            (picture.mountains, {"stroke": "#ff0000"}),
+            (picture.valleys, valley),
+            (picture.mountains, mountain),
         ):
             if data:
-                group.add(drawing.path(d=data, **look))
+                group.add(drawing.path(d=data, **style))
         caption = shortened(printable(name), THUMBNAIL_MM / CAPTION_MM)
         below = (number(x), number(y + picture.height * scale + 1.4 * CAPTION_MM))
-        drawing.add(
-            drawing.text(caption, insert=below, font_size=number(CAPTION_MM), font_family="sans-serif", fill="#222222")
-        )
+        drawing.add(drawing.text(caption, insert=below, **TEXT))
+    for count, (word, style) in enumerate(zip(("mountain", "valley"), _styles(look, 1.0), strict=True)):
+        x, y = gap + count * KEY_MM, legend + 0.5 * CAPTION_MM
+        sample = path_data([(x, y), (x + SAMPLE_MM, y)], closed=False)
+        drawing.add(drawing.path(d=sample, fill="none", stroke_width=number(STROKE_MM), **style))
+        beside = (number(x + SAMPLE_MM + 0.5 * CAPTION_MM), number(y + 0.35 * CAPTION_MM))
+        drawing.add(drawing.text(word, insert=beside, **TEXT))
     text = ET.tostring(drawing.get_xml(), encoding="unicode")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode(), size
+
+
+def _styles(look: Drawing, scale: float) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the attributes of mountains and of valleys in a picture that is drawn at a scale."""
+    dash, gap, dot = (number(DASHES * length / scale) for length in (look.dash_mm, look.gap_mm, look.dot_mm))
+    return (
+        {"stroke": look.mountain_colour, "stroke_dasharray": f"{dash} {gap} {dot} {gap}"},
+        {"stroke": look.valley_colour, "stroke_dasharray": f"{dash} {gap}"},
+    )

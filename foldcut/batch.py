@@ -29,6 +29,7 @@ from typing import Any
 from foldcut.errors import BadInputError, FoldcutError
 from foldcut.exporters.contact import Thumbnail, contact_sheet
 from foldcut.files import OutputError, check_targets, write_files
+from foldcut.profiles import load_profile
 from foldcut.readers import READERS
 from foldcut.worker import BAD_INPUT, CRASHED, MADE, Outcome, Process, Recipe, Task, work_apart
 
@@ -489,7 +490,7 @@ def _parquet(arrow: ModuleType, rows: Sequence[Row]) -> bytes:
 
 def _contact(pictures: Sequence[tuple[str, Thumbnail]], sheet: str) -> bytes:
     """Return the contact sheet."""
-    svg, size = contact_sheet(pictures, f"{len(pictures)} crease patterns")
+    svg, size = contact_sheet(pictures, f"{len(pictures)} crease patterns", load_profile().drawing)
     if sheet == ".svg":
         return svg
     from foldcut.exporters.png import rendered

@@ -8,6 +8,8 @@ and 143 when it was interrupted or terminated. Everything slow to import is impo
 from __future__ import annotations
 
 import argparse
+import atexit
+import gc
 import io
 import json
 import os
@@ -19,7 +21,7 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from foldcut.errors import BadInputError, FileFormatError, FoldcutError, UnfoldableError
+from foldcut.errors import BadInputError, FileFormatError, FoldcutError, ShapeError, UnfoldableError
 from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
@@ -35,6 +37,7 @@ DONE, FAILED, BAD_INPUT = 0, 1, 2
 FOLD, CREASES = ".fold", "-creases"  # the ending of patterns, and what stands before it in names made here
 ANY_LASER = "laser-dxf"  # whom a DXF is for when nobody is named
 MOST_FAILURES, MOST_LETTERS = 10, 120  # of a batch: how many are listed, and how much of each error
+GARBAGE = 50_000  # so many new objects before garbage is looked for; Python does so after 700
 INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
 
 EPILOG = """\
@@ -161,8 +164,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status; ``argv`` is ``sys.argv[1:]`` unless given."""
     argv = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in argv
-    # Matrices are small: threads for them cost more than they save. numpy reads this when it is imported.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    _start_fast()
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a title that the terminal has no letters for
     try:
@@ -213,6 +215,15 @@ def _nearest(name: str, known: Sequence[str], what: str = "") -> str:
     from difflib import get_close_matches
 
     return "".join(f"did you mean {what}{match}?" for match in get_close_matches(name, known, n=1))
+
+
+def _start_fast() -> None:
+    """Leave out what takes long and is not needed; nothing is imported yet that asks."""
+    # matrices are small: threads for them cost more than they save
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # what is imported stays: no looking for garbage in it again and again, nor at the end
+    gc.set_threshold(GARBAGE)
+    atexit.register(gc.freeze)
 
 
 def _notes(error: BaseException) -> str:
@@ -267,7 +278,13 @@ def _folded(source: Path, args: argparse.Namespace) -> Result | Reopened:
 
     with ProgressBar(sys.stderr.isatty() and not (args.quiet or args.json)) as bar:
         progress = progress_lines(sys.stderr) if args.progress else bar
-        return pipeline.fold(_drawing(args, source), **_fold_options(args), progress=progress)
+        drawing = _drawing(args, source)
+        try:
+            return pipeline.fold(drawing, **_fold_options(args), progress=progress)
+        except ShapeError as error:
+            if args.text is not None:
+                raise
+            raise ShapeError(f"{source}: {error}") from error
 
 
 def _fold_options(args: argparse.Namespace) -> dict[str, Any]:

@@ -306,19 +306,51 @@ def travel(lines: Sequence[Sequence[Floats]], start: Floats) -> float:
 def _ordered(lines: list[list[Floats]], start: Floats) -> list[list[Floats]]:
     """Order lines, and turn them round, so that each begins near where the last one ended."""
     ends = np.array([[line[0][0], line[-1][-1]] for line in lines])
-    left = np.ones(len(lines), dtype=bool)
+    order, back = _greedy(ends, start) if len(lines) <= MOST_LINES else _greedy_by_tree(ends, start)
+    order, back = _two_opt(ends, order, back, start)
+    turned = ([piece[::-1] for piece in reversed(line)] for line in lines)
+    both = list(zip(lines, turned, strict=True))
+    return [both[line][end] for line, end in zip(order, back, strict=True)]
+
+
+def _greedy(ends: Floats, start: Floats) -> tuple[list[int], list[bool]]:
+    """The line whose end is nearest next, and whether it is turned round; ``ends`` are ``(n, 2, 2)``."""
+    left = np.ones(len(ends), dtype=bool)
     here, order, back = start, [], []
-    for _ in lines:
+    for _ in ends:
         away = np.where(left[:, None], ((ends - here) ** 2).sum(axis=2), np.inf)
         line, end = divmod(int(away.argmin()), 2)
         left[line] = False
         order.append(line)
         back.append(bool(end))
         here = ends[line, 1 - end]
-    order, back = _two_opt(ends, order, back, start)
-    turned = ([piece[::-1] for piece in reversed(line)] for line in lines)
-    both = list(zip(lines, turned, strict=True))
-    return [both[line][end] for line, end in zip(order, back, strict=True)]
+    return order, back
+
+
+def _greedy_by_tree(ends: Floats, start: Floats) -> tuple[list[int], list[bool]]:
+    """Do as ``_greedy`` for many lines, of ends equally far off any; the tree is made anew when half of it is gone."""
+    from scipy.spatial import KDTree
+
+    order: list[int] = []
+    back: list[bool] = []
+    here, left = start, np.ones(len(ends), dtype=bool)
+    while len(order) < len(ends):
+        lines = np.flatnonzero(left)
+        tree = KDTree(ends[lines].reshape(-1, 2))
+        for _ in range((len(lines) + 1) // 2):
+            count = 2
+            while True:
+                near = lines[(found := np.atleast_1d(tree.query(here, k=min(count, tree.n))[1])) // 2]
+                if left[near].any():
+                    break
+                count *= 4
+            first = int(np.argmax(left[near]))
+            line, end = int(near[first]), int(found[first]) % 2
+            left[line] = False
+            order.append(line)
+            back.append(bool(end))
+            here = ends[line, 1 - end]
+    return order, back
 
 
 def _two_opt(ends: Floats, order: list[int], back: list[bool], start: Floats) -> tuple[list[int], list[bool]]:

@@ -24,6 +24,7 @@ from foldcut import compact, molecules
 from foldcut.assignment import Assignment, assign_creases, require_one_loop
 from foldcut.boundary import boundary_disks, default_ribbon
 from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
+from foldcut.fewest import fewest_folds
 from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.gate import Gated, fold_gated
 from foldcut.layers import fold_layers
@@ -50,7 +51,7 @@ from foldcut.search import Compact, fold_compact, rank, shortest_crease
 from foldcut.shape import LARGEST_NUMBER, make_shape
 from foldcut.sheet import Layout, parse_sheet
 from foldcut.simplify import simplify as simplify_shape
-from foldcut.straight import Skeletal, fold_skeletal
+from foldcut.straight import Skeletal, fold_ridges, fold_skeletal
 from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.tolerance import Tolerance
 from foldcut.verify import COINCIDENT, verify
@@ -61,6 +62,9 @@ Progress = Callable[[str, float], None]
 
 NEARLY = 0.01
 """Corners that are off by less than this, relative to the shape's size, are worth a hint."""
+
+READ, RIDGES, ENDS, FOLDED = 0.02, 0.04, {"mirror": 0.6, "skeleton": 0.75, "compact": 0.9}, 0.98
+"""How much of all is done when the drawing is read, after each method that ``auto`` tries, and with a pattern."""
 
 AFTER_OTHERS = 0.3
 """The part of the effort that a method gets when another has given a pattern."""
@@ -187,7 +191,7 @@ def fold(
     "skeleton" may move corners so that creases meet. ``effort`` ("fast", "normal", "best") and
     ``seconds`` bound the search. ``limits`` bound how large a file may be. ``preparation`` says how the drawing is
     mended and simplified, None that it must be a shape as it is. ``progress`` is called with a stage's name and the
-    part of it that is done.
+    part of all that is done, which never gets smaller.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern
@@ -195,6 +199,7 @@ def fold(
     """
     _check_options(method, ribbon, min_crease, symmetry, adjust, effort, seconds)
     stages = _Stages(progress)
+    stages.up_to(READ)
     with stages("reading"):
         drawing = (
             read_shape(Path(shape), ReadOptions(limits=limits or Limits()))
@@ -236,6 +241,8 @@ def fold(
         laid = lay(0.0)
     trials = _Trials(stages, ribbon, effort, seconds, symmetry, adjust, may_turn=rotation is None and offset is None)
     made = trials.run(method, laid, lay)
+    stages.up_to(FOLDED)
+    stages.up_to(1.0)
     stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
         findings = verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
@@ -329,7 +336,8 @@ class _Trials:
         *,
         may_turn: bool,
     ) -> None:
-        self.stages, self.ribbon, self.symmetry, self.may_turn = stages, ribbon, symmetry, may_turn
+        self.stages, self.ribbon, self.may_turn = stages, ribbon, may_turn
+        self.symmetry, self.adjust = symmetry, adjust
         self.free = ribbon or 0.0  # the ribbon of methods that need none
         self.fold_compact = partial(
             fold_compact, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
@@ -351,13 +359,17 @@ class _Trials:
             "gate": lambda _: self._gate(laid),
             "paper": lambda _: self._paper(laid),
         }
+        self.stages.up_to(RIDGES if method == "auto" else FOLDED)
         if method != "auto":
             return self._kept(folds[method](1.0))
+        if (proven := self._fewest(laid)) is not None:
+            return self._kept(proven)
         made: list[_Made] = []
         reasons: list[str] = []
         for name in ("mirror", "skeleton", "compact", "gate" if len(laid.shape.loops) > 1 else "paper"):
             if name in ("gate", "paper") and made:
                 break
+            self.stages.up_to(ENDS.get(name, FOLDED))
             try:
                 made.append(self._kept(folds[name](AFTER_OTHERS if made else 1.0)))
             except UnfoldableError as error:
@@ -388,7 +400,7 @@ class _Trials:
         return _Made("compact", found, laid, self.free, crease_numbers(found.creases).lines)
 
     def _mirror(self, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
-        with self.stages("mirror axes"):
+        with self.stages("mirror axes", 0.02):
             candidates = list(self._halves(laid, lay))
         with self.stages("searching half"):
             made = self.fold_mirrored([half for half, _ in candidates])
@@ -435,9 +447,26 @@ class _Trials:
             f"make it so with --symmetry {math.ceil(off * 100) / 100:g}mm"
         )
 
+    def _fewest(self, laid: _Laid) -> _Made | None:
+        """Return the pattern of the straight skeleton's ridges alone where it is proven that none has fewer folds."""
+        least = fewest_folds(laid.shape, laid.sheet, self.adjust, self.symmetry)
+        # else a pattern of ridges is unlikely or has more folds
+        if not least.bisectors <= least.folds < least.corners:
+            return None
+        try:
+            with self.stages("straight skeleton"):
+                made = self._of_skeleton(laid, fold_ridges(laid.shape, laid.sheet, ribbon=self.free, near=self.adjust))
+        except UnfoldableError:
+            return None
+        too_short, folds, _ = rank(made.actions, shortest_crease(made.stages.creases))
+        return None if too_short or folds > least.folds else made
+
     def _skeleton(self, laid: _Laid, share: float) -> _Made:
         with self.stages("straight skeleton"):
             made = self.fold_skeletal(laid.shape, laid.sheet, share=share)
+        return self._of_skeleton(laid, made)
+
+    def _of_skeleton(self, laid: _Laid, made: Skeletal) -> _Made:
         notes = list(laid.notes)
         if made.moved_mm > COINCIDENT[0] * laid.sheet.diagonal:
             notes.append(f"corners moved by at most {made.moved_mm:.2g} mm, so that creases meet")
@@ -487,13 +516,13 @@ def _check_options(
 def _fold_by_the_paper(shape: Shape, sheet: Sheet, ribbon: float, stages: _Stages) -> PaperStages:
     """Run the stages of the paper's method."""
     tolerance = Tolerance.for_sheet(sheet)
-    with stages("boundary disks"):
+    with stages("boundary disks", 0.1):
         boundary = boundary_disks(shape, sheet, ribbon, tolerance)
-    with stages("packing"):
+    with stages("packing", 0.3):
         packing = fill_gaps(boundary, tolerance, stages.report)
-    with stages("molecules"):
+    with stages("molecules", 0.4):
         built = build_molecules(packing, tolerance)
-    with stages("assignment"):
+    with stages("assignment", 0.4):
         assignment = assign_creases(built, packing.face_inside)
     with stages("layers"):
         creases, folded = fold_layers(built, assignment)
@@ -521,16 +550,23 @@ def _rounded_down(length: float) -> str:
 
 
 class _Stages:
-    """Times the stages and reports them."""
+    """Times the stages and reports them, and how much of all is done: a part that never gets smaller."""
 
     def __init__(self, progress: Progress | None) -> None:
         self.progress = progress
         self.seconds: dict[str, float] = {}
         self.name = ""
+        self.done = self.start = self.end = self.until = 0.0
+
+    def up_to(self, done: float) -> None:
+        """Say that the stages so far are over, and how much of all is done when those that follow are."""
+        self.done, self.end = max(self.done, self.end), done
 
     @contextmanager
-    def __call__(self, name: str) -> Iterator[None]:
-        self.name = name
+    def __call__(self, name: str, part: float = 1.0) -> Iterator[None]:
+        """Time a stage that is this part of what follows up to the end that was said."""
+        self.name, self.start = name, self.done
+        self.until = self.start + part * (self.end - self.start)
         self.report(0.0)
         start = time.perf_counter()
         yield
@@ -541,5 +577,6 @@ class _Stages:
         self.tell(self.name, fraction)
 
     def tell(self, stage: str, fraction: float) -> None:
+        self.done = max(self.done, self.start + fraction * (self.until - self.start))
         if self.progress is not None:
-            self.progress(stage, fraction)
+            self.progress(stage, self.done)

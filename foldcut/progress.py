@@ -56,7 +56,7 @@ class ProgressBar:
         self._open.close()
 
     def __call__(self, stage: str, fraction: float) -> None:
-        """Show that ``stage`` is done to ``fraction``, 0 to 1."""
+        """Show that ``stage`` is at work and this ``fraction`` of all is done, 0 to 1."""
         if not self._enabled or time.monotonic() - self._started < PATIENCE_S:
             return
         if self._progress is None:

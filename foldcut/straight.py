@@ -24,7 +24,7 @@ from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straigh
 from foldcut.search import FOLDABLE_MM, Rank, rank, shortest_crease
 from foldcut.verify import verify
 
-__all__ = ["Skeletal", "fold_skeletal"]
+__all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]
 
 SECONDS = {"fast": 1.0, "normal": 8.0, "best": 60.0}
 """How long choices are tried, by effort and the model of ``_cost``: what comes out does not depend on the machine."""
@@ -95,6 +95,30 @@ def fold_skeletal(
     return search.best
 
 
+def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float = ADJUST_MM) -> Skeletal:
+    """Fold a shape along the ridges of its straight skeleton alone; the options are those of ``fold_skeletal``.
+
+    Raises ``UnfoldableError`` with the reason where this needs perpendiculars, too, or has no layer order.
+    """
+    tied, moved = tie_nodes(shape, sheet, near) if near else (shape, 0.0)
+    perpendiculars = _perpendiculars(tied, sheet, ribbon)
+    if perpendiculars.odd:
+        raise UnfoldableError("at some nodes of the straight skeleton perpendiculars begin")
+    return _ordered(tied, moved, _divided(perpendiculars, []), 0)
+
+
+def _perpendiculars(shape: Shape, sheet: Sheet, ribbon: float) -> Perpendiculars:
+    """Return the straight skeleton with where perpendiculars may begin, if no creases meet within the ribbon."""
+    skeleton = straight_skeleton(shape, sheet)
+    perpendiculars = Perpendiculars(skeleton, sheet)
+    lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
+    if lowest <= ribbon:
+        raise UnfoldableError(
+            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
+        )
+    return perpendiculars
+
+
 def _adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, float]]:
     """Return the shape as it is, and moved so that creases meet in several ways, those that do most for it first."""
     if not near:
@@ -128,14 +152,7 @@ class _Search:
         """
         if self.best is None:
             self.spent = 0.0
-        skeleton = straight_skeleton(shape, self.sheet)
-        perpendiculars = Perpendiculars(skeleton, self.sheet)
-        lowest = min((float(skeleton.height[node]) for node in perpendiculars.nodes), default=np.inf)
-        if lowest <= self.ribbon:
-            raise UnfoldableError(
-                f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, "
-                f"within the ribbon of {self.ribbon:g} mm"
-            )
+        perpendiculars = _perpendiculars(shape, self.sheet, self.ribbon)
         for taken in _choices(perpendiculars):
             if self.progress is not None:
                 self.progress("layer orders", min(1.0, self.spent / self.limit))

@@ -23,7 +23,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-import highspy
 import numpy as np
 import shapely
 
@@ -565,6 +564,9 @@ class Solver:
     """HiGHS with rows added as they are needed; each run goes on from the last."""
 
     def __init__(self, cost: Floats, low: Floats, up: Floats) -> None:
+        import highspy  # here: patterns that need no search do without
+
+        self.optimal: Any = highspy.HighsModelStatus.kOptimal
         self.highs: Any = highspy.Highs()  # type: ignore[no-untyped-call]
         self.highs.setOptionValue("output_flag", False)
         self.highs.setOptionValue("threads", 1)
@@ -582,7 +584,7 @@ class Solver:
     def run(self) -> Floats | None:
         """Solve, or return None when nothing satisfies all rows."""
         self.highs.run()
-        if self.highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+        if self.highs.getModelStatus() != self.optimal:
             return None
         return np.asarray(self.highs.getSolution().col_value)
 

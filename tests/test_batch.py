@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import fcntl
+import io
 import json
 import signal
 import subprocess
@@ -14,13 +15,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from foldcut import batch as batches
 from foldcut import pipeline
 from foldcut.batch import JOURNAL, RESULTS, Batch, find_drawings, run_batch
 from foldcut.cli import main
 from foldcut.errors import BadInputError
+from foldcut.exporters.contact import Thumbnail, contact_sheet
+from foldcut.exporters.png import rendered
 from foldcut.files import OutputError
 from foldcut.making import JobOptions
 from foldcut.profiles import load_profile
@@ -152,11 +157,34 @@ def test_the_contact_sheet_shows_every_pattern_and_its_name(tmp_path: Path, here
     run_batch([icons], tmp_path / "out", FOLD, jobs=1)
     svg = ET.parse(tmp_path / "out/contact-sheet.svg").getroot()
     ns = {"svg": "http://www.w3.org/2000/svg"}
-    assert [text.text for text in svg.iterfind("svg:text", ns)] == [f"icon{number}" for number in range(5)]
+    words = [*(f"icon{number}" for number in range(5)), "mountain", "valley"]
+    assert [text.text for text in svg.iterfind("svg:text", ns)] == words
+    samples = [path.get("stroke-dasharray") for path in svg.iterfind("svg:path", ns)]
+    assert samples == ["0.9 0.36 0.12 0.36", "0.9 0.36"]
     for group in svg.iterfind("svg:g", ns):
         drawn = {path.get("stroke") or path.get("fill") for path in group.iterfind("svg:path", ns)}
         assert drawn == {"#ffe08a", "#ff0000", "#0000ff"}
     assert batch.counts == {"made": 5, "bad-input": 1}
+
+
+def test_mountains_and_valleys_are_told_apart_without_colour() -> None:
+    """In grey, the row of a mountain and that of a valley, across a thumbnail and in the legend, have other dashes."""
+    level = Thumbnail(1000, 500, "", "M0 100L1000 100", "M0 400L1000 400")
+    svg, size = contact_sheet([("two creases", level)], "", load_profile().drawing)
+    grey = np.asarray(Image.open(io.BytesIO(rendered(svg, size))).convert("L"))
+
+    def dashes(y: float, x: float, length: float) -> set[bool]:
+        """Which dashes a row has: long ones, True, and dots, False."""
+        per_mm = grey.shape[1] / size[0]
+        strip = grey[round((y - 0.3) * per_mm) : round((y + 0.3) * per_mm), round(x * per_mm) :].min(axis=0)
+        dark = np.flatnonzero(np.diff(np.concatenate([[0], strip[: round(length * per_mm)] < 215, [0]]))).reshape(-1, 2)
+        return set((np.diff(dark, axis=1)[:, 0] > 0.5 * per_mm)[1:-1].tolist())
+
+    assert dashes(3 + 100 * 0.04, 4, 38) == {True, False}
+    assert dashes(3 + 400 * 0.04, 4, 38) == {True}
+    legend = size[1] - 1.5 * 2.4
+    assert dashes(legend, 3, 5) == {True, False}
+    assert dashes(legend, 23, 5) == {True}
 
 
 def test_parquet_has_the_rows_of_the_csv(tmp_path: Path, here: list[str]) -> None:

@@ -26,6 +26,7 @@ from patterns import book_fold
 from programs import missing, require_program, run_node, run_program
 from scipy.optimize import linear_sum_assignment
 
+from foldcut import job as jobs
 from foldcut.exporters import export_job
 from foldcut.exporters.pdf import tiles
 from foldcut.job import Job, JobError, Side, make_jobs, perforation
@@ -610,3 +611,11 @@ def test_jobs_have_the_same_bytes_each_time() -> None:
         assert one == other
         if profile.format == "svg":
             ET.fromstring(one)
+
+
+def test_many_lines_are_ordered_as_few_are() -> None:
+    random = np.random.default_rng(0)
+    starts = random.uniform(0, 300, (2000, 1, 2))
+    ends = np.concatenate([starts, starts + random.uniform(-9, 9, (2000, 1, 2))], axis=1)
+    for count in (1, 2, 3, 50, 2000):
+        assert jobs._greedy_by_tree(ends[:count], np.zeros(2)) == jobs._greedy(ends[:count], np.zeros(2))

@@ -12,7 +12,7 @@ from strategies import Points, cross, rectangle, regular
 
 import foldcut
 from foldcut import mirror
-from foldcut.mirror import Mirrored, halves
+from foldcut.mirror import Mirrored, _beyond, halves
 from foldcut.model import Floats
 from foldcut.samples import sample_path
 from foldcut.shape import make_shape
@@ -251,3 +251,17 @@ def test_ctrl_c_keeps_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(("points", "most"), [(regular(3), 4), (regular(4), 8), (cross(), 24)])
 def test_simple_shapes_are_as_simple_as_they_can_be(points: Points, most: int) -> None:
     assert fold([points]).folded_pattern.creases.crease_count <= most
+
+
+def test_a_side_goes_on_as_far_beyond_the_border_as_asked_but_a_flat_one_no_more_than_three_times_that() -> None:
+    end = np.array([0.0, 10.0])
+    for before, beyond in (
+        ((3.0, 6.0), (-6.0, 18.0)),  # 6 mm beyond the upright axis
+        ((2.0, 10.0), (-6.0, 10.0)),
+        ((6.0, 2.0), (-6.0, 18.0)),
+        ((0.3, 6.0), (-18 * 0.3 / np.hypot(0.3, 4), 10 + 18 * 4 / np.hypot(0.3, 4))),
+    ):
+        assert np.allclose(_beyond(np.array(before), end, (0,), 6.0), beyond)
+        turned = _beyond(np.array(before[::-1]), end[::-1], (1,), 6.0)
+        assert np.allclose(turned, beyond[::-1])
+    assert np.allclose(_beyond(np.array([4.0, 6.0]), np.array([10.0, 0.0]), (0, 1), 6.0), (16.0, -6.0))

@@ -181,6 +181,17 @@ def test_progress_names_the_stages_and_ends_at_one() -> None:
     assert seen[-1] == ("verify", 1.0)
 
 
+@pytest.mark.parametrize("loop", [cross(), [(0, 0), (9, 1), (7, 6), (2, 4)]])
+def test_progress_never_steps_back_from_method_to_method(loop: list[tuple[float, float]]) -> None:
+    seen: list[tuple[str, float]] = []
+    foldcut.fold([loop], seconds=0.5, progress=lambda stage, part: seen.append((stage, part)))
+    parts = [part for _, part in seen]
+    assert {"straight skeleton", "searching"} <= {stage for stage, _ in seen}
+    assert parts == sorted(parts)
+    assert (parts[0], parts[-1]) == (0, 1)
+    assert len(set(parts)) > 5
+
+
 def test_the_placement_takes_the_drawing_to_the_sheet(fish: foldcut.Result) -> None:
     from foldcut.readers import read_shape
 
