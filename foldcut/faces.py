@@ -100,35 +100,34 @@ def assemble(
     used = np.zeros(len(flat), dtype=np.bool_)
     used[joined[:, 0]] = used[joined[:, 1]] = True
     renumber = np.where(used, np.cumsum(used, dtype=np.int32) - 1, -1).astype(np.int32)
-    faces = _renumbered(rings, renumber, straight)
+    faces = _without(straight, rings)
+    _look_up(renumber, joined.reshape(-1))
+    _look_up(renumber, faces.values)
     landed = folded[used]
     first = next(k for k in range(len(faces)) if signed_area(landed[faces[k]]) > 0)
     layers: Ints = np.arange(len(faces), dtype=np.int32)
     layers[[0, first]] = layers[[first, 0]]
     begin = faces.take(layers[: first + 1])
     faces.values[: len(begin.values)], faces.offsets[: first + 2] = begin.values, begin.offsets
-    pattern = CreasePattern(
-        sealed(flat[used]),
-        _numbered(renumber, joined),
-        sealed(types),
-        Ragged(sealed(faces.values), sealed(faces.offsets)),
-    )
+    faces = Ragged(sealed(faces.values), sealed(faces.offsets))
+    pattern = CreasePattern(sealed(flat[used]), sealed(joined), sealed(types), faces)
     return pattern, FoldedState(sealed(landed), sealed(layers))
 
 
-def _renumbered(rings: Ragged, renumber: Ints, straight: Bools) -> Ragged:
-    """The rings without straight vertices, the others numbered anew."""
-    left = np.zeros(len(rings.values) + 1, dtype=np.int32)
-    np.cumsum(~straight[rings.values], out=left[1:])
-    values = np.empty(left[-1], dtype=np.int32)
-    for low in range(0, len(rings.values), BLOCK):
-        some = rings.values[low : low + BLOCK]
-        values[left[low] : left[low + len(some)]] = renumber[some[~straight[some]]]
-    return Ragged(values, left[rings.offsets])
+def _without(gone: Bools, rings: Ragged) -> Ragged:
+    """The rings without some of the vertices; of each ring something is left."""
+    kept = np.empty(len(rings.values), dtype=np.bool_)
+    for low in range(0, len(kept), BLOCK):
+        kept[low : low + BLOCK] = ~gone[rings.values[low : low + BLOCK]]
+    offsets = np.zeros(len(rings) + 1, dtype=np.int32)
+    np.cumsum(np.add.reduceat(kept, rings.offsets[:-1], dtype=np.int32), out=offsets[1:])
+    return Ragged(rings.values[kept], offsets)
 
 
-def _numbered(renumber: Ints, pairs: Ints) -> Ints:
-    return sealed(np.stack([renumber[pairs[:, 0]], renumber[pairs[:, 1]]], axis=1))
+def _look_up(numbers: Ints, places: Ints) -> None:
+    """Put in place of each place, ``(n,)``, the number there."""
+    for low in range(0, len(places), BLOCK):
+        places[low : low + BLOCK] = numbers[places[low : low + BLOCK]]
 
 
 def _dissolve_straight(edges: Ints, kinds: Chars, sheet_corners: set[int], count: int) -> tuple[Ints, Chars, Bools]:
