@@ -917,8 +917,11 @@ class GapFiller:
         self._state = _empty(0, 0, np.zeros(7))
         self._known = 0
 
-    def start(self, disks: Indices, centres: Floats, radii: Floats, count: int) -> None:
-        """Begin a face whose boundary ``disks`` are among the first ``count`` of ``centres`` and ``radii``."""
+    def start(self, disks: Indices, centres: Floats, radii: Floats, count: int) -> bool:
+        """Begin a face whose boundary ``disks`` are among the first ``count`` of ``centres`` and ``radii``.
+
+        Returns whether the rest of the compiled code, too, still has to be compiled, which takes some 20 s.
+        """
         mine = centres[disks]
         low, high = mine.min(axis=0), mine.max(axis=0)
         middle = (low + high) / 2
@@ -932,6 +935,7 @@ class GapFiller:
         state.counts[DISKS] = self._known = count
         _insert_disks(state, disks.astype(np.int32))
         self._state = state
+        return bool(_insert_disks.stats.cache_misses) and not _run.signatures
 
     def add(self, centres: Floats, radii: Floats, count: int) -> None:
         """Take over disks that were added by others."""

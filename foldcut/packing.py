@@ -14,15 +14,16 @@ of the gaps tile the sheet (less the ribbon).
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from foldcut.boundary import BoundaryDisks, overlapping_disks, touching_disks
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Floats, Ints, Ragged, index_array, points_array
+from foldcut.model import Bools, Floats, Ints, Numbers, Ragged, index_array, points_array
 from foldcut.plane import contains_point, signed_area
 from foldcut.tolerance import Tolerance
 
@@ -36,8 +37,10 @@ TURN = 2 * math.pi
 NEARLY = 1e-3
 # Radii that differ by less than this part are equal: the choice between them must not depend on rounding.
 EQUAL = 1e-9
-# From so many disks on boundaries on, loading compiled code takes less time than it saves.
-MANY_DISKS = 5_000
+# From so many disks on boundaries on, loading compiled code takes less time than it saves; once loaded it does all.
+MANY_DISKS = 1_000
+COMPILING = "compiling, once on this machine"
+Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +63,11 @@ class Packing:
     boundary_count: int
 
 
-@dataclass(frozen=True)
-class _Candidate:
+class _Candidate(NamedTuple):
     """A disk that touches the leaf's two disks and at least one other."""
 
-    centre: tuple[float, float]
+    x: float
+    y: float
     radius: float
 
 
@@ -78,13 +81,12 @@ class _Placement:
     nearly: bool
 
 
-def fill_gaps(
-    boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None = None
-) -> Packing:
+def fill_gaps(boundary: BoundaryDisks, tolerance: Tolerance, progress: Progress | None = None) -> Packing:
     """Add disks until all gaps are 3-gaps or 4-gaps.
 
-    ``progress`` is called with the part done, 0 to 1 (an estimate). Raises ``UnfoldableError`` with the place when a
-    gap cannot be divided further. Source: paper section 2; Bern, Mitchell and Ruppert 1995 for the choice of disks.
+    ``progress`` is called with the part done, 0 to 1 (an estimate), and what is done besides, mostly "". Raises
+    ``UnfoldableError`` with the place when a gap cannot be divided further. Source: paper section 2; Bern, Mitchell
+    and Ruppert 1995 for the choice of disks.
     """
     filler = _Filler(boundary, tolerance, progress)
     values: list[Ints] = []
@@ -117,11 +119,11 @@ def fill_gaps(
 class _Filler:
     """The growing arrays of disks, and what divides gaps."""
 
-    def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None) -> None:
+    def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance, progress: Progress | None) -> None:
         self.tolerance = tolerance
         self.progress = progress
         self.count = self.boundary_count = len(boundary.radii)
-        self.compiled = _compiled_filler(tolerance) if self.count >= MANY_DISKS else None
+        self.compiled = _compiled_filler(tolerance) if self.count >= MANY_DISKS or _is_loaded() else None
         self.rolled: dict[Leaf, _Candidate | None] = {}  # by leaf, until a disk is placed in its way
         self.ears: set[Leaf] = set()  # leaves whose disk would not help; this lasts as long as the disk
         self.centres = np.concatenate([boundary.centres, np.empty((self.count + 16, 2))])
@@ -130,8 +132,9 @@ class _Filler:
     def fill(self, chains: list[Chain]) -> Iterator[tuple[Ints, Ints]]:
         """Yield the finished gaps of the face between ``chains``: their disks, and how many each has."""
         if self.compiled:
-            disks = np.array([disk for chain in chains for disk in chain], dtype=np.int32)
-            self.compiled.start(np.unique(disks), self.centres, self.radii, self.count)
+            disks = np.concatenate(chains).astype(np.int32)
+            if self.compiled.start(np.unique(disks), self.centres, self.radii, self.count):
+                self._report(COMPILING)
         stack = self._split_at_touching_disks(chains)
         done: list[Chain] = []
         while stack:
@@ -163,9 +166,9 @@ class _Filler:
         self.count = end
         return values, np.diff(offsets)
 
-    def _report(self) -> None:
+    def _report(self, doing: str = "") -> None:
         if self.progress is not None:  # about as many disks are added as are on boundaries
-            self.progress(min(0.99, (self.count - self.boundary_count) / max(1, self.boundary_count)))
+            self.progress(min(0.99, (self.count - self.boundary_count) / max(1, self.boundary_count)), doing)
 
     def _stuck(self, chains: list[Chain]) -> UnfoldableError:
         x, y = self.centres[chains[0]].mean(axis=0)
@@ -177,15 +180,15 @@ class _Filler:
 
     def _split_at_touching_disks(self, chains: list[Chain]) -> list[list[Chain]]:
         """Add the tangency edges between boundary disks that touch across the face."""
-        disks = np.array([disk for chain in chains for disk in chain])
-        neighbours = {frozenset(leaf) for leaf in _leaves(chains)}
+        disks = np.concatenate(chains).astype(np.int32)
+        following = np.concatenate([chain[1:] + chain[:1] for chain in chains]).astype(np.int32)
         left, right = touching_disks(
             self.centres[disks], self.radii[disks], np.zeros(len(disks), dtype=np.int32), self.tolerance
         )
+        one, other = disks[left], disks[right]
+        across = ~np.isin(_pair_keys(one, other), _pair_keys(disks, following))
         gaps = [chains]
-        for a, b in zip(disks[left].tolist(), disks[right].tolist(), strict=True):
-            if frozenset((a, b)) in neighbours:
-                continue
+        for a, b in zip(one[across].tolist(), other[across].tolist(), strict=True):
             for number, gap in enumerate(gaps):
                 visit_a, visit_b = self._visit(gap, a, self.centres[b]), self._visit(gap, b, self.centres[a])
                 if visit_a is not None and visit_b is not None:
@@ -274,15 +277,17 @@ class _Filler:
         leaves = [leaf for leaf in _leaves(gap) if leaf not in self.rolled]
         filler.add(self.centres, self.radii, self.count)
         centres, radii = filler.roll(np.array(leaves, dtype=np.int32).reshape(-1, 2))
-        for leaf, (x, y), radius in zip(leaves, centres.tolist(), radii.tolist(), strict=True):
-            self.rolled[leaf] = _Candidate((x, y), radius) if radius > 0 else None
+        self.rolled.update(
+            zip(leaves, map(_Candidate._make, zip(*centres.T.tolist(), radii.tolist(), strict=True)), strict=True)
+        )
+        self.rolled.update((leaves[k], None) for k in np.flatnonzero(~(radii > 0)).tolist())
 
     def _forget_blocked(self, gap: list[Chain], disk: int) -> None:
         """Drop the rolled disks of a gap that overlap a new disk."""
         leaves = [leaf for leaf in _leaves(gap) if self.rolled.get(leaf)]
         rolled = [candidate for leaf in leaves if (candidate := self.rolled[leaf])]
-        centres, radii = np.array([c.centre for c in rolled]).reshape(-1, 2), np.array([c.radius for c in rolled])
-        x, y = centres[:, 0] - self.centres[disk, 0], centres[:, 1] - self.centres[disk, 1]
+        x, y, radii = np.array(rolled).reshape(-1, 3).T
+        x, y = x - self.centres[disk, 0], y - self.centres[disk, 1]
         slack = np.sqrt(x * x + y * y) - radii - self.radii[disk]
         blocked = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
         for k in np.flatnonzero(blocked):
@@ -315,11 +320,8 @@ class _Filler:
         if not math.isfinite(top) or denominator <= 0 or top <= 0:
             return None
         forward, left = middle / denominator, top / denominator
-        centre = (
-            origin_x + along_x * forward - along_y * left,
-            origin_y + along_y * forward + along_x * left,
-        )
-        return _Candidate(centre, half_width / denominator)
+        x_new, y_new = origin_x + along_x * forward - along_y * left, origin_y + along_y * forward + along_x * left
+        return _Candidate(x_new, y_new, half_width / denominator)
 
     def _best_inner(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk that helps where every leaf's is an ear: the next one met beyond an ear.
@@ -340,7 +342,7 @@ class _Filler:
 
     def _touches(self, candidate: _Candidate, disk: int) -> bool:
         radius = float(self.radii[disk])
-        x, y = candidate.centre[0] - float(self.centres[disk, 0]), candidate.centre[1] - float(self.centres[disk, 1])
+        x, y = candidate.x - float(self.centres[disk, 0]), candidate.y - float(self.centres[disk, 1])
         slack = math.sqrt(x * x + y * y) - candidate.radius - radius
         return abs(slack) <= 1e-6 * min(candidate.radius, radius)
 
@@ -352,10 +354,10 @@ class _Filler:
         x, y = (self.centres[k] - self.centres[i]).tolist()  # the gap is left of i -> j -> k
         others = disks[(disks != i) & (disks != j) & (disks != k)]
         centres, radii = self._apollonius(i, k, others)
-        ahead = (centres[:, 1] - ear.centre[1]) * x - (centres[:, 0] - ear.centre[0]) * y
+        ahead = (centres[:, 1] - ear.y) * x - (centres[:, 0] - ear.x) * y
         usable = np.isfinite(radii) & (radii > 0) & (ahead > 1e-6 * ear.radius * math.sqrt(x * x + y * y))
         order = np.argsort(np.where(usable, ahead, np.inf), kind="stable")[: min(2, int(usable.sum()))]
-        return [_Candidate((float(centres[n, 0]), float(centres[n, 1])), float(radii[n])) for n in order]
+        return [_Candidate(float(centres[n, 0]), float(centres[n, 1]), float(radii[n])) for n in order]
 
     def _apollonius(self, i: int, j: int, others: Ints) -> tuple[Floats, Floats]:
         """Return centres and radii of the disks that touch i, j and one of ``others`` from outside.
@@ -380,7 +382,7 @@ class _Filler:
 
     def _try(self, gap: list[Chain], disks: Ints, candidate: _Candidate) -> _Placement | None:
         """Return where ``candidate`` touches the gap if it is free and leaves smaller gaps, else None."""
-        centre, radius = np.array(candidate.centre), candidate.radius
+        centre, radius = np.array(candidate[:2]), candidate.radius
         x, y = self.centres[disks, 0] - centre[0], self.centres[disks, 1] - centre[1]
         slack = np.sqrt(x * x + y * y) - self.radii[disks] - radius
         allowed = self.tolerance.touching(self.radii[disks], np.full(len(disks), radius))
@@ -487,6 +489,15 @@ def _compiled_filler(tolerance: Tolerance) -> GapFiller | None:
     except ImportError:
         return None
     return GapFiller(tolerance.tie, tolerance.rounding, NEARLY, EQUAL)
+
+
+def _is_loaded() -> bool:
+    return "foldcut.gapfill" in sys.modules
+
+
+def _pair_keys(one: Ints, other: Ints) -> Numbers:
+    """A number for each pair of disks, whichever comes first."""
+    return (np.minimum(one, other).astype(np.int64) << 32) | np.maximum(one, other)
 
 
 def _flat(gaps: list[Chain]) -> tuple[Ints, Ints]:
