@@ -56,6 +56,7 @@ class _State(NamedTuple):
     contacts: Table
     child: Indices  # (cells, 4)
     first: Indices  # item of the cell
+    bounds: Floats  # (cells, 4): least x and y, greatest x and y of all that was ever put into the cell or its children
     stack: Indices  # of gaps
     group: Indices  # of visits, as aside and blocked
     aside: Indices
@@ -66,7 +67,6 @@ class _State(NamedTuple):
     box: Floats  # middle and half of the root cell; tie, rounding, nearly, equal
     found: Floats  # x, y, r
     path: Indices
-    path_box: Floats
 
 
 DISK = np.dtype([("x", "f8"), ("y", "f8"), ("r", "f8"), ("following", "i4"), ("first_visit", "i4")])
@@ -135,24 +135,25 @@ def _cell(s, root, x, y, r):
             s.child[node, quarter] = child
             s.child[child, :] = -1
             s.first[child] = -1
+            s.bounds[child, :2] = np.inf
+            s.bounds[child, 2:] = -np.inf
         node = child
+        s.bounds[node, 0], s.bounds[node, 1] = min(s.bounds[node, 0], x - r), min(s.bounds[node, 1], y - r)
+        s.bounds[node, 2], s.bounds[node, 3] = max(s.bounds[node, 2], x + r), max(s.bounds[node, 3], y + r)
     return node
 
 
 @_compiled
 def _push_children(s, node, depth, x, y, r):
     """Put the children of the node on top of the path there that a circle may meet; return the path's length."""
-    middle_x, middle_y, half = s.path_box[depth, 0], s.path_box[depth, 1], s.path_box[depth, 2] * 0.5
     for quarter in range(4):
         child = s.child[node, quarter]
         if child < 0:
             continue
-        child_x = middle_x + half if quarter & 1 else middle_x - half
-        child_y = middle_y + half if quarter & 2 else middle_y - half
-        off_x, off_y = max(abs(x - child_x) - 2 * half, 0.0), max(abs(y - child_y) - 2 * half, 0.0)
+        off_x = max(s.bounds[child, 0] - x, x - s.bounds[child, 2], 0.0)
+        off_y = max(s.bounds[child, 1] - y, y - s.bounds[child, 3], 0.0)
         if off_x * off_x + off_y * off_y <= r * r:
             s.path[depth] = child
-            s.path_box[depth, 0], s.path_box[depth, 1], s.path_box[depth, 2] = child_x, child_y, half
             depth += 1
     return depth
 
@@ -160,7 +161,6 @@ def _push_children(s, node, depth, x, y, r):
 @_compiled
 def _start(s, root):
     s.path[0] = root
-    s.path_box[0, 0], s.path_box[0, 1], s.path_box[0, 2] = s.box[0], s.box[1], s.box[2]
     return 1
 
 
@@ -1023,7 +1023,7 @@ class GapFiller:
 GROUPS = (
     ("disks",),
     ("visits", "group", "aside", "blocked"),
-    ("first", "child"),
+    ("first", "child", "bounds"),
     ("entries",),
     ("gaps",),
     ("stack",),
@@ -1033,24 +1033,22 @@ GROUPS = (
 )
 """Arrays of the same length."""
 
-TYPES = {"disks": DISK, "visits": VISIT, "entries": ENTRY, "gaps": GAP, "contacts": CONTACT}
+TYPES = {"disks": DISK, "visits": VISIT, "entries": ENTRY, "gaps": GAP, "contacts": CONTACT, "bounds": np.float64}
 
 
 def _empty(disks: int, boundary: int, box: Floats) -> _State:
     sizes = (disks, 8 * boundary, 8 * boundary, 4 * boundary, 4 * boundary, 64, 2 * boundary, 7 * boundary, 64)
     arrays = {
-        name: np.zeros((size + 256, 4) if name == "child" else size + 256, TYPES.get(name, np.int32))
+        name: np.zeros((size + 256, 4) if name in ("child", "bounds") else size + 256, TYPES.get(name, np.int32))
         for names, size in zip(GROUPS, sizes, strict=True)
         for name in names
     }
-    path = np.zeros(4 * DEEPEST + 8, dtype=np.int32)
     return _State(
         **arrays,
         counts=np.zeros(12, dtype=np.int64),
         box=box,
         found=np.zeros(3),
-        path=path,
-        path_box=np.zeros((len(path), 3)),
+        path=np.zeros(4 * DEEPEST + 8, dtype=np.int32),
     )
 
 
