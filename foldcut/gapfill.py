@@ -23,6 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numba.core import cgutils
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from foldcut.model import Floats
@@ -100,6 +102,21 @@ class Stuck(ValueError):  # noqa: N818 - turned into an error of ours by ``packi
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 _called = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)
+
+
+@intrinsic
+def _uncounted(_, state):
+    """Return a state whose arrays have no reference counts: counting takes nearly as long as all the rest."""
+
+    def build(context, builder, signature, values):
+        arrays = []
+        for kind, value in zip(state.types, cgutils.unpack_tuple(builder, values[0]), strict=True):
+            array = context.make_array(kind)(context, builder, value)
+            array.meminfo = cgutils.get_null_value(array.meminfo.type)
+            arrays.append(array._getvalue())
+        return context.make_tuple(builder, signature.return_type, arrays)
+
+    return state(state), build
 
 
 # --- the trees
@@ -847,6 +864,7 @@ def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
 @_called
 def _run(s, most):
     """Divide gaps until none is left, ``most`` are done, or the arrays are full."""
+    s = _uncounted(s)
     for _ in range(most):
         if s.counts[STACK] == 0:
             return DONE
@@ -875,6 +893,7 @@ def _run(s, most):
 
 @_called
 def _insert_disks(s, disks):
+    s = _uncounted(s)
     for disk in disks:
         s.disks.first_visit[disk] = -1
         _insert_disk(s, disk)
@@ -883,6 +902,7 @@ def _insert_disks(s, disks):
 @_called
 def _add_chain(s, chain):
     """Make one gap of a chain, with all its leaves' disks rolled."""
+    s = _uncounted(s)
     gap = s.counts[GAPS]
     s.counts[GAPS] += 1
     s.gaps.heap[gap], s.gaps.length[gap], s.gaps.head[gap] = -1, len(chain), s.counts[VISITS]
@@ -902,6 +922,7 @@ def _add_chain(s, chain):
 
 @_called
 def _roll_many(s, leaves, centres, radii):
+    s = _uncounted(s)
     for at in range(len(leaves)):
         if _roll(s, leaves[at, 0], leaves[at, 1], -1):
             centres[at, 0], centres[at, 1], radii[at] = s.found[0], s.found[1], s.found[2]
