@@ -125,6 +125,7 @@ class _Filler:
         self.count = self.boundary_count = len(boundary.radii)
         self.compiled = _compiled_filler(tolerance) if self.count >= MANY_DISKS or _is_loaded() else None
         self.rolled: dict[Leaf, _Candidate | None] = {}  # by leaf, until a disk is placed in its way
+        self.many_rolled = _ManyRolled()  # the same where code is compiled
         self.ears: set[Leaf] = set()  # leaves whose disk would not help; this lasts as long as the disk
         self.centres = np.concatenate([boundary.centres, np.empty((self.count + 16, 2))])
         self.radii = np.concatenate([boundary.radii, np.empty(self.count + 16)])
@@ -242,7 +243,7 @@ class _Filler:
 
     def _divide(self, gap: list[Chain]) -> list[list[Chain]]:
         """Place the largest disk that helps and return the gaps around it."""
-        disks = np.array(sorted({disk for chain in gap for disk in chain}))
+        disks = np.unique(np.concatenate(gap))
         placement = self._best_leaf(gap, disks) or self._best_inner(gap, disks)
         if placement is None:
             raise self._stuck(gap)
@@ -250,19 +251,9 @@ class _Filler:
 
     def _best_leaf(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk rolled in from a leaf that merges chains or divides the only one."""
-        rolled: list[tuple[_Candidate, Leaf]] = []
-        if self.compiled:
-            self._roll_all(self.compiled, gap)
-        for leaf in _leaves(gap):
-            if leaf in self.ears:
-                continue
-            if leaf not in self.rolled:
-                self.rolled[leaf] = self._roll(*leaf, disks)
-            candidate = self.rolled[leaf]
-            if candidate is not None:
-                rolled.append((candidate, leaf))
         second_best = None
-        for candidate, leaf in _largest_first(rolled):
+        rolled = self._roll_all(self.compiled, gap) if self.compiled else self._roll_each(gap, disks)
+        for candidate, leaf in rolled:
             placement = self._try(gap, disks, candidate)
             if placement is None:
                 self.ears.add(leaf)
@@ -272,27 +263,52 @@ class _Filler:
                 second_best = second_best or placement
         return second_best
 
-    def _roll_all(self, filler: GapFiller, gap: list[Chain]) -> None:
-        """Roll the disks of all leaves that have none yet at once."""
-        leaves = [leaf for leaf in _leaves(gap) if leaf not in self.rolled]
+    def _roll_each(self, gap: list[Chain], disks: Ints) -> Iterator[tuple[_Candidate, Leaf]]:
+        """Yield the leaves' disks that are no ears, the largest first; those not known yet are rolled."""
+        rolled: list[tuple[_Candidate, Leaf]] = []
+        for leaf in _leaves(gap):
+            if leaf in self.ears:
+                continue
+            if leaf not in self.rolled:
+                self.rolled[leaf] = self._roll(*leaf, disks)
+            candidate = self.rolled[leaf]
+            if candidate is not None:
+                rolled.append((candidate, leaf))
+        return _largest_first(rolled)
+
+    def _roll_all(self, filler: GapFiller, gap: list[Chain]) -> Iterator[tuple[_Candidate, Leaf]]:
+        """Do the same by compiled code and arrays."""
+        known, leaves = self.many_rolled, _leaf_numbers(gap)
+        new = leaves[known.rows(leaves) < 0]
         filler.add(self.centres, self.radii, self.count)
-        centres, radii = filler.roll(np.array(leaves, dtype=np.int32).reshape(-1, 2))
-        self.rolled.update(
-            zip(leaves, map(_Candidate._make, zip(*centres.T.tolist(), radii.tolist(), strict=True)), strict=True)
-        )
-        self.rolled.update((leaves[k], None) for k in np.flatnonzero(~(radii > 0)).tolist())
+        known.add(new, *filler.roll(_pairs(new).astype(np.int32)))
+        ears = np.fromiter((_number(*leaf) for leaf in self.ears), dtype=np.int64)
+        rows = known.rows(leaves[~np.isin(leaves, ears)])
+        return known.largest_first(rows[known.radii[rows] > 0])
 
     def _forget_blocked(self, gap: list[Chain], disk: int) -> None:
         """Drop the rolled disks of a gap that overlap a new disk."""
+        if self.compiled:
+            known = self.many_rolled
+            rows = known.rows(_leaf_numbers(gap))
+            rows = rows[(rows >= 0) & (known.radii[rows] > 0)]
+            blocked = rows[self._overlaps(disk, known.centres[rows], known.radii[rows])]
+            self.ears.difference_update(map(tuple, _pairs(known.leaves[blocked]).tolist()))
+            known.drop(blocked)
+            return
         leaves = [leaf for leaf in _leaves(gap) if self.rolled.get(leaf)]
         rolled = [candidate for leaf in leaves if (candidate := self.rolled[leaf])]
-        x, y, radii = np.array(rolled).reshape(-1, 3).T
-        x, y = x - self.centres[disk, 0], y - self.centres[disk, 1]
-        slack = np.sqrt(x * x + y * y) - radii - self.radii[disk]
-        blocked = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
-        for k in np.flatnonzero(blocked):
+        disks = np.array(rolled).reshape(-1, 3)
+        for k in np.flatnonzero(self._overlaps(disk, disks[:, :2], disks[:, 2])):
             del self.rolled[leaves[k]]
             self.ears.discard(leaves[k])
+
+    def _overlaps(self, disk: int, centres: Floats, radii: Floats) -> Bools:
+        """Whether disks overlap a disk that is there."""
+        x, y = centres[:, 0] - self.centres[disk, 0], centres[:, 1] - self.centres[disk, 1]
+        slack = np.sqrt(x * x + y * y) - radii - self.radii[disk]
+        overlap: Bools = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
+        return overlap
 
     def _roll(self, i: int, j: int, disks: Ints) -> _Candidate | None:
         """Return the largest disk left of i -> j that touches both and overlaps none of ``disks``.
@@ -331,7 +347,7 @@ class _Filler:
         found: list[tuple[_Candidate, Leaf]] = []
         for chain in gap:
             for i, j, k in zip(chain, chain[1:] + chain[:1], chain[2:] + chain[:2], strict=True):
-                ear = self.rolled.get((i, j))
+                ear = self.many_rolled.get(i, j) if self.compiled else self.rolled.get((i, j))
                 if ear is not None and i != k and self._touches(ear, k):
                     found += [(candidate, (i, j)) for candidate in self._beyond(ear, i, j, k, disks)]
         for candidate, _ in _largest_first(found):
@@ -482,6 +498,51 @@ class _Filler:
         return np.array([x, y]), radius
 
 
+class _ManyRolled:
+    """The disks rolled in from leaves, as arrays in the order of the leaves' numbers; a radius of at most 0: none."""
+
+    def __init__(self) -> None:
+        self.leaves: Numbers = np.empty(0, dtype=np.int64)
+        self.centres = np.empty((0, 2))
+        self.radii = np.empty(0)
+
+    def rows(self, leaves: Numbers) -> Numbers:
+        """The rows of leaves, -1 where nothing is known."""
+        if not len(self.leaves):
+            return np.full(len(leaves), -1)
+        at = np.minimum(np.searchsorted(self.leaves, leaves), len(self.leaves) - 1)
+        return np.where(self.leaves[at] == leaves, at, -1)
+
+    def get(self, i: int, j: int) -> _Candidate | None:
+        row = int(self.rows(np.array([_number(i, j)]))[0])
+        return self._candidate(row) if row >= 0 and self.radii[row] > 0 else None
+
+    def _candidate(self, row: int) -> _Candidate:
+        return _Candidate(float(self.centres[row, 0]), float(self.centres[row, 1]), float(self.radii[row]))
+
+    def add(self, leaves: Numbers, centres: Floats, radii: Floats) -> None:
+        leaves = np.concatenate([self.leaves, leaves])
+        order = np.argsort(leaves, kind="stable")
+        self.leaves = leaves[order]
+        self.centres = np.concatenate([self.centres, centres])[order]
+        self.radii = np.concatenate([self.radii, radii])[order]
+
+    def drop(self, rows: Numbers) -> None:
+        self.leaves, self.radii = np.delete(self.leaves, rows), np.delete(self.radii, rows)
+        self.centres = np.delete(self.centres, rows, axis=0)
+
+    def largest_first(self, rows: Numbers) -> Iterator[tuple[_Candidate, Leaf]]:
+        """Do as ``_largest_first``."""
+        rows = rows[np.argsort(-self.radii[rows], kind="stable")]
+        smallness, start = -self.radii[rows], 0
+        while start < len(rows):
+            end = int(np.searchsorted(smallness, smallness[start] * (1 - EQUAL), side="right"))
+            for row in np.sort(rows[start:end]).tolist():
+                i, j = _pairs(self.leaves[row : row + 1])[0].tolist()
+                yield self._candidate(row), (i, j)
+            start = end
+
+
 def _compiled_filler(tolerance: Tolerance) -> GapFiller | None:
     """Return what fills large gaps in compiled code, or None without numba (extra ``fast``)."""
     try:
@@ -520,6 +581,21 @@ def _largest_first(found: list[tuple[_Candidate, Leaf]]) -> Iterator[tuple[_Cand
 def _leaves(gap: list[Chain]) -> list[Leaf]:
     """The pairs of consecutive visits of all chains; a disk by itself has none."""
     return [leaf for chain in gap if len(chain) > 1 for leaf in zip(chain, chain[1:] + chain[:1], strict=True)]
+
+
+def _number(i: int, j: int) -> int:
+    """A number for a leaf; they are in the order of leaves."""
+    return i << 32 | j
+
+
+def _leaf_numbers(gap: list[Chain]) -> Numbers:
+    chains = [np.array(chain, dtype=np.int64) for chain in gap if len(chain) > 1]
+    return np.concatenate([np.empty(0, dtype=np.int64), *(chain << 32 | np.roll(chain, -1) for chain in chains)])
+
+
+def _pairs(numbers: Numbers) -> Numbers:
+    """The leaves with these numbers, ``(n, 2)``."""
+    return np.stack([numbers >> 32, numbers & 0xFFFFFFFF], axis=1)
 
 
 def _angle(start: Floats, end: Floats) -> float:
