@@ -101,6 +101,7 @@ def assemble(
     used[joined[:, 0]] = used[joined[:, 1]] = True
     renumber = np.where(used, np.cumsum(used, dtype=np.int32) - 1, -1).astype(np.int32)
     faces = _without(straight, rings)
+    del rings, edges, kinds  # that may be all that holds them
     _look_up(renumber, joined.reshape(-1))
     _look_up(renumber, faces.values)
     landed = folded[used]

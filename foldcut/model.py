@@ -24,7 +24,7 @@ Bytes = NDArray[np.int8]
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 # So many rows are done at a time where results are large and what leads to them is larger.
-BLOCK = 1 << 14
+BLOCK = 1 << 13
 
 
 def points_array(points: ArrayLike) -> Floats:
