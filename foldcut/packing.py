@@ -211,6 +211,8 @@ class _Filler:
         Of the parts of a chain that the gap surrounds, one still runs clockwise: it has what is in none of the others.
         """
         gaps = [[part] for part in parts]
+        if not others:
+            return gaps
         areas = [signed_area(self.centres[part] - self.centres[part[0]]) for part in parts]
         around = gaps[areas.index(min(areas))]
         for chain in others:
@@ -225,15 +227,17 @@ class _Filler:
     def _visit(self, gap: list[Chain], disk: int, toward: Floats) -> tuple[int, int] | None:
         """Find the visit to ``disk`` whose sector of the gap looks toward a point; None if there is none."""
         best: tuple[float, tuple[int, int]] | None = None
+        x, y = self.centres[disk].tolist()
+        to_x, to_y = toward.tolist()
         for number, chain in enumerate(gap):
             position = -1
             for _ in range(chain.count(disk)):
                 position = chain.index(disk, position + 1)
-                centre = self.centres[disk]
-                start = self.centres[chain[(position + 1) % len(chain)]] - centre
-                end = self.centres[chain[position - 1]] - centre
-                turn = _angle(start, toward - centre)
-                excess = turn - (_angle(start, end) or TURN)
+                start_x, start_y = self.centres[chain[(position + 1) % len(chain)]].tolist()
+                end_x, end_y = self.centres[chain[position - 1]].tolist()
+                start = start_x - x, start_y - y
+                turn = _angle(start, (to_x - x, to_y - y))
+                excess = turn - (_angle(start, (end_x - x, end_y - y)) or TURN)
                 outside = 0.0 if excess <= 0 else min(excess, TURN - turn)
                 if best is None or outside < best[0]:
                     best = (outside, (number, position))
@@ -400,8 +404,9 @@ class _Filler:
         """Return where ``candidate`` touches the gap if it is free and leaves smaller gaps, else None."""
         centre, radius = np.array(candidate[:2]), candidate.radius
         x, y = self.centres[disks, 0] - centre[0], self.centres[disks, 1] - centre[1]
-        slack = np.sqrt(x * x + y * y) - self.radii[disks] - radius
-        allowed = self.tolerance.touching(self.radii[disks], np.full(len(disks), radius))
+        radii = self.radii[disks]
+        slack = np.sqrt(x * x + y * y) - radii - radius
+        allowed = self.tolerance.touching(radii, np.full(len(disks), radius))
         if (slack < -allowed).any():
             return None
         visits = [self._visit(gap, int(disk), centre) for disk in disks[slack <= allowed]]
@@ -414,7 +419,7 @@ class _Filler:
             arcs = [(b - a) % size for a, b in zip(positions, positions[1:] + positions[:1], strict=True)]
             if max(arcs) + 2 >= size:
                 return None  # an ear: a gap as large as this one would remain
-        close = (slack > allowed) & (slack < NEARLY * np.minimum(self.radii[disks], radius))
+        close = (slack > allowed) & (slack < NEARLY * np.minimum(radii, radius))
         return _Placement(centre, radius, seen, bool(close.any()))
 
     def _place(self, gap: list[Chain], placement: _Placement) -> list[list[Chain]]:
@@ -598,7 +603,7 @@ def _pairs(numbers: Numbers) -> Numbers:
     return np.stack([numbers >> 32, numbers & 0xFFFFFFFF], axis=1)
 
 
-def _angle(start: Floats, end: Floats) -> float:
+def _angle(start: tuple[float, float], end: tuple[float, float]) -> float:
     """The counter-clockwise angle from one vector to another, in [0, 2 pi)."""
     across = start[0] * end[1] - start[1] * end[0]
     return math.atan2(across, start[0] * end[0] + start[1] * end[1]) % TURN
