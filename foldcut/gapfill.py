@@ -4,15 +4,15 @@ One chain of disks that touch in a row -> the disks to add, and the gaps of 3 or
 the result, are those of ``packing``; the arithmetic is written in the same order. What differs is how things are found:
 
 - a chain is a ring of linked *visits*; a new disk cuts and joins the rings where it touches, whatever their length;
-- the disks are in a loose quadtree (a disk is in the cell of its size that its centre is in, so it reaches over the
-  cell by no more than half a cell). A disk that rolls in from a leaf is looked for in circles that grow until something
+- the disks are in a quadtree (a disk is in the cell of its size that its centre is in; cells know the bounds of what is
+  in them). A disk that rolls in from a leaf is looked for in circles that grow until something
   is met, and shrink as more is;
 - the disks that were rolled are in a second such tree, so that a new disk finds those it is in the way of. The next
   disk of such a leaf is the one that touches the new disk: nothing else has come, so nothing is searched;
 - the rolled disks of each gap are in a heap (skew, so that it needs no sizes), the largest first. When a gap is divided
   its largest part keeps the heap, and only the others' disks are sorted anew.
 
-Needs numba (extra ``fast``); imported only where there are many disks, for importing it takes half a second.
+Needs numba (extra ``fast``); imported only where there are many disks, for importing it takes a third of a second.
 """
 
 from __future__ import annotations

@@ -50,6 +50,8 @@ def cases() -> Iterator[tuple[str, Any, float]]:
         if name in SHAPES:
             yield f"exact {name}", SHAPES[name], 0.0
     yield "star of 40", [star(40, 0.8)], 0.0
+    turns, reach = 2 * np.pi * np.arange(250) / 250, 1 + 0.02 * np.random.default_rng(1).random(250)
+    yield "rough circle of 250", [np.column_stack([reach * np.cos(turns), reach * np.sin(turns)])], 0.02
     for seed in range(RANDOM):
         rng = np.random.default_rng(seed)
         yield f"star-shaped {seed}", [star_shaped(rng, int(rng.integers(5, 25)))], 0.0
