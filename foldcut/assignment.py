@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Chars, Ints, Numbers, Shape, index_array
+from foldcut.model import BLOCK, Bools, Chars, Ints, Numbers, Shape, index_array
 from foldcut.molecules import Kind, Molecules
 
 SHAPE, BORDER = 0, 1  # the nodes of T_C that stand for a whole boundary come after the vertices
@@ -141,18 +141,20 @@ def _corner_tree(molecules: Molecules, loops: _Loops) -> Ints:
     for its_face in np.unique(molecules.face):
         side = np.flatnonzero(usable & (face == its_face))
         # each side leads both ways: the entries of a node are in the order of the sides
-        ends = np.stack([one_node[side], other_node[side]], axis=1)
+        source = np.stack([one_node[side], other_node[side]], axis=1).ravel()
         child = np.stack([other[side], corner[side]], axis=1).ravel()
-        nodes, numbers = np.unique(np.append(ends, len(loops.contracted) + SHAPE), return_inverse=True)
-        source, root = numbers[:-1], int(numbers[-1])
+        is_node = np.zeros(len(loops.contracted) + 2, dtype=np.bool_)
+        is_node[source] = is_node[len(loops.contracted) + SHAPE] = True
+        numbers = np.cumsum(is_node, dtype=np.int32) - 1
+        source, root, count = numbers[source], int(numbers[len(loops.contracted) + SHAPE]), int(numbers[-1]) + 1
         target = source.reshape(-1, 2)[:, ::-1].ravel()
         order = np.argsort(source, kind="stable")
         source, target, child = source[order], target[order], child[order]
-        reached, before = _breadth_first(source, target, len(nodes), root)
-        if len(reached) < len(np.unique(source)):
+        reached, before = _breadth_first(source, target, count, root)
+        if len(reached) < np.count_nonzero(np.bincount(source)):
             raise UnfoldableError("the tree of corners does not reach every corner; move the drawing a little")
-        entry = _first_of(target, np.flatnonzero(before[target] == source), len(nodes))[reached[1:]]
-        trees.append(np.column_stack([child[entry], np.repeat(foot[side], 2)[order][entry]]))
+        entry = _first_of(target, np.flatnonzero(before[target] == source), count)[reached[1:]]
+        trees.append(np.column_stack([child[entry], foot[side][order[entry] >> 1]]))
     return np.concatenate(trees).astype(np.int32)
 
 
@@ -182,9 +184,10 @@ def _roots(molecules: Molecules, inside: Bools) -> Numbers:
     sides = molecules.boundary_sides[molecules.boundary_sides[:, 3] > 0]
     lengths = molecules.folded[sides[:, 0], 0] + molecules.folded[sides[:, 2], 0]
     start, foot, _, _ = sides[int(np.argmax(lengths > lengths.max() * (1 - 1e-9)))].tolist()
-    partner = ribbon_partners(molecules).get(foot, foot)
+    across = molecules.creases[molecules.crease_kind == Kind.RIBBON]
+    partner = int(across[across[:, 0] == foot, 1].max(initial=-1))
     places = np.flatnonzero(molecules.feet.values == foot)
-    if partner != foot:
+    if partner >= 0:
         places = np.append(places, np.flatnonzero(molecules.feet.values == partner))
     assert len(places) == 2, (start, foot)
     outside = ~inside[molecules.face[molecules.feet.rows[places]]]
@@ -239,25 +242,29 @@ def molecule_tree(
 def _assign(molecules: Molecules, reversed_corner: Ints, entry_side: Numbers, loops: _Loops) -> Chars:
     """Mountains and valleys: ``reversed_corner`` is the end of the reversed half at each foot in T_C, or -1."""
     kinds = molecules.crease_kind
-    a, b = molecules.creases.T
     mountain = kinds == Kind.BISECTOR
-    side = kinds == Kind.SIDE
-    mountain |= side & ((reversed_corner[a] == b) | (reversed_corner[b] == a))
-    # toward the parent: out of the entry side, and from the part that is not behind it across the diagonal
-    tangency = np.flatnonzero(kinds == Kind.TANGENCY)
-    molecule = molecules.crease_molecule[tangency]
-    entry = entry_side[molecule]
-    same_part = molecules.side_part.values[entry] == molecules.crease_part[tangency]
-    first = molecules.feet.offsets[molecule]
-    toward = np.where(same_part, entry - first, molecules.feet.offsets[molecule + 1] - first)
-    tangency = tangency[molecules.crease_side[tangency] == toward]
-    mountain[tangency] = True
-    # Across the ribbon: mountains at corners; at a tangency point the crease goes on as it is on either side.
     of_root = np.zeros(len(molecules.vertices), dtype=np.bool_)
-    of_root[a[tangency]] = True
-    mountain |= (kinds == Kind.RIBBON) & ((loops.of_vertex[a] < 0) | of_root[a])
-    assignment = np.where(mountain, "M", "V").astype("<U1")
-    loop = np.where(loops.of_vertex[a] >= 0, loops.of_vertex[a], loops.of_vertex[b])
-    assignment[side & (loop == 0)] = "B"
-    assignment[side & (loop > 0)] = "F"
+    assignment: Chars = np.full(len(kinds), "V", dtype="<U1")
+    first, entry_part = molecules.feet.offsets, molecules.side_part.values[entry_side]
+    blocks = [slice(low, low + BLOCK) for low in range(0, len(kinds), BLOCK)]
+    for block in blocks:
+        # toward the parent: out of the entry side, and from the part that is not behind it across the diagonal
+        molecule = molecules.crease_molecule[block]
+        same_part = entry_part[molecule] == molecules.crease_part[block]
+        toward = np.where(same_part, entry_side[molecule], first[molecule + 1]) - first[molecule]
+        reverses = (kinds[block] == Kind.TANGENCY) & (molecules.crease_side[block] == toward)
+        mountain[block] |= reverses
+        of_root[molecules.creases[block][reverses, 0]] = True
+    for block in blocks:
+        a, b = molecules.creases[block].T
+        its_kinds, of_loop = kinds[block], loops.of_vertex[a]
+        side = its_kinds == Kind.SIDE
+        mountain[block] |= side & ((reversed_corner[a] == b) | (reversed_corner[b] == a))
+        # Across the ribbon: mountains at corners; at a tangency point the crease goes on as it is on either side.
+        mountain[block] |= (its_kinds == Kind.RIBBON) & ((of_loop < 0) | of_root[a])
+        its = assignment[block]
+        its[mountain[block]] = "M"
+        of_loop = np.where(of_loop >= 0, of_loop, loops.of_vertex[b])
+        its[side & (of_loop == 0)] = "B"
+        its[side & (of_loop > 0)] = "F"
     return assignment

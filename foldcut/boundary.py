@@ -373,7 +373,7 @@ def near_disks(centres: Floats, radii: Floats, face: Ints, chosen: Bools | None 
     used = np.flatnonzero(face >= 0)
     reach = radii[used, None] * (1 + NEARLY)
     low, high = centres[used] - reach, centres[used] + reach
-    boxes = shapely.box(low[:, 0], low[:, 1], high[:, 0], high[:, 1])
+    boxes = shapely.linestrings(np.stack([low, high], axis=1))  # their diagonals: made sooner, and as good here
     if chosen is None:
         left, right = shapely.STRtree(boxes).query(boxes)
         kept = left < right

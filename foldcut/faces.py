@@ -8,12 +8,12 @@ beside one face on the border and beside two inside.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
 
 from foldcut.model import (
+    BLOCK,
     Bools,
     Chars,
     CreasePattern,
@@ -21,8 +21,7 @@ from foldcut.model import (
     FoldedState,
     Ints,
     Ragged,
-    index_array,
-    points_array,
+    sealed,
 )
 from foldcut.plane import signed_area
 
@@ -99,19 +98,37 @@ def assemble(
     edges, kinds = np.asarray(edges, dtype=np.int32).reshape(-1, 2), np.asarray(kinds, dtype="<U1")
     joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners, len(flat))
     used = np.zeros(len(flat), dtype=np.bool_)
-    used[joined] = True
-    renumber = np.where(used, np.cumsum(used) - 1, -1).astype(np.int32)
-    kept = ~straight[rings.values]
-    ends = np.concatenate([[0], np.cumsum(kept, dtype=np.int32)])[rings.offsets]
-    faces = Ragged(renumber[rings.values[kept]], ends.astype(np.int32))
+    used[joined[:, 0]] = used[joined[:, 1]] = True
+    renumber = np.where(used, np.cumsum(used, dtype=np.int32) - 1, -1).astype(np.int32)
+    faces = _without(straight, rings)
+    del rings, edges, kinds  # that may be all that holds them
+    _look_up(renumber, joined.reshape(-1))
+    _look_up(renumber, faces.values)
     landed = folded[used]
     first = next(k for k in range(len(faces)) if signed_area(landed[faces[k]]) > 0)
     layers: Ints = np.arange(len(faces), dtype=np.int32)
     layers[[0, first]] = layers[[first, 0]]
-    faces = faces.take(layers)
-    types.setflags(write=False)
-    pattern = CreasePattern(points_array(flat[used]), index_array(renumber[joined]), types, faces)
-    return pattern, FoldedState(points_array(landed), index_array(layers))
+    begin = faces.take(layers[: first + 1])
+    faces.values[: len(begin.values)], faces.offsets[: first + 2] = begin.values, begin.offsets
+    faces = Ragged(sealed(faces.values), sealed(faces.offsets))
+    pattern = CreasePattern(sealed(flat[used]), sealed(joined), sealed(types), faces)
+    return pattern, FoldedState(sealed(landed), sealed(layers))
+
+
+def _without(gone: Bools, rings: Ragged) -> Ragged:
+    """The rings without some of the vertices; of each ring something is left."""
+    kept = np.empty(len(rings.values), dtype=np.bool_)
+    for low in range(0, len(kept), BLOCK):
+        kept[low : low + BLOCK] = ~gone[rings.values[low : low + BLOCK]]
+    offsets = np.zeros(len(rings) + 1, dtype=np.int32)
+    np.cumsum(np.add.reduceat(kept, rings.offsets[:-1], dtype=np.int32), out=offsets[1:])
+    return Ragged(rings.values[kept], offsets)
+
+
+def _look_up(numbers: Ints, places: Ints) -> None:
+    """Put in place of each place, ``(n,)``, the number there."""
+    for low in range(0, len(places), BLOCK):
+        places[low : low + BLOCK] = numbers[places[low : low + BLOCK]]
 
 
 def _dissolve_straight(edges: Ints, kinds: Chars, sheet_corners: set[int], count: int) -> tuple[Ints, Chars, Bools]:
@@ -120,31 +137,29 @@ def _dissolve_straight(edges: Ints, kinds: Chars, sheet_corners: set[int], count
     Returns the edges, each in place of the first of its parts that ends where something turns, their kinds, and which
     of ``count`` vertices are straight.
     """
-    straight = np.bincount(edges.ravel(), minlength=count) == 2
+    start, end = edges.T
+    straight = np.bincount(start, minlength=count) + np.bincount(end, minlength=count) == 2
     straight[list(sheet_corners)] = False
-    at_straight = straight[edges]
-    parts = np.flatnonzero(at_straight.any(axis=1))
-    beside: dict[int, list[int]] = defaultdict(list)
-    ends = dict(zip(parts.tolist(), edges[parts].tolist(), strict=True))
-    for number, pair in ends.items():
-        for vertex in pair:
-            beside[vertex].append(number)
-    is_straight = set(np.unique(edges[parts][at_straight[parts]]).tolist())
-    whole = ~at_straight.any(axis=1)
-    joined = edges.copy()
-    done: set[int] = set()
-    for first, (a, b) in ends.items():
-        if first in done or (a in is_straight and b in is_straight):
-            continue
-        vertex, number = (b, first) if a not in is_straight else (a, first)
-        start = a if vertex == b else b
-        done.add(number)
-        while vertex in is_straight:
-            one, other = beside[vertex]
-            number = other if one == number else one
-            done.add(number)
-            one, other = ends[number]
-            vertex = other if one == vertex else one
-        joined[first] = start, vertex
-        whole[first] = True
-    return joined[whole], kinds[whole], straight
+    start_turns, end_turns = ~straight[start], ~straight[end]
+    whole = start_turns & end_turns
+    parts = np.flatnonzero(~whole)
+    # 2 k + e: part k, walked toward its end e; at a straight vertex the walk goes on along the other part there
+    toward = edges[parts].ravel()
+    following = np.arange(len(toward))
+    goes_on = np.flatnonzero(straight[toward])
+    one, other = goes_on[np.argsort(toward[goes_on], kind="stable")].reshape(-1, 2).T
+    following[one], following[other] = other ^ 1, one ^ 1
+    for _ in range(len(toward).bit_length()):  # twice as far each time, until all are where something turns
+        farther = following[following]
+        if np.array_equal(farther, following):
+            break
+        following = farther
+    from_start, from_end = (np.flatnonzero(turns[parts]) for turns in (start_turns, end_turns))
+    first = np.concatenate([2 * from_start + 1, 2 * from_end])
+    last = following[first]
+    first, last = first[first < last], last[first < last]  # of the two ends of a line the one at the lower part
+    lines = parts[first >> 1]
+    whole[lines] = True
+    joined = edges[whole]
+    joined[(np.cumsum(whole, dtype=np.int32) - 1)[lines]] = np.stack([toward[first ^ 1], toward[last]], axis=1)
+    return joined, kinds[whole], straight

@@ -4,15 +4,15 @@ One chain of disks that touch in a row -> the disks to add, and the gaps of 3 or
 the result, are those of ``packing``; the arithmetic is written in the same order. What differs is how things are found:
 
 - a chain is a ring of linked *visits*; a new disk cuts and joins the rings where it touches, whatever their length;
-- the disks are in a loose quadtree (a disk is in the cell of its size that its centre is in, so it reaches over the
-  cell by no more than half a cell). A disk that rolls in from a leaf is looked for in circles that grow until something
+- the disks are in a quadtree (a disk is in the cell of its size that its centre is in; cells know the bounds of what is
+  in them). A disk that rolls in from a leaf is looked for in circles that grow until something
   is met, and shrink as more is;
 - the disks that were rolled are in a second such tree, so that a new disk finds those it is in the way of. The next
   disk of such a leaf is the one that touches the new disk: nothing else has come, so nothing is searched;
 - the rolled disks of each gap are in a heap (skew, so that it needs no sizes), the largest first. When a gap is divided
   its largest part keeps the heap, and only the others' disks are sorted anew.
 
-Needs numba (extra ``fast``); imported only where there are many disks, for importing it takes half a second.
+Needs numba (extra ``fast``); imported only where there are many disks, for importing it takes a third of a second.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numba.core import cgutils
+from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from foldcut.model import Floats
@@ -56,6 +58,7 @@ class _State(NamedTuple):
     contacts: Table
     child: Indices  # (cells, 4)
     first: Indices  # item of the cell
+    bounds: Floats  # (cells, 4): least x and y, greatest x and y of all that was ever put into the cell or its children
     stack: Indices  # of gaps
     group: Indices  # of visits, as aside and blocked
     aside: Indices
@@ -66,7 +69,6 @@ class _State(NamedTuple):
     box: Floats  # middle and half of the root cell; tie, rounding, nearly, equal
     found: Floats  # x, y, r
     path: Indices
-    path_box: Floats
 
 
 DISK = np.dtype([("x", "f8"), ("y", "f8"), ("r", "f8"), ("following", "i4"), ("first_visit", "i4")])
@@ -102,6 +104,21 @@ _compiled = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper
 _called = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)
 
 
+@intrinsic
+def _uncounted(_, state):
+    """Return a state whose arrays have no reference counts: counting takes nearly as long as all the rest."""
+
+    def build(context, builder, signature, values):
+        arrays = []
+        for kind, value in zip(state.types, cgutils.unpack_tuple(builder, values[0]), strict=True):
+            array = context.make_array(kind)(context, builder, value)
+            array.meminfo = cgutils.get_null_value(array.meminfo.type)
+            arrays.append(array._getvalue())
+        return context.make_tuple(builder, signature.return_type, arrays)
+
+    return state(state), build
+
+
 # --- the trees
 
 
@@ -135,24 +152,25 @@ def _cell(s, root, x, y, r):
             s.child[node, quarter] = child
             s.child[child, :] = -1
             s.first[child] = -1
+            s.bounds[child, :2] = np.inf
+            s.bounds[child, 2:] = -np.inf
         node = child
+        s.bounds[node, 0], s.bounds[node, 1] = min(s.bounds[node, 0], x - r), min(s.bounds[node, 1], y - r)
+        s.bounds[node, 2], s.bounds[node, 3] = max(s.bounds[node, 2], x + r), max(s.bounds[node, 3], y + r)
     return node
 
 
 @_compiled
 def _push_children(s, node, depth, x, y, r):
     """Put the children of the node on top of the path there that a circle may meet; return the path's length."""
-    middle_x, middle_y, half = s.path_box[depth, 0], s.path_box[depth, 1], s.path_box[depth, 2] * 0.5
     for quarter in range(4):
         child = s.child[node, quarter]
         if child < 0:
             continue
-        child_x = middle_x + half if quarter & 1 else middle_x - half
-        child_y = middle_y + half if quarter & 2 else middle_y - half
-        off_x, off_y = max(abs(x - child_x) - 2 * half, 0.0), max(abs(y - child_y) - 2 * half, 0.0)
+        off_x = max(s.bounds[child, 0] - x, x - s.bounds[child, 2], 0.0)
+        off_y = max(s.bounds[child, 1] - y, y - s.bounds[child, 3], 0.0)
         if off_x * off_x + off_y * off_y <= r * r:
             s.path[depth] = child
-            s.path_box[depth, 0], s.path_box[depth, 1], s.path_box[depth, 2] = child_x, child_y, half
             depth += 1
     return depth
 
@@ -160,7 +178,6 @@ def _push_children(s, node, depth, x, y, r):
 @_compiled
 def _start(s, root):
     s.path[0] = root
-    s.path_box[0, 0], s.path_box[0, 1], s.path_box[0, 2] = s.box[0], s.box[1], s.box[2]
     return 1
 
 
@@ -847,6 +864,7 @@ def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
 @_called
 def _run(s, most):
     """Divide gaps until none is left, ``most`` are done, or the arrays are full."""
+    s = _uncounted(s)
     for _ in range(most):
         if s.counts[STACK] == 0:
             return DONE
@@ -875,6 +893,7 @@ def _run(s, most):
 
 @_called
 def _insert_disks(s, disks):
+    s = _uncounted(s)
     for disk in disks:
         s.disks.first_visit[disk] = -1
         _insert_disk(s, disk)
@@ -883,6 +902,7 @@ def _insert_disks(s, disks):
 @_called
 def _add_chain(s, chain):
     """Make one gap of a chain, with all its leaves' disks rolled."""
+    s = _uncounted(s)
     gap = s.counts[GAPS]
     s.counts[GAPS] += 1
     s.gaps.heap[gap], s.gaps.length[gap], s.gaps.head[gap] = -1, len(chain), s.counts[VISITS]
@@ -902,6 +922,7 @@ def _add_chain(s, chain):
 
 @_called
 def _roll_many(s, leaves, centres, radii):
+    s = _uncounted(s)
     for at in range(len(leaves)):
         if _roll(s, leaves[at, 0], leaves[at, 1], -1):
             centres[at, 0], centres[at, 1], radii[at] = s.found[0], s.found[1], s.found[2]
@@ -917,8 +938,11 @@ class GapFiller:
         self._state = _empty(0, 0, np.zeros(7))
         self._known = 0
 
-    def start(self, disks: Indices, centres: Floats, radii: Floats, count: int) -> None:
-        """Begin a face whose boundary ``disks`` are among the first ``count`` of ``centres`` and ``radii``."""
+    def start(self, disks: Indices, centres: Floats, radii: Floats, count: int) -> bool:
+        """Begin a face whose boundary ``disks`` are among the first ``count`` of ``centres`` and ``radii``.
+
+        Returns whether the rest of the compiled code, too, still has to be compiled, which takes some 20 s.
+        """
         mine = centres[disks]
         low, high = mine.min(axis=0), mine.max(axis=0)
         middle = (low + high) / 2
@@ -932,6 +956,7 @@ class GapFiller:
         state.counts[DISKS] = self._known = count
         _insert_disks(state, disks.astype(np.int32))
         self._state = state
+        return bool(_insert_disks.stats.cache_misses) and not _run.signatures
 
     def add(self, centres: Floats, radii: Floats, count: int) -> None:
         """Take over disks that were added by others."""
@@ -1019,7 +1044,7 @@ class GapFiller:
 GROUPS = (
     ("disks",),
     ("visits", "group", "aside", "blocked"),
-    ("first", "child"),
+    ("first", "child", "bounds"),
     ("entries",),
     ("gaps",),
     ("stack",),
@@ -1029,24 +1054,22 @@ GROUPS = (
 )
 """Arrays of the same length."""
 
-TYPES = {"disks": DISK, "visits": VISIT, "entries": ENTRY, "gaps": GAP, "contacts": CONTACT}
+TYPES = {"disks": DISK, "visits": VISIT, "entries": ENTRY, "gaps": GAP, "contacts": CONTACT, "bounds": np.float64}
 
 
 def _empty(disks: int, boundary: int, box: Floats) -> _State:
     sizes = (disks, 8 * boundary, 8 * boundary, 4 * boundary, 4 * boundary, 64, 2 * boundary, 7 * boundary, 64)
     arrays = {
-        name: np.zeros((size + 256, 4) if name == "child" else size + 256, TYPES.get(name, np.int32))
+        name: np.zeros((size + 256, 4) if name in ("child", "bounds") else size + 256, TYPES.get(name, np.int32))
         for names, size in zip(GROUPS, sizes, strict=True)
         for name in names
     }
-    path = np.zeros(4 * DEEPEST + 8, dtype=np.int32)
     return _State(
         **arrays,
         counts=np.zeros(12, dtype=np.int64),
         box=box,
         found=np.zeros(3),
-        path=path,
-        path_box=np.zeros((len(path), 3)),
+        path=np.zeros(4 * DEEPEST + 8, dtype=np.int32),
     )
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from foldcut.assignment import Assignment, opposite_sides
 from foldcut.faces import assemble, outlines
-from foldcut.model import Bools, CreasePattern, FoldedState, Ints, Ragged
+from foldcut.model import Bools, CreasePattern, FoldedState, Ints, Numbers, Ragged
 from foldcut.molecules import Molecules
 from foldcut.outlines import runs
 from foldcut.planar import half_edges, pair_keys
@@ -31,14 +31,25 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
     Vertices that only lie on a straight line (two creases of one kind, or none on the border) are left out.
     Source: paper section 4.
     """
+    kept = np.isin(assignment.crease_assignment, ("M", "V", "B"))
+    # nothing but the arguments is held while the pattern is put together: that is when most memory is used
+    return assemble(
+        molecules.vertices,
+        molecules.folded,
+        _stacked(molecules, assignment),
+        molecules.creases[kept],
+        assignment.crease_assignment[kept],
+        sheet_corners(molecules),
+    )
+
+
+def _stacked(molecules: Molecules, assignment: Assignment) -> Ragged:
+    """The outlines of the faces from bottom to top."""
     inside, outside = _walks(molecules, assignment)
-    unfolded = molecules.creases[assignment.crease_assignment == "F"]
-    face, shared = _faces(molecules, unfolded)
+    face, shared = _faces(molecules, molecules.creases[assignment.crease_assignment == "F"])
     order = _merged(face[inside], face[outside[::-1]], shared)[::-1]
-    keep = np.isin(assignment.crease_assignment, ("M", "V", "B"))
-    edges, kinds = molecules.creases[keep], assignment.crease_assignment[keep]
-    rings = _rings(molecules.facets, face, shared, order)
-    return assemble(molecules.vertices, molecules.folded, rings, edges, kinds, sheet_corners(molecules))
+    del inside, outside
+    return _rings(molecules.facets, face, shared, order)
 
 
 def _walks(molecules: Molecules, assignment: Assignment) -> list[Ints]:
@@ -121,9 +132,26 @@ def _merged(inside: Ints, outside: Ints, shared: Bools) -> Ints:
 
 
 def _rings(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
-    """The outlines of faces in an order: a facet's own, or that of the facets that are joined.
+    """The outlines of faces in an order: a facet's own, or that of the facets that are joined."""
+    joined = _joined(facets, face, shared)
+    if joined is None:
+        members = defaultdict(list)
+        for one, its_face in enumerate(face.tolist()):
+            members[its_face].append(one)
+        every = [outlines([facets[f].tolist() for f in members[its_face]]) for its_face in order.tolist()]
+        return Ragged.from_rows(ring for pieces in every for ring in pieces)
+    # one list of rings: facets, then what was walked
+    names, counts, flat = joined
+    offsets = np.concatenate([facets.offsets, facets.offsets[-1] + np.cumsum(counts, dtype=np.int32)])
+    number = np.arange(len(face), dtype=np.int32)
+    number[names] = len(face) + np.arange(len(names))
+    return Ragged(np.concatenate([facets.values, flat]), offsets).take(number[order])
 
-    The joined ones are walked all at once, from their lowest vertices on.
+
+def _joined(facets: Ragged, face: Ints, shared: Bools) -> tuple[Numbers, Numbers, Ints] | None:
+    """The faces of several facets, how many sides each has, and their outlines; None if one touches itself.
+
+    They are walked all at once, from their lowest vertices on.
     """
     facet = np.flatnonzero(shared[face])
     joined = facets.take(facet)
@@ -150,17 +178,8 @@ def _rings(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
         at = np.searchsorted(key, (names[going] << 32) | here[going])
         here[going] = to[np.minimum(at, len(to) - 1)]
     if not np.array_equal(here, vertex) or (np.diff(key) == 0).any() or _repeats(walked):
-        members = defaultdict(list)
-        for one, its_face in enumerate(face.tolist()):
-            members[its_face].append(one)
-        every = [outlines([facets[f].tolist() for f in members[its_face]]) for its_face in order.tolist()]
-        return Ragged.from_rows(ring for pieces in every for ring in pieces)
-    # one list of rings: facets, then what was walked
-    flat = walked[np.arange(longest) < counts[:, None]]
-    offsets = np.concatenate([facets.offsets, facets.offsets[-1] + np.cumsum(counts)])
-    number = np.arange(len(face))
-    number[names] = len(face) + np.arange(len(names))
-    return Ragged(np.concatenate([facets.values, flat]), offsets.astype(np.int32)).take(number[order])
+        return None
+    return names, counts, walked[np.arange(longest) < counts[:, None]]
 
 
 def _repeats(rows: Ints) -> bool:

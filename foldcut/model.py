@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,11 +20,22 @@ Ints = NDArray[np.int32]
 Numbers = NDArray[np.signedinteger[Any]]
 Bools = NDArray[np.bool_]
 Chars = NDArray[np.str_]
+Bytes = NDArray[np.int8]
+Scalar = TypeVar("Scalar", bound=np.generic)
+
+# So many rows are done at a time where results are large and what leads to them is larger.
+BLOCK = 1 << 13
 
 
 def points_array(points: ArrayLike) -> Floats:
     """Return ``points`` as a read-only ``(n, 2)`` float64 array of its own."""
     array = np.array(points, dtype=np.float64).reshape(-1, 2)
+    array.setflags(write=False)
+    return array
+
+
+def sealed(array: NDArray[Scalar]) -> NDArray[Scalar]:
+    """Return the very same array, read-only from now on: for an array that nobody else has."""
     array.setflags(write=False)
     return array
 
@@ -75,10 +86,15 @@ class Ragged:
 
     def take(self, rows: Numbers) -> Ragged:
         """Return these rows, ``(k,)``, in this order."""
-        lengths = self.lengths[rows]
-        offsets = np.concatenate([[0], np.cumsum(lengths)])
-        places = np.arange(offsets[-1]) + np.repeat(self.offsets[:-1][rows] - offsets[:-1], lengths)
-        return Ragged(index_array(self.values[places]), index_array(offsets))
+        offsets = np.zeros(len(rows) + 1, dtype=np.int32)
+        np.cumsum(self.lengths[rows], out=offsets[1:])
+        values = np.empty(offsets[-1], dtype=np.int32)
+        for low in range(0, len(rows), BLOCK):
+            ends = offsets[low : low + BLOCK + 1]
+            back = self.offsets[:-1][rows[low : low + BLOCK]] - ends[:-1]
+            places = np.arange(ends[0], ends[-1]) + np.repeat(back, np.diff(ends))
+            values[ends[0] : ends[-1]] = self.values[places]
+        return Ragged(sealed(values), sealed(offsets))
 
     @property
     def lengths(self) -> Ints:

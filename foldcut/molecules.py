@@ -15,14 +15,14 @@ Invariants: the facets of a molecule tile its polygon; every edge has the same l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Floats, Ints, Numbers, Ragged, Region, index_array, points_array
+from foldcut.model import BLOCK, Bools, Bytes, Floats, Ints, Numbers, Ragged, Region, index_array, points_array, sealed
 from foldcut.packing import Packing
 from foldcut.plane import signed_area
 from foldcut.tolerance import Tolerance
@@ -59,12 +59,12 @@ class Molecules:
     feet: Ragged
     facets: Ragged
     facet_molecule: Ints
-    facet_corner: Ints
+    facet_corner: Bytes
     creases: Ints
-    crease_kind: Ints
+    crease_kind: Bytes
     crease_molecule: Ints
-    crease_part: Ints
-    crease_side: Ints
+    crease_part: Bytes
+    crease_side: Bytes
     face: Ints
     side_part: Ragged
     boundary_sides: Ints
@@ -180,28 +180,21 @@ class _Builder:
         self.height = self.sign * packing.ribbon  # of a molecule's sides
 
     def build(self) -> Molecules:
-        shapes = [self._triangles(), *self._quadrilaterals()]
+        shapes = list(self._shapes())
         sort = np.empty(len(self.size), dtype=np.int8)
-        for number, (which, _, _) in enumerate(shapes):
+        for number, which, _, _ in shapes:
             sort[which] = number
         self._number_vertices(sort)
         points, folded = np.empty((self.count, 2)), np.empty((self.count, 2))
         self._draw_sides(points, folded)
-        for which, flat, landed in shapes:
+        while shapes:
+            _, which, flat, landed = shapes.pop()
             inner = self.inner_vertex[which][:, None] + np.arange(flat.shape[1])
             points[inner], folded[inner] = flat, landed
-        creases, kinds, owner, part, side = self._creases(sort)
-        facets, facet_molecule, facet_corner = self._facets(sort)
         boundary_sides, right = self._boundaries()
-        if len(right):
-            ribbon = self._ribbon(boundary_sides, right)
-            facets = self._with_ribbon(facets, ribbon[0])
-            more = len(ribbon[0])
-            facet_molecule, facet_corner = (np.append(x, np.full(more, -1)) for x in (facet_molecule, facet_corner))
-            creases = np.concatenate([creases, ribbon[1]])
-            nothing = np.full(len(ribbon[1]), -1)
-            kinds = np.append(kinds, np.full(len(nothing), Kind.RIBBON))
-            owner, part, side = (np.append(x, nothing) for x in (owner, part, side))
+        ribbon_facets, ribbon_creases = self._ribbon(boundary_sides, right)
+        creases, kinds, owner, part, side = self._creases(sort, ribbon_creases)
+        facets, facet_molecule, facet_corner = self._facets(sort, ribbon_facets)
         parts = np.zeros(len(self.disk), dtype=np.int32)
         for number, template in enumerate(TEMPLATES[GUSSET:], start=GUSSET):
             parts[self.first[sort == number][:, None] + np.arange(4)] = template.side_part
@@ -209,37 +202,41 @@ class _Builder:
         disk_vertex[self.disk] = self.corner_vertex
         offsets = self.packing.gaps.offsets
         return Molecules(
-            points_array(points),
-            points_array(folded),
-            Ragged(index_array(self.corner_vertex), offsets),
-            Ragged(index_array(self.foot_vertex), offsets),
+            sealed(points),
+            sealed(folded),
+            Ragged(sealed(self.corner_vertex), offsets),
+            Ragged(sealed(self.foot_vertex), offsets),
             facets,
-            index_array(facet_molecule),
-            index_array(facet_corner),
-            index_array(creases),
-            index_array(kinds),
-            index_array(owner),
-            index_array(part),
-            index_array(side),
-            index_array(self.packing.gap_face),
-            Ragged(index_array(parts), offsets),
-            index_array(boundary_sides),
-            index_array(disk_vertex),
+            sealed(facet_molecule),
+            sealed(facet_corner),
+            sealed(creases),
+            sealed(kinds),
+            sealed(owner),
+            sealed(part),
+            sealed(side),
+            self.packing.gap_face,
+            Ragged(sealed(parts), offsets),
+            sealed(boundary_sides),
+            sealed(disk_vertex),
         )
 
     # --- where the inner vertices lie
 
-    def _triangles(self) -> tuple[Numbers, Floats, Floats]:
-        """The triangles' apexes: which molecules, ``(n, 1, 2)`` points, and where they land."""
-        which = np.flatnonzero(self.size == 3)
+    def _shapes(self) -> Iterator[tuple[int, Numbers, Floats, Floats]]:
+        """Yield molecules of one sort each: the sort, which, their inner points ``(n, k, 2)``, and where these land."""
+        for low in range(0, len(self.size), BLOCK):
+            size = self.size[low : low + BLOCK]
+            yield TRIANGLE, *self._triangles(low + np.flatnonzero(size == 3))
+            yield from self._quadrilaterals(low + np.flatnonzero(size == 4))
+
+    def _triangles(self, which: Numbers) -> tuple[Numbers, Floats, Floats]:
         centres, radii = self._disks(which, 3)
         apex, _ = _radical_centre(centres, radii)
         height = _height(apex, centres[:, 0], centres[:, 1])
         return which, apex[:, None], self._folded(which, np.zeros((len(which), 1)), height[:, None])
 
-    def _quadrilaterals(self) -> list[tuple[Numbers, Floats, Floats]]:
-        """The same for quadrilaterals: those with one inner point, and those with a gusset from corner 0, or 1."""
-        which = np.flatnonzero(self.size == 4)
+    def _quadrilaterals(self, which: Numbers) -> Iterator[tuple[int, Numbers, Floats, Floats]]:
+        """Those with one inner point, and those with a gusset from corner 0, or 1."""
         centres, radii = self._disks(which, 4)
         choices = [_gusset(centres, radii, first) for first in (0, 1)]
         insets = np.stack([choice[0] for choice in choices])
@@ -258,7 +255,7 @@ class _Builder:
         middle, height = (u + v) / 2, (u_height + v_height) / 2
         at = which[one_point]
         landed = self._folded(at, np.zeros((len(at), 1)), height[one_point, None])
-        shapes = [(at, middle[one_point, None], landed)]
+        yield COINCIDENT, at, middle[one_point, None], landed
         for first in (0, 1):
             mine = ~one_point & (chosen == first)
             at = which[mine]
@@ -270,8 +267,7 @@ class _Builder:
             zero = np.zeros(len(at))
             x = np.stack([zero, zero, zero, p_x, r_x], axis=1)
             z = np.stack([u_height[mine], v_height[mine], heights, heights, heights], axis=1)
-            shapes.append((at, np.stack([u[mine], v[mine], m, p, r], axis=1), self._folded(at, x, z)))
-        return shapes
+            yield GUSSET + first, at, np.stack([u[mine], v[mine], m, p, r], axis=1), self._folded(at, x, z)
 
     def _disks(self, which: Numbers, sides: int) -> tuple[Floats, Floats]:
         disks = self.disk[self.first[which][:, None] + np.arange(sides)]
@@ -327,42 +323,62 @@ class _Builder:
         inner = self.inner_vertex[which][:, None] + np.arange(template.inner, dtype=np.int32)
         return np.concatenate([self.corner_vertex[sides], self.foot_vertex[sides], inner], axis=1)
 
-    def _creases(self, sort: Numbers) -> tuple[Ints, Ints, Ints, Ints, Ints]:
-        """Creases, and their kind, molecule, part and side; a side's only where its foot is new."""
-        most = np.array([len(template.creases) for template in TEMPLATES])[sort]
-        start = np.cumsum(most, dtype=np.int64) - most
-        total = int(most.sum())
-        creases = np.empty((total, 2), dtype=np.int32)
-        columns = np.empty((4, total), dtype=np.int32)
-        kept = np.ones(total, dtype=np.bool_)
-        for number, template in enumerate(TEMPLATES):
-            which = np.flatnonzero(sort == number)
-            rows = template.creases
-            at = start[which][:, None] + np.arange(len(rows))
-            creases[at] = self._local(which, template)[:, rows[:, :2]]
-            columns[0][at] = rows[:, 2]
-            columns[1][at] = np.where(rows[:, 2] == Kind.TANGENCY, which[:, None], -1)
-            columns[2][at], columns[3][at] = rows[:, 3], rows[:, 4]
-            sides = len(template.side_part)
-            new = self.new_foot[self.first[which][:, None] + np.arange(sides)]
-            kept[at[:, : 2 * sides]] = np.repeat(new, 2, axis=1)
-        return creases[kept], columns[0][kept], columns[1][kept], columns[2][kept], columns[3][kept]
+    def _creases(self, sort: Numbers, more: Ints) -> tuple[Ints, Bytes, Ints, Bytes, Bytes]:
+        """Creases, and their kind, molecule, part and side; a side's only where its foot is new. ``more``: ribbon."""
+        many = np.array([len(template.creases) for template in TEMPLATES])
+        total = int(many[sort].sum()) - 2 * int((~self.new_foot).sum()) + len(more)
+        creases, molecule = np.empty((total, 2), dtype=np.int32), np.full(total, -1, dtype=np.int32)
+        kind, part, side = np.full((3, total), -1, dtype=np.int8)
+        end = 0
+        for low in range(0, len(sort), BLOCK):
+            sorts = sort[low : low + BLOCK]
+            start = np.cumsum(many[sorts]) - many[sorts]
+            size = int(many[sorts].sum())
+            pairs, columns = np.empty((size, 2), dtype=np.int32), np.empty((size, 3), dtype=np.int8)
+            owner, kept = np.full(size, -1, dtype=np.int32), np.ones(size, dtype=np.bool_)
+            for number, template in enumerate(TEMPLATES):
+                which = np.flatnonzero(sorts == number)
+                rows, sides = template.creases, len(template.side_part)
+                at = start[which][:, None] + np.arange(len(rows))
+                pairs[at] = self._local(low + which, template)[:, rows[:, :2]]
+                columns[at] = rows[:, 2:]
+                tangency = rows[:, 2] == Kind.TANGENCY
+                owner[at[:, tangency]] = low + which[:, None]
+                kept[at[:, : 2 * sides]] = np.repeat(
+                    self.new_foot[self.first[low + which][:, None] + np.arange(sides)], 2, axis=1
+                )
+            new = slice(end, end + int(kept.sum()))
+            creases[new], molecule[new] = pairs[kept], owner[kept]
+            kind[new], part[new], side[new] = columns[kept].T
+            end = new.stop
+        creases[end:], kind[end:] = more, Kind.RIBBON
+        return creases, kind, molecule, part, side
 
-    def _facets(self, sort: Numbers) -> tuple[Ragged, Ints, Ints]:
-        rings = [[len(ring) for ring, _ in template.facets] for template in TEMPLATES]
-        many, values = np.array([len(ring) for ring in rings])[sort], np.array([sum(ring) for ring in rings])[sort]
-        start, first = np.cumsum(many) - many, np.cumsum(values, dtype=np.int64) - values
-        offsets = np.zeros(int(many.sum()) + 1, dtype=np.int32)
-        corner = np.empty(len(offsets) - 1, dtype=np.int32)
-        flat = np.empty(int(values.sum()), dtype=np.int32)
-        for number, template in enumerate(TEMPLATES):
-            which = np.flatnonzero(sort == number)
-            order = [vertex for ring, _ in template.facets for vertex in ring]
-            flat[first[which][:, None] + np.arange(len(order))] = self._local(which, template)[:, order]
-            at = start[which][:, None] + np.arange(len(rings[number]))
-            offsets[at + 1] = first[which][:, None] + np.cumsum(rings[number])
-            corner[at] = [its_corner for _, its_corner in template.facets]
-        return Ragged(index_array(flat), index_array(offsets)), np.repeat(np.arange(len(many)), many), corner
+    def _facets(self, sort: Numbers, more: Ints) -> tuple[Ragged, Ints, Bytes]:
+        """Facets, and their molecule and corner; ``more``: those of the ribbon, of four vertices each."""
+        lengths = [np.array([len(ring) for ring, _ in template.facets]) for template in TEMPLATES]
+        many, size = np.array([len(its) for its in lengths]), np.array([its.sum() for its in lengths])
+        molecule = np.repeat(np.arange(len(sort), dtype=np.int32), many[sort])
+        own, count = len(molecule), int(size[sort].sum())
+        molecule = np.concatenate([molecule, np.full(len(more), -1, dtype=np.int32)])
+        corner = np.full(len(molecule), -1, dtype=np.int8)
+        offsets = np.zeros(len(molecule) + 1, dtype=np.int32)
+        flat = np.empty(count + more.size, dtype=np.int32)
+        facet = place = 0
+        for low in range(0, len(sort), BLOCK):
+            sorts = sort[low : low + BLOCK]
+            start, first = facet + np.cumsum(many[sorts]) - many[sorts], place + np.cumsum(size[sorts]) - size[sorts]
+            for number, template in enumerate(TEMPLATES):
+                which = np.flatnonzero(sorts == number)
+                order = [vertex for ring, _ in template.facets for vertex in ring]
+                flat[first[which][:, None] + np.arange(len(order))] = self._local(low + which, template)[:, order]
+                at = start[which][:, None] + np.arange(len(template.facets))
+                offsets[at + 1] = first[which][:, None] + np.cumsum(lengths[number])
+                corner[at] = [its_corner for _, its_corner in template.facets]
+            facet, place = facet + int(many[sorts].sum()), place + int(size[sorts].sum())
+        flat[count:] = more.ravel()
+        offsets[own + 1 :] = count + 4 * np.arange(1, len(more) + 1)
+        return Ragged(sealed(flat), sealed(offsets)), molecule, corner
 
     # --- the boundaries
 
@@ -394,6 +410,8 @@ class _Builder:
 
     def _ribbon(self, boundary_sides: Ints, across: Numbers) -> tuple[Ints, Ints]:
         """Two facets between each side on the left border of the ribbon and its like on the right one, and creases."""
+        if not len(across):
+            return np.empty((0, 4), dtype=np.int32), np.empty((0, 2), dtype=np.int32)
         rows = boundary_sides[boundary_sides[:, 3] > 0]
         start, middle, end, loop = rows.T
         end_right, middle_right, start_right = self._side(across).T
@@ -403,12 +421,6 @@ class _Builder:
         first = np.append(True, loop[1:] != loop[:-1])
         new = np.stack([first, np.ones(len(rows), dtype=np.bool_), np.append(~first[1:], False)], axis=1)
         return facets, three[new]
-
-    @staticmethod
-    def _with_ribbon(facets: Ragged, more: Ints) -> Ragged:
-        offsets = facets.offsets[-1] + 4 * np.arange(1, len(more) + 1)
-        values = np.concatenate([facets.values, more.ravel()])
-        return Ragged(index_array(values), index_array(np.concatenate([facets.offsets, offsets])))
 
 
 def _first_with(keys: Numbers) -> Numbers:

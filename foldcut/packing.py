@@ -14,15 +14,16 @@ of the gaps tile the sheet (less the ribbon).
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from foldcut.boundary import BoundaryDisks, overlapping_disks, touching_disks
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Floats, Ints, Ragged, index_array, points_array
+from foldcut.model import Bools, Floats, Ints, Numbers, Ragged, index_array, points_array
 from foldcut.plane import contains_point, signed_area
 from foldcut.tolerance import Tolerance
 
@@ -36,8 +37,10 @@ TURN = 2 * math.pi
 NEARLY = 1e-3
 # Radii that differ by less than this part are equal: the choice between them must not depend on rounding.
 EQUAL = 1e-9
-# From so many disks on boundaries on, loading compiled code takes less time than it saves.
-MANY_DISKS = 5_000
+# From so many disks on boundaries on, loading compiled code takes less time than it saves; once loaded it does all.
+MANY_DISKS = 1_000
+COMPILING = "compiling, once on this machine"
+Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +63,11 @@ class Packing:
     boundary_count: int
 
 
-@dataclass(frozen=True)
-class _Candidate:
+class _Candidate(NamedTuple):
     """A disk that touches the leaf's two disks and at least one other."""
 
-    centre: tuple[float, float]
+    x: float
+    y: float
     radius: float
 
 
@@ -78,13 +81,12 @@ class _Placement:
     nearly: bool
 
 
-def fill_gaps(
-    boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None = None
-) -> Packing:
+def fill_gaps(boundary: BoundaryDisks, tolerance: Tolerance, progress: Progress | None = None) -> Packing:
     """Add disks until all gaps are 3-gaps or 4-gaps.
 
-    ``progress`` is called with the part done, 0 to 1 (an estimate). Raises ``UnfoldableError`` with the place when a
-    gap cannot be divided further. Source: paper section 2; Bern, Mitchell and Ruppert 1995 for the choice of disks.
+    ``progress`` is called with the part done, 0 to 1 (an estimate), and what is done besides, mostly "". Raises
+    ``UnfoldableError`` with the place when a gap cannot be divided further. Source: paper section 2; Bern, Mitchell
+    and Ruppert 1995 for the choice of disks.
     """
     filler = _Filler(boundary, tolerance, progress)
     values: list[Ints] = []
@@ -117,12 +119,13 @@ def fill_gaps(
 class _Filler:
     """The growing arrays of disks, and what divides gaps."""
 
-    def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance, progress: Callable[[float], None] | None) -> None:
+    def __init__(self, boundary: BoundaryDisks, tolerance: Tolerance, progress: Progress | None) -> None:
         self.tolerance = tolerance
         self.progress = progress
         self.count = self.boundary_count = len(boundary.radii)
-        self.compiled = _compiled_filler(tolerance) if self.count >= MANY_DISKS else None
+        self.compiled = _compiled_filler(tolerance) if self.count >= MANY_DISKS or _is_loaded() else None
         self.rolled: dict[Leaf, _Candidate | None] = {}  # by leaf, until a disk is placed in its way
+        self.many_rolled = _ManyRolled()  # the same where code is compiled
         self.ears: set[Leaf] = set()  # leaves whose disk would not help; this lasts as long as the disk
         self.centres = np.concatenate([boundary.centres, np.empty((self.count + 16, 2))])
         self.radii = np.concatenate([boundary.radii, np.empty(self.count + 16)])
@@ -130,8 +133,9 @@ class _Filler:
     def fill(self, chains: list[Chain]) -> Iterator[tuple[Ints, Ints]]:
         """Yield the finished gaps of the face between ``chains``: their disks, and how many each has."""
         if self.compiled:
-            disks = np.array([disk for chain in chains for disk in chain], dtype=np.int32)
-            self.compiled.start(np.unique(disks), self.centres, self.radii, self.count)
+            disks = np.concatenate(chains).astype(np.int32)
+            if self.compiled.start(np.unique(disks), self.centres, self.radii, self.count):
+                self._report(COMPILING)
         stack = self._split_at_touching_disks(chains)
         done: list[Chain] = []
         while stack:
@@ -163,9 +167,9 @@ class _Filler:
         self.count = end
         return values, np.diff(offsets)
 
-    def _report(self) -> None:
+    def _report(self, doing: str = "") -> None:
         if self.progress is not None:  # about as many disks are added as are on boundaries
-            self.progress(min(0.99, (self.count - self.boundary_count) / max(1, self.boundary_count)))
+            self.progress(min(0.99, (self.count - self.boundary_count) / max(1, self.boundary_count)), doing)
 
     def _stuck(self, chains: list[Chain]) -> UnfoldableError:
         x, y = self.centres[chains[0]].mean(axis=0)
@@ -177,15 +181,15 @@ class _Filler:
 
     def _split_at_touching_disks(self, chains: list[Chain]) -> list[list[Chain]]:
         """Add the tangency edges between boundary disks that touch across the face."""
-        disks = np.array([disk for chain in chains for disk in chain])
-        neighbours = {frozenset(leaf) for leaf in _leaves(chains)}
+        disks = np.concatenate(chains).astype(np.int32)
+        following = np.concatenate([chain[1:] + chain[:1] for chain in chains]).astype(np.int32)
         left, right = touching_disks(
             self.centres[disks], self.radii[disks], np.zeros(len(disks), dtype=np.int32), self.tolerance
         )
+        one, other = disks[left], disks[right]
+        across = ~np.isin(_pair_keys(one, other), _pair_keys(disks, following))
         gaps = [chains]
-        for a, b in zip(disks[left].tolist(), disks[right].tolist(), strict=True):
-            if frozenset((a, b)) in neighbours:
-                continue
+        for a, b in zip(one[across].tolist(), other[across].tolist(), strict=True):
             for number, gap in enumerate(gaps):
                 visit_a, visit_b = self._visit(gap, a, self.centres[b]), self._visit(gap, b, self.centres[a])
                 if visit_a is not None and visit_b is not None:
@@ -207,6 +211,8 @@ class _Filler:
         Of the parts of a chain that the gap surrounds, one still runs clockwise: it has what is in none of the others.
         """
         gaps = [[part] for part in parts]
+        if not others:
+            return gaps
         areas = [signed_area(self.centres[part] - self.centres[part[0]]) for part in parts]
         around = gaps[areas.index(min(areas))]
         for chain in others:
@@ -221,15 +227,17 @@ class _Filler:
     def _visit(self, gap: list[Chain], disk: int, toward: Floats) -> tuple[int, int] | None:
         """Find the visit to ``disk`` whose sector of the gap looks toward a point; None if there is none."""
         best: tuple[float, tuple[int, int]] | None = None
+        x, y = self.centres[disk].tolist()
+        to_x, to_y = toward.tolist()
         for number, chain in enumerate(gap):
             position = -1
             for _ in range(chain.count(disk)):
                 position = chain.index(disk, position + 1)
-                centre = self.centres[disk]
-                start = self.centres[chain[(position + 1) % len(chain)]] - centre
-                end = self.centres[chain[position - 1]] - centre
-                turn = _angle(start, toward - centre)
-                excess = turn - (_angle(start, end) or TURN)
+                start_x, start_y = self.centres[chain[(position + 1) % len(chain)]].tolist()
+                end_x, end_y = self.centres[chain[position - 1]].tolist()
+                start = start_x - x, start_y - y
+                turn = _angle(start, (to_x - x, to_y - y))
+                excess = turn - (_angle(start, (end_x - x, end_y - y)) or TURN)
                 outside = 0.0 if excess <= 0 else min(excess, TURN - turn)
                 if best is None or outside < best[0]:
                     best = (outside, (number, position))
@@ -239,7 +247,7 @@ class _Filler:
 
     def _divide(self, gap: list[Chain]) -> list[list[Chain]]:
         """Place the largest disk that helps and return the gaps around it."""
-        disks = np.array(sorted({disk for chain in gap for disk in chain}))
+        disks = np.unique(np.concatenate(gap))
         placement = self._best_leaf(gap, disks) or self._best_inner(gap, disks)
         if placement is None:
             raise self._stuck(gap)
@@ -247,19 +255,9 @@ class _Filler:
 
     def _best_leaf(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk rolled in from a leaf that merges chains or divides the only one."""
-        rolled: list[tuple[_Candidate, Leaf]] = []
-        if self.compiled:
-            self._roll_all(self.compiled, gap)
-        for leaf in _leaves(gap):
-            if leaf in self.ears:
-                continue
-            if leaf not in self.rolled:
-                self.rolled[leaf] = self._roll(*leaf, disks)
-            candidate = self.rolled[leaf]
-            if candidate is not None:
-                rolled.append((candidate, leaf))
         second_best = None
-        for candidate, leaf in _largest_first(rolled):
+        rolled = self._roll_all(self.compiled, gap) if self.compiled else self._roll_each(gap, disks)
+        for candidate, leaf in rolled:
             placement = self._try(gap, disks, candidate)
             if placement is None:
                 self.ears.add(leaf)
@@ -269,25 +267,52 @@ class _Filler:
                 second_best = second_best or placement
         return second_best
 
-    def _roll_all(self, filler: GapFiller, gap: list[Chain]) -> None:
-        """Roll the disks of all leaves that have none yet at once."""
-        leaves = [leaf for leaf in _leaves(gap) if leaf not in self.rolled]
+    def _roll_each(self, gap: list[Chain], disks: Ints) -> Iterator[tuple[_Candidate, Leaf]]:
+        """Yield the leaves' disks that are no ears, the largest first; those not known yet are rolled."""
+        rolled: list[tuple[_Candidate, Leaf]] = []
+        for leaf in _leaves(gap):
+            if leaf in self.ears:
+                continue
+            if leaf not in self.rolled:
+                self.rolled[leaf] = self._roll(*leaf, disks)
+            candidate = self.rolled[leaf]
+            if candidate is not None:
+                rolled.append((candidate, leaf))
+        return _largest_first(rolled)
+
+    def _roll_all(self, filler: GapFiller, gap: list[Chain]) -> Iterator[tuple[_Candidate, Leaf]]:
+        """Do the same by compiled code and arrays."""
+        known, leaves = self.many_rolled, _leaf_numbers(gap)
+        new = leaves[known.rows(leaves) < 0]
         filler.add(self.centres, self.radii, self.count)
-        centres, radii = filler.roll(np.array(leaves, dtype=np.int32).reshape(-1, 2))
-        for leaf, (x, y), radius in zip(leaves, centres.tolist(), radii.tolist(), strict=True):
-            self.rolled[leaf] = _Candidate((x, y), radius) if radius > 0 else None
+        known.add(new, *filler.roll(_pairs(new).astype(np.int32)))
+        ears = np.fromiter((_number(*leaf) for leaf in self.ears), dtype=np.int64)
+        rows = known.rows(leaves[~np.isin(leaves, ears)])
+        return known.largest_first(rows[known.radii[rows] > 0])
 
     def _forget_blocked(self, gap: list[Chain], disk: int) -> None:
         """Drop the rolled disks of a gap that overlap a new disk."""
+        if self.compiled:
+            known = self.many_rolled
+            rows = known.rows(_leaf_numbers(gap))
+            rows = rows[(rows >= 0) & (known.radii[rows] > 0)]
+            blocked = rows[self._overlaps(disk, known.centres[rows], known.radii[rows])]
+            self.ears.difference_update(map(tuple, _pairs(known.leaves[blocked]).tolist()))
+            known.drop(blocked)
+            return
         leaves = [leaf for leaf in _leaves(gap) if self.rolled.get(leaf)]
         rolled = [candidate for leaf in leaves if (candidate := self.rolled[leaf])]
-        centres, radii = np.array([c.centre for c in rolled]).reshape(-1, 2), np.array([c.radius for c in rolled])
-        x, y = centres[:, 0] - self.centres[disk, 0], centres[:, 1] - self.centres[disk, 1]
-        slack = np.sqrt(x * x + y * y) - radii - self.radii[disk]
-        blocked = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
-        for k in np.flatnonzero(blocked):
+        disks = np.array(rolled).reshape(-1, 3)
+        for k in np.flatnonzero(self._overlaps(disk, disks[:, :2], disks[:, 2])):
             del self.rolled[leaves[k]]
             self.ears.discard(leaves[k])
+
+    def _overlaps(self, disk: int, centres: Floats, radii: Floats) -> Bools:
+        """Whether disks overlap a disk that is there."""
+        x, y = centres[:, 0] - self.centres[disk, 0], centres[:, 1] - self.centres[disk, 1]
+        slack = np.sqrt(x * x + y * y) - radii - self.radii[disk]
+        overlap: Bools = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
+        return overlap
 
     def _roll(self, i: int, j: int, disks: Ints) -> _Candidate | None:
         """Return the largest disk left of i -> j that touches both and overlaps none of ``disks``.
@@ -315,11 +340,8 @@ class _Filler:
         if not math.isfinite(top) or denominator <= 0 or top <= 0:
             return None
         forward, left = middle / denominator, top / denominator
-        centre = (
-            origin_x + along_x * forward - along_y * left,
-            origin_y + along_y * forward + along_x * left,
-        )
-        return _Candidate(centre, half_width / denominator)
+        x_new, y_new = origin_x + along_x * forward - along_y * left, origin_y + along_y * forward + along_x * left
+        return _Candidate(x_new, y_new, half_width / denominator)
 
     def _best_inner(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk that helps where every leaf's is an ear: the next one met beyond an ear.
@@ -329,7 +351,7 @@ class _Filler:
         found: list[tuple[_Candidate, Leaf]] = []
         for chain in gap:
             for i, j, k in zip(chain, chain[1:] + chain[:1], chain[2:] + chain[:2], strict=True):
-                ear = self.rolled.get((i, j))
+                ear = self.many_rolled.get(i, j) if self.compiled else self.rolled.get((i, j))
                 if ear is not None and i != k and self._touches(ear, k):
                     found += [(candidate, (i, j)) for candidate in self._beyond(ear, i, j, k, disks)]
         for candidate, _ in _largest_first(found):
@@ -340,7 +362,7 @@ class _Filler:
 
     def _touches(self, candidate: _Candidate, disk: int) -> bool:
         radius = float(self.radii[disk])
-        x, y = candidate.centre[0] - float(self.centres[disk, 0]), candidate.centre[1] - float(self.centres[disk, 1])
+        x, y = candidate.x - float(self.centres[disk, 0]), candidate.y - float(self.centres[disk, 1])
         slack = math.sqrt(x * x + y * y) - candidate.radius - radius
         return abs(slack) <= 1e-6 * min(candidate.radius, radius)
 
@@ -352,10 +374,10 @@ class _Filler:
         x, y = (self.centres[k] - self.centres[i]).tolist()  # the gap is left of i -> j -> k
         others = disks[(disks != i) & (disks != j) & (disks != k)]
         centres, radii = self._apollonius(i, k, others)
-        ahead = (centres[:, 1] - ear.centre[1]) * x - (centres[:, 0] - ear.centre[0]) * y
+        ahead = (centres[:, 1] - ear.y) * x - (centres[:, 0] - ear.x) * y
         usable = np.isfinite(radii) & (radii > 0) & (ahead > 1e-6 * ear.radius * math.sqrt(x * x + y * y))
         order = np.argsort(np.where(usable, ahead, np.inf), kind="stable")[: min(2, int(usable.sum()))]
-        return [_Candidate((float(centres[n, 0]), float(centres[n, 1])), float(radii[n])) for n in order]
+        return [_Candidate(float(centres[n, 0]), float(centres[n, 1]), float(radii[n])) for n in order]
 
     def _apollonius(self, i: int, j: int, others: Ints) -> tuple[Floats, Floats]:
         """Return centres and radii of the disks that touch i, j and one of ``others`` from outside.
@@ -380,10 +402,11 @@ class _Filler:
 
     def _try(self, gap: list[Chain], disks: Ints, candidate: _Candidate) -> _Placement | None:
         """Return where ``candidate`` touches the gap if it is free and leaves smaller gaps, else None."""
-        centre, radius = np.array(candidate.centre), candidate.radius
+        centre, radius = np.array(candidate[:2]), candidate.radius
         x, y = self.centres[disks, 0] - centre[0], self.centres[disks, 1] - centre[1]
-        slack = np.sqrt(x * x + y * y) - self.radii[disks] - radius
-        allowed = self.tolerance.touching(self.radii[disks], np.full(len(disks), radius))
+        radii = self.radii[disks]
+        slack = np.sqrt(x * x + y * y) - radii - radius
+        allowed = self.tolerance.touching(radii, np.full(len(disks), radius))
         if (slack < -allowed).any():
             return None
         visits = [self._visit(gap, int(disk), centre) for disk in disks[slack <= allowed]]
@@ -396,7 +419,7 @@ class _Filler:
             arcs = [(b - a) % size for a, b in zip(positions, positions[1:] + positions[:1], strict=True)]
             if max(arcs) + 2 >= size:
                 return None  # an ear: a gap as large as this one would remain
-        close = (slack > allowed) & (slack < NEARLY * np.minimum(self.radii[disks], radius))
+        close = (slack > allowed) & (slack < NEARLY * np.minimum(radii, radius))
         return _Placement(centre, radius, seen, bool(close.any()))
 
     def _place(self, gap: list[Chain], placement: _Placement) -> list[list[Chain]]:
@@ -480,6 +503,51 @@ class _Filler:
         return np.array([x, y]), radius
 
 
+class _ManyRolled:
+    """The disks rolled in from leaves, as arrays in the order of the leaves' numbers; a radius of at most 0: none."""
+
+    def __init__(self) -> None:
+        self.leaves: Numbers = np.empty(0, dtype=np.int64)
+        self.centres = np.empty((0, 2))
+        self.radii = np.empty(0)
+
+    def rows(self, leaves: Numbers) -> Numbers:
+        """The rows of leaves, -1 where nothing is known."""
+        if not len(self.leaves):
+            return np.full(len(leaves), -1)
+        at = np.minimum(np.searchsorted(self.leaves, leaves), len(self.leaves) - 1)
+        return np.where(self.leaves[at] == leaves, at, -1)
+
+    def get(self, i: int, j: int) -> _Candidate | None:
+        row = int(self.rows(np.array([_number(i, j)]))[0])
+        return self._candidate(row) if row >= 0 and self.radii[row] > 0 else None
+
+    def _candidate(self, row: int) -> _Candidate:
+        return _Candidate(float(self.centres[row, 0]), float(self.centres[row, 1]), float(self.radii[row]))
+
+    def add(self, leaves: Numbers, centres: Floats, radii: Floats) -> None:
+        leaves = np.concatenate([self.leaves, leaves])
+        order = np.argsort(leaves, kind="stable")
+        self.leaves = leaves[order]
+        self.centres = np.concatenate([self.centres, centres])[order]
+        self.radii = np.concatenate([self.radii, radii])[order]
+
+    def drop(self, rows: Numbers) -> None:
+        self.leaves, self.radii = np.delete(self.leaves, rows), np.delete(self.radii, rows)
+        self.centres = np.delete(self.centres, rows, axis=0)
+
+    def largest_first(self, rows: Numbers) -> Iterator[tuple[_Candidate, Leaf]]:
+        """Do as ``_largest_first``."""
+        rows = rows[np.argsort(-self.radii[rows], kind="stable")]
+        smallness, start = -self.radii[rows], 0
+        while start < len(rows):
+            end = int(np.searchsorted(smallness, smallness[start] * (1 - EQUAL), side="right"))
+            for row in np.sort(rows[start:end]).tolist():
+                i, j = _pairs(self.leaves[row : row + 1])[0].tolist()
+                yield self._candidate(row), (i, j)
+            start = end
+
+
 def _compiled_filler(tolerance: Tolerance) -> GapFiller | None:
     """Return what fills large gaps in compiled code, or None without numba (extra ``fast``)."""
     try:
@@ -487,6 +555,15 @@ def _compiled_filler(tolerance: Tolerance) -> GapFiller | None:
     except ImportError:
         return None
     return GapFiller(tolerance.tie, tolerance.rounding, NEARLY, EQUAL)
+
+
+def _is_loaded() -> bool:
+    return "foldcut.gapfill" in sys.modules
+
+
+def _pair_keys(one: Ints, other: Ints) -> Numbers:
+    """A number for each pair of disks, whichever comes first."""
+    return (np.minimum(one, other).astype(np.int64) << 32) | np.maximum(one, other)
 
 
 def _flat(gaps: list[Chain]) -> tuple[Ints, Ints]:
@@ -511,7 +588,22 @@ def _leaves(gap: list[Chain]) -> list[Leaf]:
     return [leaf for chain in gap if len(chain) > 1 for leaf in zip(chain, chain[1:] + chain[:1], strict=True)]
 
 
-def _angle(start: Floats, end: Floats) -> float:
+def _number(i: int, j: int) -> int:
+    """A number for a leaf; they are in the order of leaves."""
+    return i << 32 | j
+
+
+def _leaf_numbers(gap: list[Chain]) -> Numbers:
+    chains = [np.array(chain, dtype=np.int64) for chain in gap if len(chain) > 1]
+    return np.concatenate([np.empty(0, dtype=np.int64), *(chain << 32 | np.roll(chain, -1) for chain in chains)])
+
+
+def _pairs(numbers: Numbers) -> Numbers:
+    """The leaves with these numbers, ``(n, 2)``."""
+    return np.stack([numbers >> 32, numbers & 0xFFFFFFFF], axis=1)
+
+
+def _angle(start: tuple[float, float], end: tuple[float, float]) -> float:
     """The counter-clockwise angle from one vector to another, in [0, 2 pi)."""
     across = start[0] * end[1] - start[1] * end[0]
     return math.atan2(across, start[0] * end[0] + start[1] * end[1]) % TURN

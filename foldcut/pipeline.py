@@ -573,8 +573,8 @@ class _Stages:
         self.seconds[name] = time.perf_counter() - start
         self.report(1.0)
 
-    def report(self, fraction: float) -> None:
-        self.tell(self.name, fraction)
+    def report(self, fraction: float, doing: str = "") -> None:
+        self.tell(f"{self.name}: {doing}" if doing else self.name, fraction)
 
     def tell(self, stage: str, fraction: float) -> None:
         self.done = max(self.done, self.start + fraction * (self.until - self.start))

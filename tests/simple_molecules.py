@@ -232,7 +232,7 @@ class _Builder:
     def finish(self) -> Molecules:
         creases = np.array(self.creases, dtype=np.int32).reshape(-1, 6)
         owner = np.array(self.facet_owner, dtype=np.int32).reshape(-1, 2)
-        columns = [index_array(creases[:, k]) for k in range(2, 6)]
+        kind, part, side = (creases[:, k].astype(np.int8) for k in (2, 4, 5))
         return Molecules(
             points_array(self.vertices),
             points_array(self.folded),
@@ -240,12 +240,12 @@ class _Builder:
             Ragged.from_rows(self.feet),
             Ragged.from_rows(self.facets),
             index_array(owner[:, 0]),
-            index_array(owner[:, 1]),
+            owner[:, 1].astype(np.int8),
             index_array(creases[:, :2]),
-            columns[0],
-            columns[1],
-            columns[2],
-            columns[3],
+            kind,
+            index_array(creases[:, 3]),
+            part,
+            side,
             index_array(self.face),
             Ragged.from_rows(self.side_part),
             index_array(self.boundary_sides),

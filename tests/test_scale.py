@@ -50,6 +50,8 @@ def cases() -> Iterator[tuple[str, Any, float]]:
         if name in SHAPES:
             yield f"exact {name}", SHAPES[name], 0.0
     yield "star of 40", [star(40, 0.8)], 0.0
+    turns, reach = 2 * np.pi * np.arange(250) / 250, 1 + 0.02 * np.random.default_rng(1).random(250)
+    yield "rough circle of 250", [np.column_stack([reach * np.cos(turns), reach * np.sin(turns)])], 0.02
     for seed in range(RANDOM):
         rng = np.random.default_rng(seed)
         yield f"star-shaped {seed}", [star_shaped(rng, int(rng.integers(5, 25)))], 0.0
@@ -77,6 +79,10 @@ def differences(one: object, other: object) -> list[str]:
     return found
 
 
+def python_path() -> str:
+    return os.pathsep.join([str(Path(packing.__file__).parents[1]), os.environ.get("PYTHONPATH", "")])
+
+
 def filled(name: str) -> Packing:
     return fill_gaps(disks(name), TOLERANCE)
 
@@ -85,9 +91,36 @@ def filled(name: str) -> Packing:
 def test_compiled_code_fills_gaps_as_the_simple_code_does(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
     boundary = disks(name)
-    simple = fill_gaps(boundary, TOLERANCE)
     monkeypatch.setattr(packing, "MANY_DISKS", 0)
-    assert differences(fill_gaps(boundary, TOLERANCE), simple) == []
+    compiled = fill_gaps(boundary, TOLERANCE)
+    assert "foldcut.gapfill" in sys.modules
+    monkeypatch.setattr(packing, "_compiled_filler", lambda _: None)
+    assert differences(compiled, fill_gaps(boundary, TOLERANCE)) == []
+
+
+def test_once_loaded_compiled_code_fills_small_gaps_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    gapfill = pytest.importorskip("foldcut.gapfill", reason="needs numba")
+    asked = []
+    fill = gapfill.GapFiller.fill
+    monkeypatch.setattr(gapfill.GapFiller, "fill", lambda *args: asked.append(1) or fill(*args))
+    filled("fish")
+    assert asked
+
+
+def test_who_waits_for_the_compiler_is_told(tmp_path: Path) -> None:
+    pytest.importorskip("numba")
+    code = (
+        "import foldcut, foldcut.packing, foldcut.gapfill as gapfill\n"
+        "class Enough(Exception): pass\n"
+        "def stop(*args): raise Enough\n"
+        "gapfill._add_chain = stop\n"
+        "try: foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper', progress=lambda stage, _: print(stage))\n"
+        "except Enough: pass"
+    )
+    environment = {**os.environ, "PYTHONPATH": python_path(), "NUMBA_CACHE_DIR": str(tmp_path)}
+    for told in (True, False):
+        run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
+        assert (f"packing: {packing.COMPILING}" in run.stdout.splitlines()) == told, run.stdout + run.stderr
 
 
 def test_the_comparison_sees_one_bit() -> None:
@@ -161,10 +194,8 @@ def test_without_numba_all_is_done_by_the_simple_code() -> None:
         "foldcut.layertree.MANY_QUERIES = 0\n"
         "print(foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper').verified)"
     )
-    tree = str(Path(packing.__file__).parents[1])
-    run = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, env={**os.environ, "PYTHONPATH": tree}
-    )
+    environment = {**os.environ, "PYTHONPATH": python_path()}
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
     assert run.stdout.strip() == "True", run.stderr
 
 
@@ -172,7 +203,6 @@ def test_small_patterns_do_not_load_numba() -> None:
     code = (
         "import sys, foldcut; foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper'); print('numba' in sys.modules)"
     )
-    tree = [str(Path(packing.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(tree)}
+    environment = {**os.environ, "PYTHONPATH": python_path()}
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment)
     assert run.stdout.strip() == "False", run.stderr
