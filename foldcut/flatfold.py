@@ -39,10 +39,13 @@ class FaceMaps:
     up: Bools
 
     def apply(self, faces: NDArray[np.integer[Any]], points: Floats) -> Floats:
-        """Return where ``points``, ``(n, 2)``, of the sheet land as points of ``faces``, ``(n,)``."""
-        z = points[:, 0] + 1j * np.where(self.up[faces], points[:, 1], -points[:, 1])
-        folded = self.turn[faces] * z + self.shift[faces]
-        return np.stack([folded.real, folded.imag], axis=1)
+        """Return where ``points``, ``(..., 2)``, of the sheet land as points of ``faces``, ``(...,)``."""
+        z = np.empty(points.shape[:-1], dtype=np.complex128)
+        z.real = points[..., 0]
+        np.multiply(points[..., 1], np.where(self.up[faces], 1.0, -1.0), out=z.imag)
+        z *= self.turn[faces]
+        z += self.shift[faces]
+        return z.view(np.float64).reshape(points.shape)
 
 
 def folded_edges(pattern: CreasePattern) -> Bools:

@@ -15,6 +15,9 @@ __all__ = ["edge_faces", "edge_sides", "faces_of_sides", "half_edges", "pair_key
 
 Keys = NDArray[np.int64]
 
+MANY_EDGES = 6000
+"""With more, importing scipy takes less time than its sparse matrix saves."""
+
 
 def half_edges(faces: Ragged) -> tuple[Ints, Ints]:
     """Return the start and end vertex of every side, each ``(m,)``, in the order of ``faces.values``.
@@ -45,6 +48,15 @@ def edge_sides(pattern: CreasePattern) -> Numbers:
     Half-edges are places in ``half_edges(faces_vertices)``; of several alike any may be named.
     """
     start, end = half_edges(pattern.faces_vertices)
+    if len(pattern.edges_vertices) > MANY_EDGES and min(start.min(), pattern.edges_vertices.min()) >= 0:
+        from scipy.sparse import coo_array
+
+        size = max(start.max(), pattern.edges_vertices.max()) + 1
+        number = np.arange(1, len(start) + 1, dtype=np.int32)
+        matrix = coo_array((number, (start, end)), shape=(size, size)).tocsr()
+        if matrix.nnz == len(start):  # else some are alike and have been added up
+            tail, head = pattern.edges_vertices.T
+            return np.stack([matrix[tail, head], matrix[head, tail]], axis=1) - np.int32(1)
     keys = pair_keys(start, end)
     order = np.argsort(keys)
     keys = keys[order]

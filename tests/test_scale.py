@@ -145,10 +145,10 @@ def test_compiled_code_finds_the_meetings_that_array_code_finds(monkeypatch: pyt
 
     def meetings() -> list[tuple[int, int]]:
         found = [*LayerTree(low, high).meetings(low, high, first, last)]
-        return [pair for query, item in found for pair in zip(query.tolist(), item.tolist(), strict=True)]
+        return sorted(pair for query, item in found for pair in zip(query.tolist(), item.tolist(), strict=True))
 
     expected = meetings()
-    monkeypatch.setattr(layertree, "MANY_QUERIES", 0)
+    monkeypatch.setattr(layertree, "MANY_BOXES", 0)
     monkeypatch.setattr(layertree, "BATCH", 100)
     assert meetings() == expected
     assert len(expected) > 1000
@@ -158,7 +158,7 @@ def test_without_numba_all_is_done_by_the_simple_code() -> None:
     code = (
         "import sys; sys.modules['numba'] = None\n"
         "import foldcut, foldcut.layertree, foldcut.packing; foldcut.packing.MANY_DISKS = 0\n"
-        "foldcut.layertree.MANY_QUERIES = 0\n"
+        "foldcut.layertree.MANY_BOXES = 0\n"
         "print(foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper').verified)"
     )
     tree = str(Path(packing.__file__).parents[1])

@@ -241,7 +241,7 @@ def test_the_slow_checker_comes_to_the_same_verdict(
     quick = check_mountains(pattern, faces, maps, layers) + check_stacking(pattern, faces, maps, layers, 1e-8)
     verdict = slow_check(pattern, layers)
     assert kinds(quick) == verdict
-    monkeypatch.setattr(layertree, "MANY_QUERIES", 0)  # by compiled code, where numba is
+    monkeypatch.setattr(layertree, "MANY_BOXES", 0)  # by compiled code, where numba is
     assert kinds(check_stacking(pattern, faces, maps, layers, 1e-8)) == verdict - {"mountain-valley"}
 
 
