@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -23,6 +23,9 @@ __all__ = ["FaceMaps", "fold_faces", "folded_edges"]
 
 FEW_FACES = 3000
 """The paths between so few faces are found sooner than scipy is imported."""
+
+MANY_FACES = 50_000
+"""With more, loading compiled code takes less time than it saves."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -59,6 +62,8 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     ``faces_of_edges`` is ``planar.edge_faces(pattern)``. Faces that no edge joins to face 0 stay too.
     """
     count = len(pattern.faces_vertices)
+    if count >= MANY_FACES and (fold := _compiled_fold()):
+        return _fold_compiled(fold, pattern, faces_of_edges, count)
     parent, via = _steady_tree(pattern, faces_of_edges, count)
     ends = pattern.vertices_coords[pattern.edges_vertices]
     tail = ends[:, 0, 0] + 1j * ends[:, 0, 1]
@@ -86,6 +91,38 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     return FaceMaps(turn, shift, up)
 
 
+def _compiled_fold() -> Callable[..., None] | None:
+    """Return what folds many faces in compiled code, or None without numba (extra ``fast``)."""
+    try:
+        from foldcut.facepaths import fold
+    except ImportError:
+        return None
+    found: Callable[..., None] = fold
+    return found
+
+
+def _fold_compiled(fold: Callable[..., None], pattern: CreasePattern, faces_of_edges: Ints, count: int) -> FaceMaps:
+    """Do as ``fold_faces``."""
+    turn, shift = np.ones(count, dtype=np.complex128), np.zeros(count, dtype=np.complex128)
+    up = np.ones(count, dtype=np.bool_)
+    left, right = np.ascontiguousarray(faces_of_edges.T)
+    pairs = (turn.view(np.float64).reshape(-1, 2), shift.view(np.float64).reshape(-1, 2))
+    cost = _costs(pattern, slice(None))
+    # compiled code tells arrays that may be written from others, by their types: here none is read-only
+    edges, coords = pattern.edges_vertices.copy(), pattern.vertices_coords.copy()
+    fold(left, right, cost, edges, coords, folded_edges(pattern), *pairs, up, TINY)
+    return FaceMaps(turn, shift, up)
+
+
+def _costs(pattern: CreasePattern, edges: slice | Numbers) -> Floats:
+    """Return how much rounding an edge adds to what lies behind it: one over its length."""
+    tail, head = pattern.edges_vertices[edges].T
+    along = pattern.vertices_coords[head]
+    along -= pattern.vertices_coords[tail]
+    costs: Floats = 1 / np.maximum(np.hypot(along[:, 0], along[:, 1]), TINY)
+    return costs
+
+
 def _generations(face: Ints, before: Ints, via: Ints, count: int) -> Iterator[tuple[Ints, Ints, Ints]]:
     """Yield the rows of a tree, each generation's together, the parents' first."""
     # steps to the root: twice as far in every round
@@ -107,8 +144,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     of least sum of 1 / l: few steps, and over long creases.
     """
     inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
-    ends = pattern.vertices_coords[pattern.edges_vertices[inner]]
-    cost = 1 / np.maximum(np.hypot(*(ends[:, 1] - ends[:, 0]).T), TINY)
+    cost = _costs(pattern, inner)
     low, high = np.sort(faces_of_edges[inner], axis=1).T.astype(np.int64)
     pair = low * count + high
     order = np.argsort(pair, kind="stable")

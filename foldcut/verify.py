@@ -77,10 +77,9 @@ def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None
     if findings:
         return findings
     maps = fold_faces(pattern, faces_of_edges)
-    findings = [
-        *_check_vertices(pattern, faces_of_edges, tolerance),
-        *_check_closure(pattern, faces_of_edges, maps, tolerance),
-    ]
+    findings = _check_closure(pattern, faces_of_edges, maps, tolerance)
+    if findings or not _is_flat_at_vertices(pattern, faces_of_edges, maps, tolerance):
+        findings = [*_check_vertices(pattern, faces_of_edges, tolerance), *findings]
     if findings:
         return findings
     if layers is None:
@@ -346,6 +345,45 @@ def _check_outline(pattern: CreasePattern, sides: Numbers) -> list[Finding]:
     if not shapely.is_simple(ring) or not shapely.is_ccw(ring):
         return [_finding("planar", "the sheet's border crosses itself", coords[first])]
     return []
+
+
+def _is_flat_at_vertices(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, tolerance: float) -> bool:
+    """Whether ``_check_vertices`` would find nothing for sure, of a pattern whose closure has no findings.
+
+    Then creases part faces that show different sides, so as many go around every inner vertex as have to: an even
+    number. And the angles that are every other one are those of the faces that show the same side.
+    """
+    coords, faces, edges = pattern.vertices_coords, pattern.faces_vertices, pattern.edges_vertices
+    excess = np.zeros(len(coords))  # twice what every other angle is more than a half turn
+    lengths = faces.lengths
+    for count in np.flatnonzero(np.bincount(lengths)).tolist():
+        alike = np.flatnonzero(lengths == count)
+        following = np.append(np.arange(1, count), 0)
+        for first in range(0, len(alike), BATCH):
+            some = alike[first : first + BATCH]
+            rings = faces.values[faces.offsets[some] + np.arange(count)[:, None]]
+            x, y = np.moveaxis(coords[rings], 2, 0)
+            ax, ay = x[following] - x, y[following] - y
+            bx, by = ax[following], ay[following]
+            angle = np.pi - np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
+            np.add.at(excess, rings[following], np.where(maps.up[some], angle, -angle))
+    excess = np.abs(excess) / 2
+    inner = np.ones(len(coords), dtype=np.bool_)
+    inner[edges[(faces_of_edges[:, 0] < 0) | (faces_of_edges[:, 1] < 0)]] = False
+    surplus = np.zeros(len(coords), dtype=np.int32)
+    creased = np.zeros(len(coords), dtype=np.bool_)
+    flat = np.zeros(len(coords), dtype=np.bool_)
+    for kind, sign in (("M", 1), ("V", -1)):
+        crease = edges[pattern.edges_assignment == kind]
+        surplus += sign * np.bincount(crease.ravel(), minlength=len(coords)).astype(np.int32)
+        for first in range(0, len(crease), BATCH):
+            some = crease[first : first + BATCH]
+            along = coords[some[:, 1]] - coords[some[:, 0]]
+            length = np.hypot(along[:, 0], along[:, 1])
+            creased[some] = True
+            # one crease short enough will do; the margin is for sums in another order
+            flat[some[excess[some] * length[:, None] <= tolerance / 2]] = True
+    return bool((flat & (np.abs(surplus) == 2))[inner & creased].all())
 
 
 def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: float) -> list[Finding]:
