@@ -259,7 +259,7 @@ def _divide(
     return pieces[kept], ending[kept]
 
 
-def _depths(pattern: CreasePattern, points: Floats, faces: Ints) -> Floats:
+def _depths(pattern: CreasePattern, points: Floats, faces: Numbers) -> Floats:
     """Return how far each point is on the inner side of all sides of its face: negative where it may be outside."""
     depths = np.full(len(points), -np.inf)
     at = np.flatnonzero(faces >= 0)
@@ -333,8 +333,9 @@ def _check_sides(coords: Floats, height: Floats, shape: Shape, tolerance: float)
 def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list[Finding]:
     """Find mountains and valleys that fold onto the cut line: there the cut would go through the fold itself."""
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
-    level = np.abs(height)[pattern.edges_vertices] <= ON_THE_LINE * diagonal
-    crease = np.flatnonzero(folded_edges(pattern) & level.all(axis=1))
+    level = np.abs(height) <= ON_THE_LINE * diagonal
+    one, other = pattern.edges_vertices.T
+    crease = np.flatnonzero(folded_edges(pattern) & level[one] & level[other])
     ends = pattern.vertices_coords[pattern.edges_vertices[crease]]
     length, middle = np.hypot(*(ends[:, 1] - ends[:, 0]).T), ends.mean(axis=1)
     inside = contains(shape, middle)

@@ -17,13 +17,13 @@ FINENESS = 2.0
 
 
 @njit(cache=True, nogil=True)
-def fold(left, right, cost, edges, coords, folds, turn, shift, up, tiny):
+def fold(left, right, edges, coords, folds, turn, shift, up, tiny):
     """Write every face's map to ``turn``, ``shift`` ``(f, 2)`` and ``up``, which are face 0's at first.
 
-    Edge e is between the faces ``left[e]`` and ``right[e]`` (-1 for none), costs ``cost[e]``, at least ``tiny``, to
-    cross, and mirrors where ``folds[e]``.
+    Edge e is between the faces ``left[e]`` and ``right[e]`` (-1 for none), and mirrors where ``folds[e]``; none is
+    taken as shorter than ``tiny``.
     """
-    via = _tree(left, right, cost, len(up))
+    via = _tree(left, right, edges, coords, len(up), tiny)
     done = np.zeros(len(up), dtype=np.bool_)
     waiting = np.empty(len(up), dtype=np.int32)
     for face in range(len(up)):
@@ -41,8 +41,8 @@ def fold(left, right, cost, edges, coords, folds, turn, shift, up, tiny):
 
 
 @njit(cache=True, nogil=True)
-def _tree(left, right, cost, faces):
-    """Return the edge that leads from each face towards face 0, -1 for none: nearly the least sum of costs.
+def _tree(left, right, edges, coords, faces, tiny):
+    """Return the edge that leads from each face towards face 0, -1 for none: nearly the least sum of 1 / length.
 
     Dijkstra's method, but what is about as far is not sorted: it waits in the same bucket.
     """
@@ -57,10 +57,12 @@ def _tree(left, right, cost, faces):
     price = np.empty(len(beside), dtype=np.float32)
     for edge in range(len(left)):
         if left[edge] >= 0 and right[edge] >= 0:
+            tail, head = edges[edge, 0], edges[edge, 1]
+            length = np.hypot(coords[head, 0] - coords[tail, 0], coords[head, 1] - coords[tail, 1])
             for face in (left[edge], right[edge]):
                 place = first[face + 1]
                 beside[place, 0], beside[place, 1] = edge, left[edge] + right[edge] - face
-                price[place] = cost[edge]
+                price[place] = min(1 / max(length, tiny), 1e30)  # single precision ends at 3e38
                 first[face + 1] += 1
     distance = np.full(faces, np.inf)  # less than none for faces that are done
     via = np.full(faces, -1, dtype=np.int32)

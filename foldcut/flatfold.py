@@ -18,13 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldcut.model import Bools, CreasePattern, Floats, Ints, Numbers
+from foldcut.planar import edge_lengths
 
 __all__ = ["FaceMaps", "fold_faces", "folded_edges"]
 
 FEW_FACES = 3000
 """The paths between so few faces are found sooner than scipy is imported."""
 
-MANY_FACES = 50_000
+MANY_FACES = 100_000
 """With more, loading compiled code takes less time than it saves."""
 
 TINY = float(np.finfo(np.float64).tiny)
@@ -62,8 +63,8 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     ``faces_of_edges`` is ``planar.edge_faces(pattern)``. Faces that no edge joins to face 0 stay too.
     """
     count = len(pattern.faces_vertices)
-    if count >= MANY_FACES and (fold := _compiled_fold()):
-        return _fold_compiled(fold, pattern, faces_of_edges, count)
+    if count >= MANY_FACES and (compiled := _compiled_fold()):
+        return _fold_compiled(compiled, pattern, faces_of_edges, count)
     parent, via = _steady_tree(pattern, faces_of_edges, count)
     ends = pattern.vertices_coords[pattern.edges_vertices]
     tail = ends[:, 0, 0] + 1j * ends[:, 0, 1]
@@ -107,20 +108,10 @@ def _fold_compiled(fold: Callable[..., None], pattern: CreasePattern, faces_of_e
     up = np.ones(count, dtype=np.bool_)
     left, right = np.ascontiguousarray(faces_of_edges.T)
     pairs = (turn.view(np.float64).reshape(-1, 2), shift.view(np.float64).reshape(-1, 2))
-    cost = _costs(pattern, slice(None))
     # compiled code tells arrays that may be written from others, by their types: here none is read-only
     edges, coords = pattern.edges_vertices.copy(), pattern.vertices_coords.copy()
-    fold(left, right, cost, edges, coords, folded_edges(pattern), *pairs, up, TINY)
+    fold(left, right, edges, coords, folded_edges(pattern), *pairs, up, TINY)
     return FaceMaps(turn, shift, up)
-
-
-def _costs(pattern: CreasePattern, edges: slice | Numbers) -> Floats:
-    """Return how much rounding an edge adds to what lies behind it: one over its length."""
-    tail, head = pattern.edges_vertices[edges].T
-    along = pattern.vertices_coords[head]
-    along -= pattern.vertices_coords[tail]
-    costs: Floats = 1 / np.maximum(np.hypot(along[:, 0], along[:, 1]), TINY)
-    return costs
 
 
 def _generations(face: Ints, before: Ints, via: Ints, count: int) -> Iterator[tuple[Ints, Ints, Ints]]:
@@ -144,7 +135,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     of least sum of 1 / l: few steps, and over long creases.
     """
     inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
-    cost = _costs(pattern, inner)
+    cost = 1 / np.maximum(edge_lengths(pattern)[inner], TINY)
     low, high = np.sort(faces_of_edges[inner], axis=1).T.astype(np.int64)
     pair = low * count + high
     order = np.argsort(pair, kind="stable")

@@ -62,6 +62,9 @@ def search(own_low, own_high, lows, highs, starts, low, high, first, last, queri
                 break
             depth -= 1
             node, level = path[depth], height[depth] - 1
-            begin, end = max(node << SHIFT, start >> (SHIFT * level)), min(((node + 1) << SHIFT) - 1, stop >> (SHIFT * level))
+            begin, end = (
+                max(node << SHIFT, start >> (SHIFT * level)),
+                min(((node + 1) << SHIFT) - 1, stop >> (SHIFT * level)),
+            )
         at += 1
     return count, at

@@ -11,9 +11,21 @@ from numpy.typing import NDArray
 
 from foldcut.model import CreasePattern, Floats, Ints, Numbers, Ragged
 
-__all__ = ["edge_faces", "edge_sides", "faces_of_sides", "half_edges", "pair_keys", "signed_areas", "trace_faces"]
+__all__ = [
+    "edge_faces",
+    "edge_lengths",
+    "edge_sides",
+    "faces_of_sides",
+    "half_edges",
+    "pair_keys",
+    "signed_areas",
+    "trace_faces",
+]
 
 Keys = NDArray[np.int64]
+
+BATCH = 1 << 13
+"""Edges looked at together; bounds the memory, not the result."""
 
 MANY_EDGES = 6000
 """With more, importing scipy takes less time than its sparse matrix saves."""
@@ -32,6 +44,17 @@ def half_edges(faces: Ragged) -> tuple[Ints, Ints]:
 def pair_keys(start: Ints, end: Ints) -> Keys:
     """Return one number for each directed pair of vertices."""
     return (start.astype(np.int64) << 32) | end
+
+
+def edge_lengths(pattern: CreasePattern) -> Floats:
+    """Return the length of every edge, ``(e,)``."""
+    edges = pattern.edges_vertices
+    lengths = np.empty(len(edges))
+    for first in range(0, len(edges), BATCH):
+        tail, head = edges[first : first + BATCH].T
+        along = pattern.vertices_coords[head] - pattern.vertices_coords[tail]
+        np.hypot(along[:, 0], along[:, 1], out=lengths[first : first + BATCH])
+    return lengths
 
 
 def edge_faces(pattern: CreasePattern) -> Ints:

@@ -19,14 +19,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from foldcut.flatfold import FaceMaps, folded_edges
 from foldcut.layertree import LayerTree
-from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints
-from foldcut.outlines import Outlines, runs
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers
+from foldcut.outlines import Outlines
 
 __all__ = ["check_layer_order", "check_mountains", "check_stacking", "collinear_overlap"]
 
@@ -209,7 +210,7 @@ def _bounds(pattern: CreasePattern, maps: FaceMaps, rank: Ints, axes: Floats, in
     return low, high
 
 
-def _folded_faces(pattern: CreasePattern, maps: FaceMaps, faces: Indices, tolerance: float) -> Outlines:
+def _folded_faces(pattern: CreasePattern, maps: FaceMaps, faces: Numbers, tolerance: float) -> Outlines:
     """Return some faces in the folded state."""
     rings = pattern.faces_vertices.take(faces)
     corners = maps.apply(faces[rings.rows], pattern.vertices_coords[rings.values])
@@ -243,14 +244,14 @@ def _faces_between(
         if reports.add(query[bad], item[bad]):
             break
     findings = []
-    for fold, item in reports:
-        below, above = layers[folds.low[fold]], layers[folds.high[fold]]
+    for fold, layer in reports:
+        one, other = layers[folds.low[fold]], layers[folds.high[fold]]
         edge = folds.edges[fold]
         if folds.folded[fold]:
-            message = f"face {layers[item]} runs across crease {edge}, between its faces {below} and {above}"
+            message = f"face {layers[layer]} runs across crease {edge}, between its faces {one} and {other}"
             findings.append(_finding("taco-tortilla", pattern, edge, message))
         else:
-            message = f"face {layers[item]} cuts through the sheet of faces {below} and {above} at edge {edge}"
+            message = f"face {layers[layer]} cuts through the sheet of faces {one} and {other} at edge {edge}"
             findings.append(_finding("tortilla-tortilla", pattern, edge, message))
     return findings
 
@@ -373,6 +374,6 @@ def _extents(ends: Floats, axes: Floats) -> tuple[Floats, Floats]:
     return low, high
 
 
-def _finding(check: str, pattern: CreasePattern, edge: int, message: str) -> Finding:
+def _finding(check: str, pattern: CreasePattern, edge: np.integer[Any], message: str) -> Finding:
     x, y = pattern.vertices_coords[pattern.edges_vertices[edge]].mean(axis=0).tolist()
     return Finding(check, message, (x, y))

@@ -15,8 +15,8 @@ import shapely
 
 from foldcut.cutline import check_cut
 from foldcut.flatfold import FaceMaps, fold_faces, folded_edges
-from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Ragged, Shape
-from foldcut.planar import Keys, edge_sides, faces_of_sides, half_edges, pair_keys, signed_areas
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Shape
+from foldcut.planar import Keys, edge_lengths, edge_sides, faces_of_sides, half_edges, pair_keys, signed_areas
 from foldcut.stacking import check_layer_order, check_mountains, check_stacking
 
 __all__ = ["CHECKS", "COINCIDENT", "verify"]
@@ -62,20 +62,21 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
         return findings
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
     coarse, fine = (share * diagonal for share in COINCIDENT)
-    findings = _verify_within(coarse, pattern, layers, shape)
-    return findings and (_verify_within(fine, pattern, layers, shape) and findings)
+    lengths, loose = edge_lengths(pattern), _check_edges(pattern)
+    findings = _short_edges(pattern, lengths, coarse) + loose or _verify_within(coarse, pattern, layers, shape)
+    if not findings:
+        return []
+    return (_short_edges(pattern, lengths, fine) + loose or _verify_within(fine, pattern, layers, shape)) and findings
 
 
 def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
     """Verify with one tolerance, in mm."""
-    findings = _check_edges(pattern, tolerance)
-    if findings:
-        return findings
     sides = edge_sides(pattern)
     faces_of_edges = faces_of_sides(pattern, sides)
     findings = _check_planar(pattern, sides, faces_of_edges, tolerance)
     if findings:
         return findings
+    del sides
     maps = fold_faces(pattern, faces_of_edges)
     findings = _check_closure(pattern, faces_of_edges, maps, tolerance)
     if findings or not _is_flat_at_vertices(pattern, faces_of_edges, maps, tolerance):
@@ -147,20 +148,24 @@ def _check_planar(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, 
     return findings and (_check_crossings(pattern, tolerance) or findings)
 
 
-def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
-    """Find edges without length, edges given twice, and vertices that no edge reaches."""
-    coords, edges = pattern.vertices_coords, pattern.edges_vertices
-    lengths = np.hypot(*(coords[edges[:, 1]] - coords[edges[:, 0]]).T)
-    findings = [
+def _short_edges(pattern: CreasePattern, lengths: Floats, tolerance: float) -> list[Finding]:
+    """Find edges without length."""
+    return [
         _at_edge(pattern, edge, "planar", f"edge {edge} is only {lengths[edge]:.3g} mm long; merge its vertices")
         for edge in np.flatnonzero(lengths <= tolerance).tolist()
     ]
-    keys = pair_keys(*np.sort(edges, axis=1).T)
-    findings += [
+
+
+def _check_edges(pattern: CreasePattern) -> list[Finding]:
+    """Find edges given twice, and vertices that no edge reaches."""
+    coords, (one, other) = pattern.vertices_coords, pattern.edges_vertices.T
+    findings = [
         _at_edge(pattern, edge, "planar", f"edge {edge} repeats another edge; leave one out")
-        for edge in _repeated(keys).tolist()
+        for edge in _repeated(pair_keys(np.minimum(one, other), np.maximum(one, other))).tolist()
     ]
-    lonely = np.flatnonzero(np.bincount(edges.ravel(), minlength=len(coords)) == 0)
+    reached = np.zeros(len(coords), dtype=np.bool_)
+    reached[one] = reached[other] = True
+    lonely = np.flatnonzero(~reached)
     findings += [
         _finding("planar", f"vertex {vertex} is on no edge; leave it out", coords[vertex]) for vertex in lonely.tolist()
     ]
@@ -250,6 +255,9 @@ def _comes_close(coords: Floats, ring: Ints, tolerance: float) -> bool:
 
 def _repeated(keys: Keys) -> Numbers:
     """The places of keys that have come before, ascending."""
+    ordered = np.sort(keys)
+    if (ordered[1:] != ordered[:-1]).all():
+        return np.empty(0, dtype=np.intp)
     order = np.argsort(keys, kind="stable")
     return np.sort(order[1:][keys[order[1:]] == keys[order[:-1]]])
 
