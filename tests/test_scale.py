@@ -21,8 +21,9 @@ from simple_boundary import distances_to_edges
 from strategies import star, star_shaped, two_opt
 from test_boundary import SHAPES
 
+import foldcut
 from foldcut import boundary as boundary_module
-from foldcut import flatfold, layertree, packing, planar
+from foldcut import cutline, flatfold, layertree, packing, planar
 from foldcut.assignment import assign_creases
 from foldcut.boundary import BoundaryDisks, boundary_disks, near_disks
 from foldcut.flatfold import fold_faces
@@ -31,12 +32,13 @@ from foldcut.layertree import LayerTree
 from foldcut.model import Ragged
 from foldcut.molecules import build_molecules
 from foldcut.packing import Packing, fill_gaps
-from foldcut.planar import edge_faces, edge_lengths, edge_sides
+from foldcut.planar import edge_faces, edge_lengths, edge_sides, half_edges
 from foldcut.readers import read_shape
 from foldcut.samples import sample_names, sample_path
 from foldcut.shape import make_shape
 from foldcut.sheet import parse_sheet, place
 from foldcut.tolerance import Tolerance
+from foldcut.verify import verify
 
 SHEET = parse_sheet("a4")
 TOLERANCE = Tolerance.for_sheet(SHEET)
@@ -157,6 +159,25 @@ def test_compiled_code_finds_the_meetings_that_array_code_finds(monkeypatch: pyt
     assert len(expected) > 1000
 
 
+@pytest.mark.parametrize("name", ["star", "triangle", "swan"])
+def test_edges_on_the_cut_line_tell_what_all_edges_tell(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    severed = foldcut.fold(sample_path(name), method="paper", ribbon=0)
+    good = foldcut.fold(sample_path(name), method="paper", ribbon=0.5).folded_pattern
+    monkeypatch.setattr(cutline, "MANY_EDGES", 0)
+    pattern = severed.folded_pattern
+    assert verify(pattern.creases, pattern.folded.layers, pattern.shape) == list(severed.findings) != []
+    asked = []
+    all_edges = cutline._edges_near
+
+    def counted(pattern: Any, sides: Any, distance: float, among: Any = None) -> Any:
+        asked.append(among is None)
+        return all_edges(pattern, sides, distance, among)
+
+    monkeypatch.setattr(cutline, "_edges_near", counted)
+    assert verify(good.creases, good.folded.layers, good.shape) == []
+    assert asked == [False]
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_compiled_code_folds_faces_to_where_array_code_folds_them(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("numba")
@@ -200,10 +221,14 @@ def test_half_edges_are_found_by_a_matrix_as_by_their_numbers(seed: int, monkeyp
     faces = pattern.faces_vertices.to_lists()
     twice = replace(pattern, faces_vertices=Ragged.from_rows([*faces, faces[0]]))
     fewer = replace(pattern, faces_vertices=Ragged.from_rows(faces[1:]))
-    simple = [edge_sides(pattern), edge_sides(fewer), edge_sides(twice) >= 0]
+    simple = [edge_sides(pattern), edge_sides(fewer)]
     monkeypatch.setattr(planar, "MANY_EDGES", 0)
-    quick = [edge_sides(pattern), edge_sides(fewer), edge_sides(twice) >= 0]
-    assert all(np.array_equal(one, other) for one, other in zip(simple, quick, strict=True))
+    assert all(np.array_equal(one, edge_sides(of)) for one, of in zip(simple, (pattern, fewer), strict=True))
+    for side, (tail, head) in zip(edge_sides(twice), pattern.edges_vertices.tolist(), strict=True):
+        starts, ends = half_edges(twice.faces_vertices)
+        for number, ways in zip(side.tolist(), ((tail, head), (head, tail)), strict=True):
+            assert number < 0 or (starts[number], ends[number]) == ways
+    assert np.array_equal(edge_sides(twice) >= 0, simple[0] >= 0)
 
 
 def test_without_numba_all_is_done_by_the_simple_code() -> None:

@@ -633,6 +633,8 @@ def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: py
     assert cut_verdicts(pattern, shape, monkeypatch) == [True, True]
     divided, _ = rectangle_fold(60.0, 40.0)[0].divide((80.0, 0), (0, 1)).pattern()
     assert cut_verdicts(divided, shape, monkeypatch) == [True, True]
+    beyond, square = rectangle_fold(60.0, 60.0)  # paper on the wrong side of the line, as below
+    assert cut_verdicts(beyond.fold((0, 70), (1, 0)).pattern()[0], square, monkeypatch) == [False, False]
     rng = np.random.default_rng(0)
     for far in 10.0 ** rng.uniform(-5, 1, 60):  # one corner elsewhere
         (loop,) = shape.loops
@@ -649,6 +651,20 @@ def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: py
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         turned = points_array((shape.loops[0] - 50) @ turn.T + 50 + shift)
         assert cut_verdicts(pattern, Shape((turned,), (-1,)), monkeypatch) == [False, False]
+
+
+def test_faces_that_pieces_of_the_boundary_are_not_in_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    paper, shape = rectangle_fold(60.0, 40.0)
+    pattern, _ = paper.pattern()
+    honest = cutline._fold_pieces
+    assert cut_verdicts(pattern, shape, monkeypatch) == [True, True]
+
+    def elsewhere(*given: object) -> tuple[object, ...]:
+        pieces, faces, landed = honest(*given)  # type: ignore[arg-type]
+        return pieces, np.roll(faces, 1), landed
+
+    monkeypatch.setattr(cutline, "_fold_pieces", elsewhere)
+    assert cut_verdicts(pattern, shape, monkeypatch) == [False, True]
 
 
 # Nothing depends on where the sheet lies, or how its parts are numbered
