@@ -9,6 +9,8 @@ face, of slope 1. The boundary divides the faces into pieces that are wholly ins
 whose corners are pattern vertices and points of the boundary, where the height is 0. A linear function is
 least and greatest at corners; so if no inner vertex is below and no outer one above, every piece is on its
 side, and reaches the line at most with an edge: a point strictly within a piece is strictly off the line.
+
+Of a large pattern only the edges that reach the line are compared with the boundary: see ``_is_surely_cut``.
 """
 
 from __future__ import annotations
@@ -18,8 +20,8 @@ import shapely
 from numpy.typing import NDArray
 
 from foldcut.flatfold import FaceMaps, folded_edges
-from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Shape
-from foldcut.planar import edge_faces
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Shape
+from foldcut.planar import edge_faces, half_edges
 from foldcut.stacking import collinear_overlap
 
 __all__ = ["check_cut", "contains", "fold_boundary"]
@@ -34,6 +36,18 @@ Not the verifier's tolerance: there less is stricter, here it would let creases 
 
 SEVERED = 6e-8
 """Shorter creases, relative to the sheet's diagonal, only cross the line or end on it."""
+
+MANY_EDGES = 20_000
+"""Of so many edges of a pattern those that can come near the boundary are told by their heights."""
+
+SAMPLES = 6
+"""So many sides are folded first, to learn where the cut line is."""
+
+REACH = 32
+"""Edges that come as near to the cut line as so many tolerances are compared with the boundary."""
+
+BATCH = 1 << 16
+"""Edges looked at together; bounds the memory, not the result."""
 
 
 def check_cut(
@@ -50,6 +64,10 @@ def check_cut(
     findings = _check_on_sheet(pattern, faces_of_edges, sides, tolerance)
     if findings:
         return findings
+    if len(pattern.edges_vertices) >= MANY_EDGES and _is_surely_cut(
+        pattern, faces_of_edges, maps, shape, sides, tolerance
+    ):
+        return []
     near = _edges_near(pattern, sides, 2 * tolerance)
     findings = _check_creases(pattern, sides, near, tolerance)
     pieces, _, landed = _fold_pieces(pattern, faces_of_edges, maps, sides, near, tolerance)
@@ -60,7 +78,48 @@ def check_cut(
     for at in np.flatnonzero(off > 2 * tolerance).tolist():
         message = f"the shape's boundary folds {off[at]:.3g} mm away from the cut line"
         findings.append(_finding(message, pieces[at].mean(axis=0), off[at]))
-    return findings or _check_heights(pattern, maps, shape, along, level, 2 * tolerance)
+    if findings:
+        return findings
+    height = _vertex_heights(pattern, maps, along, level)
+    coords = pattern.vertices_coords
+    return [*_check_sides(coords, height, shape, 2 * tolerance), *_check_severed(pattern, height, shape)]
+
+
+def _is_surely_cut(
+    pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, shape: Shape, sides: Floats, tolerance: float
+) -> bool:
+    """Whether the cut has no findings, told from the edges that reach the cut line; if not, all have to be asked.
+
+    A few sides tell where the line is. Why the other edges do not matter: if one came near the boundary, the boundary
+    would be off the line there. Going back from there on the boundary to where it is on the line, one leaves the face
+    where it is off; along a straight piece in a face the height is linear, so that piece has an end off the line, or
+    is divided by an edge that reaches the line. But all pieces are found to be in their faces, both ends on the line.
+    """
+    sample = np.append(np.linspace(0, len(sides) - 1, SAMPLES).astype(np.intp), _lengths(sides).argmax())
+    sample = np.unique(sample)
+    near = _edges_in_boxes(pattern, sides[sample], 2 * tolerance)
+    _, _, landed = _fold_pieces(pattern, faces_of_edges, maps, sides[sample], near, tolerance)
+    guess = _vertex_heights(pattern, maps, *_line_through(landed.reshape(-1, 2)))
+    reach = REACH * tolerance
+    side_of_line = ((guess > reach).astype(np.int8) - (guess < -reach))[pattern.edges_vertices]
+    close = np.flatnonzero((side_of_line[:, 0] != side_of_line[:, 1]) | (side_of_line[:, 0] == 0))
+    if not len(close):
+        return False
+    side, edge = _edges_near(pattern, sides, 2 * tolerance, close)
+    if _check_creases(pattern, sides, (side, edge), tolerance):
+        return False
+    pieces, faces, landed = _fold_pieces(pattern, faces_of_edges, maps, sides, (side, edge), tolerance)
+    along, level = _line_through(landed.reshape(-1, 2))
+    height = _vertex_heights(pattern, maps, along, level)
+    same = min(np.abs(guess - height).max(), np.abs(guess + height).max()) <= reach / 2
+    if not same or (np.abs(_heights(landed.reshape(-1, 2), along, level)) > 2 * tolerance).any():
+        return False
+    middles = pieces.mean(axis=1)
+    unsure = np.flatnonzero(_depths(pattern, middles, faces) < -tolerance)
+    if (shapely.distance(_polygons(pattern, faces[unsure]), shapely.points(middles[unsure])) > tolerance).any():
+        return False
+    coords = pattern.vertices_coords
+    return not (_check_sides(coords, height, shape, 2 * tolerance) or _check_severed(pattern, height, shape))
 
 
 def fold_boundary(
@@ -85,22 +144,51 @@ def _fold_pieces(
 ) -> tuple[Floats, Indices, Floats]:
     """Do as ``fold_boundary``; ``near`` are sides and the edges near them."""
     side, edge = near
-    ends = pattern.vertices_coords[pattern.edges_vertices]
-    close = shapely.dwithin(shapely.linestrings(sides[side]), shapely.linestrings(ends[edge]), tolerance)
+    ends = pattern.vertices_coords[pattern.edges_vertices[edge]]
+    close = shapely.dwithin(shapely.linestrings(sides)[side], shapely.linestrings(ends), tolerance)
     side, edge = side[close], edge[close]
-    pieces = _divide(pattern, sides, side, edge, tolerance)
-    # a piece lies in a face at one of these edges, but for sides that no edge comes near
-    around = np.unique(faces_of_edges[edge]) if len(np.unique(side)) == len(sides) else np.empty(0, dtype=np.int32)
-    faces = _faces_at(pattern, pieces.mean(axis=1), around[around >= 0] if len(around) else None)
+    pieces, ending = _divide(pattern, sides, side, edge, tolerance)
+    middles = pieces.mean(axis=1)
+    # most pieces are well within a face at an edge that they end at
+    beside = np.where(ending[:, :, None] >= 0, faces_of_edges[ending], np.int32(-1)).reshape(-1, 4)
+    depth = np.stack([_depths(pattern, middles, face) for face in beside.T], axis=1)
+    best = depth.argmax(axis=1)
+    rows = np.arange(len(best))
+    faces = beside[rows, best].astype(np.intp)
+    rest = np.flatnonzero(depth[rows, best] <= tolerance)
+    if len(rest):
+        # the others lie in a face at one of these edges, but for sides that no edge comes near
+        around = np.unique(faces_of_edges[edge]) if len(np.unique(side)) == len(sides) else np.empty(0, dtype=np.int32)
+        faces[rest] = _faces_at(pattern, middles[rest], around[around >= 0] if len(around) else None)
     return pieces, faces, np.stack([maps.apply(faces, pieces[:, end]) for end in (0, 1)], axis=1)
 
 
-def _edges_near(pattern: CreasePattern, sides: Floats, distance: float) -> tuple[Indices, Indices]:
-    """Return the sides and edges of the pattern that come within a distance of each other, in pairs."""
-    ends = pattern.vertices_coords[pattern.edges_vertices]
-    tree = shapely.STRtree(shapely.linestrings(ends))
+def _edges_near(
+    pattern: CreasePattern, sides: Floats, distance: float, among: Indices | None = None
+) -> tuple[Indices, Indices]:
+    """Return the sides and edges, all or some, that come within a distance of each other, in pairs."""
+    edges = pattern.edges_vertices if among is None else pattern.edges_vertices[among]
+    tree = shapely.STRtree(shapely.linestrings(pattern.vertices_coords[edges]))
     side, edge = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=distance)
-    return side, edge
+    return side, edge if among is None else among[edge]
+
+
+def _edges_in_boxes(pattern: CreasePattern, sides: Floats, distance: float) -> tuple[Indices, Indices]:
+    """Return few sides and the edges whose boxes come within a distance of theirs, in pairs."""
+    low, high = sides.min(axis=1) - distance, sides.max(axis=1) + distance
+    side, edge = [], []
+    for first in range(0, len(pattern.edges_vertices), BATCH):
+        edges = pattern.edges_vertices[first : first + BATCH]
+        one, other = pattern.vertices_coords[edges[:, 0]], pattern.vertices_coords[edges[:, 1]]
+        left, right = np.minimum(one[:, 0], other[:, 0]), np.maximum(one[:, 0], other[:, 0])
+        for number in range(len(sides)):
+            (x_low, y_low), (x_high, y_high) = low[number], high[number]
+            meet = np.flatnonzero((left <= x_high) & (right >= x_low))
+            bottom, top = np.minimum(one[meet, 1], other[meet, 1]), np.maximum(one[meet, 1], other[meet, 1])
+            meet = meet[(bottom <= y_high) & (top >= y_low)]
+            side.append(np.full(len(meet), number))
+            edge.append(first + meet)
+    return np.concatenate(side), np.concatenate(edge)
 
 
 def _sides(shape: Shape) -> Floats:
@@ -136,17 +224,20 @@ def _check_creases(
     return findings
 
 
-def _divide(pattern: CreasePattern, sides: Floats, side: Indices, edge: Indices, tolerance: float) -> Floats:
+def _divide(
+    pattern: CreasePattern, sides: Floats, side: Indices, edge: Indices, tolerance: float
+) -> tuple[Floats, Indices]:
     """Return the sides cut up where they meet edges of the pattern, ``(n, 2, 2)``: each within one face.
 
-    ``side`` and ``edge`` are those that come within the tolerance of each other.
+    And an edge at either end, ``(n, 2)``, -1 for none. ``side`` and ``edge`` are those that come within the
+    tolerance of each other.
 
     A piece may lie on an edge that is not folded; then it belongs to either face.
     """
-    ends = pattern.vertices_coords[pattern.edges_vertices]
+    ends = pattern.vertices_coords[pattern.edges_vertices[edge]]
     base, along = sides[side, 0], sides[side, 1] - sides[side, 0]
-    across = ends[edge, 1] - ends[edge, 0]
-    to_edge = ends[edge] - base[:, None]
+    across = ends[:, 1] - ends[:, 0]
+    to_edge = ends - base[:, None]
     slope = along[:, 0] * across[:, 1] - along[:, 1] * across[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         meet = (to_edge[:, 0, 0] * across[:, 1] - to_edge[:, 0, 1] * across[:, 0]) / slope
@@ -155,24 +246,50 @@ def _divide(pattern: CreasePattern, sides: Floats, side: Indices, edge: Indices,
     near = (to_edge * along[:, None]).sum(axis=2) / length_squared[:, None]
     at = np.concatenate([meet, near[:, 0], near[:, 1], np.zeros(len(sides)), np.ones(len(sides))])
     owner = np.concatenate([side, side, side, np.arange(len(sides)), np.arange(len(sides))])
-    inside = (at >= 0) & (at <= 1)
-    at, owner = at[inside], owner[inside]
-    order = np.lexsort((at, owner))
-    at, owner = at[order], owner[order]
+    by = np.concatenate([edge, edge, edge, np.full(2 * len(sides), -1)])
+    inside = np.flatnonzero((at >= 0) & (at <= 1))
+    order = inside[np.lexsort((at[inside], owner[inside]))]
+    at, owner, by = at[order], owner[order], by[order]
     same = owner[1:] == owner[:-1]
     start, stop, owner = at[:-1][same], at[1:][same], owner[1:][same]
+    ending = np.stack([by[:-1][same], by[1:][same]], axis=1)
     base, along = sides[owner, 0], sides[owner, 1] - sides[owner, 0]
     pieces = np.stack([base + start[:, None] * along, base + stop[:, None] * along], axis=1)
-    kept: Floats = pieces[(stop - start) * np.hypot(*along.T) > 1e-3 * tolerance]
-    return kept
+    kept = (stop - start) * np.hypot(*along.T) > 1e-3 * tolerance
+    return pieces[kept], ending[kept]
+
+
+def _depths(pattern: CreasePattern, points: Floats, faces: Numbers) -> Floats:
+    """Return how far each point is on the inner side of all sides of its face: negative where it may be outside."""
+    depths = np.full(len(points), -np.inf)
+    at = np.flatnonzero(faces >= 0)
+    rings = pattern.faces_vertices.take(faces[at])
+    start, end = half_edges(rings)
+    base = pattern.vertices_coords[start]
+    along = pattern.vertices_coords[end] - base
+    away = points[at][rings.rows] - base
+    height = (along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]) / np.hypot(*along.T)
+    if len(at):
+        depths[at] = np.minimum.reduceat(height, rings.offsets[:-1])
+    return depths
 
 
 def _faces_at(pattern: CreasePattern, points: Floats, around: Ints | None) -> Indices:
     """Return a face at each point, one of ``around``: the one it is in, or one it borders."""
     number = np.arange(len(pattern.faces_vertices)) if around is None else around
+    return np.asarray(number[shapely.STRtree(_polygons(pattern, number)).nearest(shapely.points(points))])
+
+
+def _polygons(pattern: CreasePattern, number: Numbers) -> NDArray[np.object_]:
+    """Return faces as polygons."""
     faces = pattern.faces_vertices.take(number)
     rings = shapely.linearrings(pattern.vertices_coords[faces.values], indices=faces.rows)
-    return np.asarray(number[shapely.STRtree(shapely.polygons(rings)).nearest(shapely.points(points))])
+    return np.asarray(shapely.polygons(rings))
+
+
+def _lengths(sides: Floats) -> Floats:
+    lengths: Floats = np.hypot(*(sides[:, 1] - sides[:, 0]).T)
+    return lengths
 
 
 def _line_through(points: Floats) -> tuple[Floats, float]:
@@ -189,15 +306,12 @@ def _heights(points: Floats, along: Floats, level: float) -> Floats:
     return heights
 
 
-def _check_heights(
-    pattern: CreasePattern, maps: FaceMaps, shape: Shape, along: Floats, level: float, tolerance: float
-) -> list[Finding]:
-    """Find vertices that fold to the wrong side of the cut line, and creases that fold onto it."""
+def _vertex_heights(pattern: CreasePattern, maps: FaceMaps, along: Floats, level: float) -> Floats:
+    """Return how high over the cut line every vertex folds."""
     coords = pattern.vertices_coords
     face = np.zeros(len(coords), dtype=np.int32)
     face[pattern.faces_vertices.values] = pattern.faces_vertices.rows
-    height = _heights(maps.apply(face, coords), along, level)
-    return [*_check_sides(coords, height, shape, tolerance), *_check_severed(pattern, height, shape)]
+    return _heights(maps.apply(face, coords), along, level)
 
 
 def _check_sides(coords: Floats, height: Floats, shape: Shape, tolerance: float) -> list[Finding]:
@@ -219,8 +333,9 @@ def _check_sides(coords: Floats, height: Floats, shape: Shape, tolerance: float)
 def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list[Finding]:
     """Find mountains and valleys that fold onto the cut line: there the cut would go through the fold itself."""
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
-    level = np.abs(height)[pattern.edges_vertices] <= ON_THE_LINE * diagonal
-    crease = np.flatnonzero(folded_edges(pattern) & level.all(axis=1))
+    level = np.abs(height) <= ON_THE_LINE * diagonal
+    one, other = pattern.edges_vertices.T
+    crease = np.flatnonzero(folded_edges(pattern) & level[one] & level[other])
     ends = pattern.vertices_coords[pattern.edges_vertices[crease]]
     length, middle = np.hypot(*(ends[:, 1] - ends[:, 0]).T), ends.mean(axis=1)
     inside = contains(shape, middle)

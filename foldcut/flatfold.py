@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -18,11 +18,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldcut.model import Bools, CreasePattern, Floats, Ints, Numbers
+from foldcut.planar import edge_lengths
 
 __all__ = ["FaceMaps", "fold_faces", "folded_edges"]
 
 FEW_FACES = 3000
 """The paths between so few faces are found sooner than scipy is imported."""
+
+MANY_FACES = 100_000
+"""With more, loading compiled code takes less time than it saves."""
 
 TINY = float(np.finfo(np.float64).tiny)
 
@@ -39,10 +43,13 @@ class FaceMaps:
     up: Bools
 
     def apply(self, faces: NDArray[np.integer[Any]], points: Floats) -> Floats:
-        """Return where ``points``, ``(n, 2)``, of the sheet land as points of ``faces``, ``(n,)``."""
-        z = points[:, 0] + 1j * np.where(self.up[faces], points[:, 1], -points[:, 1])
-        folded = self.turn[faces] * z + self.shift[faces]
-        return np.stack([folded.real, folded.imag], axis=1)
+        """Return where ``points``, ``(..., 2)``, of the sheet land as points of ``faces``, ``(...,)``."""
+        z = np.empty(points.shape[:-1], dtype=np.complex128)
+        z.real = points[..., 0]
+        np.multiply(points[..., 1], np.where(self.up[faces], 1.0, -1.0), out=z.imag)
+        z *= self.turn[faces]
+        z += self.shift[faces]
+        return z.view(np.float64).reshape(points.shape)
 
 
 def folded_edges(pattern: CreasePattern) -> Bools:
@@ -56,6 +63,8 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     ``faces_of_edges`` is ``planar.edge_faces(pattern)``. Faces that no edge joins to face 0 stay too.
     """
     count = len(pattern.faces_vertices)
+    if count >= MANY_FACES and (compiled := _compiled_fold()):
+        return _fold_compiled(compiled, pattern, faces_of_edges, count)
     parent, via = _steady_tree(pattern, faces_of_edges, count)
     ends = pattern.vertices_coords[pattern.edges_vertices]
     tail = ends[:, 0, 0] + 1j * ends[:, 0, 1]
@@ -83,6 +92,28 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     return FaceMaps(turn, shift, up)
 
 
+def _compiled_fold() -> Callable[..., None] | None:
+    """Return what folds many faces in compiled code, or None without numba (extra ``fast``)."""
+    try:
+        from foldcut.facepaths import fold
+    except ImportError:
+        return None
+    found: Callable[..., None] = fold
+    return found
+
+
+def _fold_compiled(fold: Callable[..., None], pattern: CreasePattern, faces_of_edges: Ints, count: int) -> FaceMaps:
+    """Do as ``fold_faces``."""
+    turn, shift = np.ones(count, dtype=np.complex128), np.zeros(count, dtype=np.complex128)
+    up = np.ones(count, dtype=np.bool_)
+    left, right = np.ascontiguousarray(faces_of_edges.T)
+    pairs = (turn.view(np.float64).reshape(-1, 2), shift.view(np.float64).reshape(-1, 2))
+    # compiled code tells arrays that may be written from others, by their types: here none is read-only
+    edges, coords = pattern.edges_vertices.copy(), pattern.vertices_coords.copy()
+    fold(left, right, edges, coords, folded_edges(pattern), *pairs, up, TINY)
+    return FaceMaps(turn, shift, up)
+
+
 def _generations(face: Ints, before: Ints, via: Ints, count: int) -> Iterator[tuple[Ints, Ints, Ints]]:
     """Yield the rows of a tree, each generation's together, the parents' first."""
     # steps to the root: twice as far in every round
@@ -104,8 +135,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     of least sum of 1 / l: few steps, and over long creases.
     """
     inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
-    ends = pattern.vertices_coords[pattern.edges_vertices[inner]]
-    cost = 1 / np.maximum(np.hypot(*(ends[:, 1] - ends[:, 0]).T), TINY)
+    cost = 1 / np.maximum(edge_lengths(pattern)[inner], TINY)
     low, high = np.sort(faces_of_edges[inner], axis=1).T.astype(np.int64)
     pair = low * count + high
     order = np.argsort(pair, kind="stable")

@@ -1,6 +1,6 @@
 """The search of a ``LayerTree``, compiled: each query walks down the tree by itself.
 
-Needs numba (extra ``fast``); imported only for many queries.
+Needs numba (extra ``fast``); imported only for many boxes.
 """
 
 from __future__ import annotations
@@ -10,44 +10,61 @@ from numba import njit
 
 __all__ = ["search"]
 
+SHIFT = 3
+"""As ``layertree.SHIFT``."""
+
 
 @njit(cache=True, nogil=True)
-def search(lows, highs, starts, low, high, first, last, queries, at, out):
+def search(own_low, own_high, lows, highs, starts, low, high, first, last, queries, at, out):
     """Write (query, item) pairs to ``out``, ``(n, 2)``, until it is full; return how many, and which query is next.
 
-    ``lows`` and ``highs`` are all levels of the tree, the lowest first, each from its ``starts`` on. A query is only
-    begun where there is room for all items it could meet, or ``out`` is empty: then it must be larger.
+    ``own_low`` and ``own_high`` are the boxes themselves, ``lows`` and ``highs`` the joined ones, level by level, level
+    l from ``starts[l - 1]`` on. A query is only begun where there is room for all items it could meet, or ``out`` is
+    empty: then it must be larger.
     """
     columns = low.shape[1]
-    levels = len(starts)
-    path = np.empty(2 * levels + 2, dtype=np.int64)
-    height = np.empty(2 * levels + 2, dtype=np.int64)
+    top = len(starts) - 1 if len(own_low) > (1 << SHIFT) else 0
+    path = np.empty((SHIFT * (top + 1)) * (1 << SHIFT), dtype=np.int64)
+    height = np.empty(len(path), dtype=np.int64)
     count = 0
     while at < len(queries):
         query = queries[at]
-        if count + (last[query] - first[query]) > len(out):
+        start, stop = first[query], last[query] - 1
+        if count + (stop + 1 - start) > len(out):
             return count, at
-        path[0], height[0] = 0, levels - 1
-        depth = 1
-        while depth > 0:
+        level = 0
+        begin, end = start, stop
+        while end - begin >= (1 << SHIFT) and level < top:
+            begin, end, level = begin >> SHIFT, end >> SHIFT, level + 1
+        depth = 0
+        while True:
+            # the nodes begin to end on this level, the last first, so that they come off the stack in order
+            for node in range(end, begin - 1, -1) if level > 0 else range(begin, end + 1):
+                meets = True
+                if level > 0:
+                    place = starts[level - 1] + node
+                    for column in range(columns):
+                        if lows[place, column] > high[query, column] or highs[place, column] < low[query, column]:
+                            meets = False
+                            break
+                    if meets:
+                        path[depth], height[depth] = node, level
+                        depth += 1
+                else:
+                    for column in range(columns):
+                        if own_low[node, column] > high[query, column] or own_high[node, column] < low[query, column]:
+                            meets = False
+                            break
+                    if meets:
+                        out[count, 0], out[count, 1] = query, node
+                        count += 1
+            if depth == 0:
+                break
             depth -= 1
-            node, level = path[depth], height[depth]
-            if (node << level) >= last[query] or ((node + 1) << level) <= first[query]:
-                continue
-            place = starts[level] + node
-            meets = True
-            for column in range(columns):
-                if lows[place, column] > high[query, column] or highs[place, column] < low[query, column]:
-                    meets = False
-                    break
-            if not meets:
-                continue
-            if level == 0:
-                out[count, 0], out[count, 1] = query, node
-                count += 1
-            else:
-                path[depth], height[depth] = 2 * node + 1, level - 1
-                path[depth + 1], height[depth + 1] = 2 * node, level - 1
-                depth += 2
+            node, level = path[depth], height[depth] - 1
+            begin, end = (
+                max(node << SHIFT, start >> (SHIFT * level)),
+                min(((node + 1) << SHIFT) - 1, stop >> (SHIFT * level)),
+            )
         at += 1
     return count, at

@@ -1,19 +1,21 @@
 """Which of many boxes in a row meet a query's box, when only a run of the row counts.
 
-The row is the layer order: what could lie between two layers is a run of it. Boxes are joined two by two into
-a binary tree over the row, so a run that stays on one side of a fold is dismissed at a glance, however many
+The row is the layer order: what could lie between two layers is a run of it. Boxes are joined eight by eight into
+a tree over the row, so a run that stays on one side of a fold is dismissed at a glance, however many
 layers it has; on flat-folded patterns, where nearly everything overlaps nearly everything, this is what keeps
-the layer checks fast.
+the layer checks fast. A query begins where its run takes a few nodes, so that short runs never see the tree.
 """
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.model import Bools, Floats
+from foldcut.model import Bools, Floats, Numbers
+from foldcut.outlines import runs
 
 __all__ = ["LayerTree"]
 
@@ -22,9 +24,11 @@ Indices = NDArray[np.intp]
 BATCH = 1 << 17
 """Pairs looked at together; bounds the memory, not the result."""
 
+MANY_BOXES = 100_000
+"""With more, loading compiled code takes less time than it saves; once loaded, it is used for a tenth of them."""
 
-MANY_QUERIES = 200_000
-"""With more, loading compiled code takes less time than it saves."""
+SHIFT = 3
+"""The power of two of boxes that are joined."""
 
 
 def _compiled_search() -> Callable[..., tuple[int, int]] | None:
@@ -38,40 +42,38 @@ def _compiled_search() -> Callable[..., tuple[int, int]] | None:
 
 
 class LayerTree:
-    """Boxes in a row: their least and greatest coordinates ``low`` and ``high``, ``(n, k)`` each."""
+    """Boxes in a row: their least and greatest coordinates ``low`` and ``high``, ``(n, k)`` each, which are kept."""
 
     def __init__(self, low: Floats, high: Floats) -> None:
-        size = 1 << max(len(low) - 1, 0).bit_length()
-        self._lows = np.full((2 * size - 1, low.shape[1]), np.inf)
-        self._highs = np.full((2 * size - 1, low.shape[1]), -np.inf)
-        self._lows[: len(low)], self._highs[: len(low)] = low, high
-        self._starts = np.zeros(1, dtype=np.int64)  # of the levels, boxes by themselves first
-        low, high = self._lows[:size], self._highs[:size]
-        self._levels = [(low, high)]
-        while size > 1:
-            start, size = int(self._starts[-1]) + size, size // 2
-            self._starts = np.append(self._starts, start)
-            np.minimum(low[::2], low[1::2], out=self._lows[start : start + size])
-            np.maximum(high[::2], high[1::2], out=self._highs[start : start + size])
-            low, high = self._lows[start : start + size], self._highs[start : start + size]
+        self._levels = [(low, high)]  # boxes by themselves first
+        while len(low) > 1 << SHIFT:
+            low, high = _joined(low, np.minimum), _joined(high, np.maximum)
             self._levels.append((low, high))
+        few = MANY_BOXES // 10 if "foldcut.layersearch" in sys.modules else MANY_BOXES
+        self._compiled = _compiled_search() if len(self._levels[0][0]) >= few else None
+        if self._compiled:
+            joined = self._levels[1:] or self._levels
+            self._starts = np.cumsum([0] + [len(low) for low, _ in joined])
+            self._lows, self._highs = (np.concatenate(boxes) for boxes in zip(*joined, strict=True))
 
-    def meetings(self, low: Floats, high: Floats, first: Indices, last: Indices) -> Iterator[tuple[Indices, Indices]]:
+    def meetings(self, low: Floats, high: Floats, first: Numbers, last: Numbers) -> Iterator[tuple[Indices, Indices]]:
         """Yield (query, item) index arrays for the boxes ``first <= item < last`` that meet a query's box.
 
         ``low``, ``high`` are ``(q, k)``; boxes meet when no column keeps them apart.
         """
         queries = np.flatnonzero(first < last)
-        if len(queries) >= MANY_QUERIES and (search := _compiled_search()):
-            yield from self._search(search, low, high, first, last, queries)
+        first, last = first.astype(np.intp), last.astype(np.intp)
+        if self._compiled:
+            yield from self._search(self._compiled, low, high, first, last, queries)
             return
-        todo = [(len(self._levels) - 1, queries, np.zeros_like(queries))]
+        todo = self._begin(queries, first, last)
         while todo:
             level, query, node = todo.pop()
             if len(query) > BATCH:
-                todo += [(level, query[:BATCH], node[:BATCH]), (level, query[BATCH:], node[BATCH:])]
+                todo += [(level, query[BATCH:], node[BATCH:]), (level, query[:BATCH], node[:BATCH])]
                 continue
-            keep = (node << level < last[query]) & (node + 1 << level > first[query])
+            begin = node << SHIFT * level
+            keep = (begin < last[query]) & (begin + (1 << SHIFT * level) > first[query])
             query, node = query[keep], node[keep]
             for column in range(low.shape[1]):
                 keep = self._meet(level, column, node, low[query, column], high[query, column])
@@ -79,9 +81,20 @@ class LayerTree:
             if level == 0:
                 yield query, node
             elif len(query):
-                children = np.repeat(2 * node, 2)
-                children[1::2] += 1
-                todo.append((level - 1, np.repeat(query, 2), children))
+                start = node << SHIFT
+                count = np.minimum(len(self._levels[level - 1][0]) - start, 1 << SHIFT)
+                todo.append((level - 1, np.repeat(query, count), runs(start, count)))
+
+    def _begin(self, queries: Indices, first: Indices, last: Indices) -> list[tuple[int, Indices, Indices]]:
+        """Return (level, queries, nodes): the nodes of each query's run, on the lowest level where they are few."""
+        todo = []
+        begin, end = first[queries], last[queries] - 1
+        for level in range(len(self._levels)):
+            few = (end - begin < 1 << SHIFT) | (level == len(self._levels) - 1)
+            count = end[few] - begin[few] + 1
+            todo.append((level, np.repeat(queries[few], count), runs(begin[few], count)))
+            queries, begin, end = queries[~few], begin[~few] >> SHIFT, end[~few] >> SHIFT
+        return todo
 
     def _search(
         self,
@@ -93,11 +106,14 @@ class LayerTree:
         queries: Indices,
     ) -> Iterator[tuple[Indices, Indices]]:
         """Do the same with compiled code."""
-        out = np.empty((max(BATCH, int((last - first).max())), 2), dtype=np.intp)
+        out = np.empty((max(BATCH, int((last - first).max(initial=0))), 2), dtype=np.intp)
         at = 0
         low, high = np.ascontiguousarray(low), np.ascontiguousarray(high)
+        own_low, own_high = self._levels[0]
         while at < len(queries):
-            count, at = search(self._lows, self._highs, self._starts, low, high, first, last, queries, at, out)
+            count, at = search(
+                own_low, own_high, self._lows, self._highs, self._starts, low, high, first, last, queries, at, out
+            )
             if count:
                 yield out[:count, 0].copy(), out[:count, 1].copy()
 
@@ -105,3 +121,12 @@ class LayerTree:
         lows, highs = self._levels[level]
         meet: Bools = (lows[node, column] <= high) & (highs[node, column] >= low)
         return meet
+
+
+def _joined(boxes: Floats, least: np.ufunc) -> Floats:
+    """Return the least (or greatest) of every eight rows."""
+    whole = len(boxes) >> SHIFT << SHIFT
+    joined = least.reduce(boxes[:whole].reshape(-1, 1 << SHIFT, boxes.shape[1]), axis=1)
+    if whole < len(boxes):
+        joined = np.concatenate([joined, least.reduce(boxes[whole:], axis=0)[None]])
+    return np.asarray(joined)

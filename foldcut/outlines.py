@@ -44,15 +44,6 @@ class Outlines:
         self._first = offsets[:-1].astype(np.intp)
         self._count = np.diff(offsets).astype(np.intp)
 
-    def bounds(self, axes: Floats) -> tuple[Floats, Floats]:
-        """Return the extents, low and high, ``(p, k)`` each, along the unit vectors ``axes``, ``(k, 2)``."""
-        low, high = np.empty((2, len(self._first), len(axes)))
-        for column, axis in enumerate(axes):
-            along = self.corners @ axis
-            low[:, column] = np.minimum.reduceat(along, self._first) + self.inset
-            high[:, column] = np.maximum.reduceat(along, self._first) - self.inset
-        return low, high
-
     def crossed(self, segments: Floats, polygons: Indices) -> Bools:
         """Return whether ``segments[i]``, ``(n, 2, 2)``, enters the inside of ``polygons[i]``."""
         result = np.zeros(len(polygons), dtype=np.bool_)

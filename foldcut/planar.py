@@ -11,9 +11,24 @@ from numpy.typing import NDArray
 
 from foldcut.model import CreasePattern, Floats, Ints, Numbers, Ragged
 
-__all__ = ["edge_faces", "edge_sides", "faces_of_sides", "half_edges", "pair_keys", "signed_areas", "trace_faces"]
+__all__ = [
+    "edge_faces",
+    "edge_lengths",
+    "edge_sides",
+    "faces_of_sides",
+    "half_edges",
+    "pair_keys",
+    "signed_areas",
+    "trace_faces",
+]
 
 Keys = NDArray[np.int64]
+
+BATCH = 1 << 13
+"""Edges looked at together; bounds the memory, not the result."""
+
+MANY_EDGES = 6000
+"""With more, importing scipy takes less time than its sparse matrix saves."""
 
 
 def half_edges(faces: Ragged) -> tuple[Ints, Ints]:
@@ -31,6 +46,17 @@ def pair_keys(start: Ints, end: Ints) -> Keys:
     return (start.astype(np.int64) << 32) | end
 
 
+def edge_lengths(pattern: CreasePattern) -> Floats:
+    """Return the length of every edge, ``(e,)``."""
+    edges = pattern.edges_vertices
+    lengths = np.empty(len(edges))
+    for first in range(0, len(edges), BATCH):
+        tail, head = edges[first : first + BATCH].T
+        along = pattern.vertices_coords[head] - pattern.vertices_coords[tail]
+        np.hypot(along[:, 0], along[:, 1], out=lengths[first : first + BATCH])
+    return lengths
+
+
 def edge_faces(pattern: CreasePattern) -> Ints:
     """Return the faces on the left and on the right of every edge, ``(e, 2)``, -1 where there is none.
 
@@ -45,6 +71,15 @@ def edge_sides(pattern: CreasePattern) -> Numbers:
     Half-edges are places in ``half_edges(faces_vertices)``; of several alike any may be named.
     """
     start, end = half_edges(pattern.faces_vertices)
+    if len(pattern.edges_vertices) > MANY_EDGES and min(start.min(), pattern.edges_vertices.min()) >= 0:
+        from scipy.sparse import coo_array
+
+        size = max(start.max(), pattern.edges_vertices.max()) + 1
+        number = np.arange(1, len(start) + 1, dtype=np.int32)
+        matrix = coo_array((number, (start, end)), shape=(size, size)).tocsr()
+        if matrix.nnz == len(start):  # else some are alike and have been added up
+            tail, head = pattern.edges_vertices.T
+            return np.stack([matrix[tail, head], matrix[head, tail]], axis=1) - np.int32(1)
     keys = pair_keys(start, end)
     order = np.argsort(keys)
     keys = keys[order]

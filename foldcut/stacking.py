@@ -9,7 +9,9 @@ Layer order and folded faces -> findings. Following Justin, nothing passes throu
   (taco-taco), ``a c b`` with c running on across the fold a-b (taco-tortilla), or two unfolded sheets that
   change places (tortilla-tortilla).
 
-One linear order of all faces is given, so that "lies over" is transitive needs no check.
+One linear order of all faces is given, so that "lies over" is transitive needs no check. And a crease whose faces are
+neighbours in it has nothing between them: no face, and of no other fold one face without the other. Of most patterns
+that is the greater part, and it is left out.
 """
 
 from __future__ import annotations
@@ -17,14 +19,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from foldcut.flatfold import FaceMaps, folded_edges
 from foldcut.layertree import LayerTree
-from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints
-from foldcut.outlines import Outlines, runs
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers
+from foldcut.outlines import Outlines
 
 __all__ = ["check_layer_order", "check_mountains", "check_stacking", "collinear_overlap"]
 
@@ -33,36 +36,41 @@ Indices = NDArray[np.intp]
 SHORTEST_OVERLAP = 6
 """Edges coincide on at least so many tolerances of length; with less they only end at the same point."""
 
+BATCH = 1 << 16
+"""Edges, or faces, looked at together; bounds the memory, not the result."""
+
+ENDLESS = np.iinfo(np.int32).max
+"""A layer above all."""
+
 MOST_FINDINGS = 100
 """Each kind of crossing is reported for so many creases; a shuffled order has them everywhere."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Folds:
-    """The inner edges in the folded state: what the crossing checks look at.
+    """The inner edges in the folded state that something can pass through: what the crossing checks look at.
 
     ``edges`` ``(n,)`` are edge numbers, ``ends`` ``(n, 2, 2)`` folded, ``ranks`` ``(n, 2)`` the layers of the
     faces left and right of the edge on the sheet, ``left`` ``(n, 2)`` whether they lie left of the folded
-    edge, ``folded`` ``(n,)`` mountains and valleys, ``middles`` ``(n, 2)`` on the sheet.
+    edge, ``folded`` ``(n,)`` mountains and valleys.
     """
 
     edges: Indices
     ends: Floats
-    ranks: Indices
+    ranks: Ints
     left: Bools
     folded: Bools
-    middles: Floats
 
     @property
-    def low(self) -> Indices:
+    def low(self) -> Ints:
         """The lower of the two layers."""
-        low: Indices = np.minimum(self.ranks[:, 0], self.ranks[:, 1])
+        low: Ints = np.minimum(self.ranks[:, 0], self.ranks[:, 1])
         return low
 
     @property
-    def high(self) -> Indices:
+    def high(self) -> Ints:
         """The upper of the two layers."""
-        high: Indices = np.maximum(self.ranks[:, 0], self.ranks[:, 1])
+        high: Ints = np.maximum(self.ranks[:, 0], self.ranks[:, 1])
         return high
 
 
@@ -85,19 +93,19 @@ def check_mountains(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps
 
     Seen from above, the face that shows its upper side makes a valley with a partner above it.
     """
-    rank = np.argsort(layers)
+    rank = _ranks(layers)
     crease = np.flatnonzero(folded_edges(pattern))
     left, right = faces_of_edges[crease].T
-    upper = np.where(maps.up[left], left, right)
-    lower = np.where(maps.up[left], right, left)
-    expected = np.where(rank[lower] > rank[upper], "V", "M")
+    # a valley where the upper of two neighbours shows its lower side
+    valley = (rank[left] < rank[right]) == maps.up[left]
+    wrong = np.flatnonzero(valley != (pattern.edges_assignment[crease] == "V"))
     findings = []
-    for at in np.flatnonzero(expected != pattern.edges_assignment[crease]):
+    for at in wrong.tolist():
         edge = crease[at]
         x, y = pattern.vertices_coords[pattern.edges_vertices[edge]].mean(axis=0)
         message = (
             f"edge {edge} is {pattern.edges_assignment[edge]}, but the order of its faces {left[at]} and "
-            f"{right[at]} folds it {expected[at]}; swap the layers or the assignment"
+            f"{right[at]} folds it {'V' if valley[at] else 'M'}; swap the layers or the assignment"
         )
         findings.append(Finding("mountain-valley", message, (float(x), float(y))))
     return findings
@@ -111,15 +119,15 @@ def check_stacking(
     ``faces_of_edges`` is ``planar.edge_faces(pattern)``, ``layers`` a permutation, ``tolerance`` in mm:
     overlaps that are no deeper do not count.
     """
-    folds = _inner_edges(pattern, faces_of_edges, maps, np.argsort(layers))
+    rank = _ranks(layers)
+    folds = _open_edges(pattern, faces_of_edges, maps, rank)
     if not len(folds.edges):
         return []
     axes = _axes(folds)
-    outlines = _folded_faces(pattern, maps, layers, tolerance)
     return [
-        *_faces_between(folds, outlines, layers, axes),
-        *_interleaved_folds(folds, axes, tolerance),
-        *_swapped_sheets(folds, axes, tolerance),
+        *_faces_between(pattern, folds, maps, layers, rank, axes, tolerance),
+        *_interleaved_folds(pattern, folds, axes, tolerance),
+        *_swapped_sheets(pattern, folds, axes, tolerance),
     ]
 
 
@@ -143,15 +151,27 @@ def collinear_overlap(one: Floats, other: Floats, tolerance: float) -> tuple[Flo
     return np.where(aside <= tolerance, np.maximum(overlap, 0), 0), (first * second).sum(axis=1) > 0
 
 
-def _inner_edges(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, rank: Indices) -> _Folds:
-    inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
-    faces = faces_of_edges[inner]
-    ends = pattern.vertices_coords[pattern.edges_vertices[inner]]
-    folded_ends = np.stack([maps.apply(faces[:, 0], ends[:, side]) for side in (0, 1)], axis=1)
+def _ranks(layers: Ints) -> Ints:
+    """Return the layer of every face, 0 at the bottom."""
+    rank = np.empty(len(layers), dtype=np.int32)
+    rank[layers] = np.arange(len(layers), dtype=np.int32)
+    return rank
+
+
+def _open_edges(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, rank: Ints) -> _Folds:
+    """Return the inner edges but for the creases of neighbouring layers."""
+    folded = folded_edges(pattern)
+    left, right = rank[faces_of_edges].T
+    inner = (faces_of_edges[:, 0] >= 0) & (faces_of_edges[:, 1] >= 0)
+    edges = np.flatnonzero(inner & (~folded | (np.abs(left - right) > 1)))
+    faces = faces_of_edges[edges]
+    ends = np.empty((len(edges), 2, 2))
+    for first in range(0, len(edges), BATCH):
+        some = slice(first, first + BATCH)
+        ends[some] = maps.apply(faces[some, 0, None], pattern.vertices_coords[pattern.edges_vertices[edges[some]]])
     # Turning a face over swaps its sides of the edge.
-    left = maps.up[faces] == np.array([True, False])
-    middles = (ends[:, 0] + ends[:, 1]) / 2
-    return _Folds(inner, folded_ends, rank[faces], left, folded_edges(pattern)[inner], middles)
+    sides = maps.up[faces] == np.array([True, False])
+    return _Folds(edges, ends, rank[faces], sides, folded[edges])
 
 
 def _axes(folds: _Folds) -> Floats:
@@ -171,37 +191,72 @@ def _axes(folds: _Folds) -> Floats:
     return np.array([(x, y), (-y, x), ((x - y) * half, (x + y) * half), ((x + y) * half, (y - x) * half)])
 
 
-def _folded_faces(pattern: CreasePattern, maps: FaceMaps, layers: Ints, tolerance: float) -> Outlines:
-    """Return the faces in the folded state, bottom layer first."""
+def _bounds(pattern: CreasePattern, maps: FaceMaps, rank: Ints, axes: Floats, inset: float) -> tuple[Floats, Floats]:
+    """Return how far the folded faces' insides reach along the axes, ``(f, k)``, low and high, by their layers."""
     faces = pattern.faces_vertices
-    count = faces.lengths[layers]
-    corner = runs(faces.offsets[layers], count)
-    corners = maps.apply(faces.rows[corner], pattern.vertices_coords[faces.values[corner]])
-    return Outlines(corners, np.concatenate([[0], np.cumsum(count)]), tolerance)
+    low, high = np.empty((2, len(faces), len(axes)))
+    lengths = faces.lengths
+    for count in np.flatnonzero(np.bincount(lengths)).tolist():
+        alike = np.flatnonzero(lengths == count)
+        batch = max(1, BATCH // count)
+        for first in range(0, len(alike), batch):
+            some = alike[first : first + batch]
+            rows = rank[some]
+            rings = faces.values[faces.offsets[some] + np.arange(count)[:, None]]
+            x, y = np.moveaxis(maps.apply(some, pattern.vertices_coords[rings]), 2, 0)
+            for column, (along_x, along_y) in enumerate(axes.tolist()):
+                along = along_x * x + along_y * y
+                low[rows, column], high[rows, column] = along.min(axis=0) + inset, along.max(axis=0) - inset
+    return low, high
 
 
-def _faces_between(folds: _Folds, outlines: Outlines, layers: Ints, axes: Floats) -> list[Finding]:
+def _folded_faces(pattern: CreasePattern, maps: FaceMaps, faces: Numbers, tolerance: float) -> Outlines:
+    """Return some faces in the folded state."""
+    rings = pattern.faces_vertices.take(faces)
+    corners = maps.apply(faces[rings.rows], pattern.vertices_coords[rings.values])
+    return Outlines(corners, rings.offsets, tolerance)
+
+
+def _meetings_between(tree: LayerTree, folds: _Folds, axes: Floats) -> Iterator[tuple[Indices, Indices]]:
+    """Yield folds and layers between their faces whose boxes meet."""
+    low, high = folds.low, folds.high
+    for first in range(0, len(low), BATCH):
+        some = slice(first, first + BATCH)
+        for query, item in tree.meetings(*_extents(folds.ends[some], axes), low[some] + 1, high[some]):
+            yield query + first, item
+
+
+def _faces_between(
+    pattern: CreasePattern,
+    folds: _Folds,
+    maps: FaceMaps,
+    layers: Ints,
+    rank: Ints,
+    axes: Floats,
+    tolerance: float,
+) -> list[Finding]:
     """Find faces that an edge runs across while they lie between its two faces."""
-    tree = LayerTree(*outlines.bounds(axes))
+    tree = LayerTree(*_bounds(pattern, maps, rank, axes, tolerance))
     reports = _Reports()
-    for query, rank in tree.meetings(*_extents(folds.ends, axes), folds.low + 1, folds.high):
-        bad = outlines.crossed(folds.ends[query], rank)
-        if reports.add(query[bad], rank[bad]):
+    for query, item in _meetings_between(tree, folds, axes):
+        faces, number = np.unique(layers[item], return_inverse=True)
+        bad = _folded_faces(pattern, maps, faces, tolerance).crossed(folds.ends[query], number)
+        if reports.add(query[bad], item[bad]):
             break
     findings = []
-    for fold, item in reports:
-        below, above = layers[folds.low[fold]], layers[folds.high[fold]]
+    for fold, layer in reports:
+        one, other = layers[folds.low[fold]], layers[folds.high[fold]]
         edge = folds.edges[fold]
         if folds.folded[fold]:
-            message = f"face {layers[item]} runs across crease {edge}, between its faces {below} and {above}"
-            findings.append(_finding("taco-tortilla", folds, fold, message))
+            message = f"face {layers[layer]} runs across crease {edge}, between its faces {one} and {other}"
+            findings.append(_finding("taco-tortilla", pattern, edge, message))
         else:
-            message = f"face {layers[item]} cuts through the sheet of faces {below} and {above} at edge {edge}"
-            findings.append(_finding("tortilla-tortilla", folds, fold, message))
+            message = f"face {layers[layer]} cuts through the sheet of faces {one} and {other} at edge {edge}"
+            findings.append(_finding("tortilla-tortilla", pattern, edge, message))
     return findings
 
 
-def _interleaved_folds(folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
+def _interleaved_folds(pattern: CreasePattern, folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
     """Find a fold whose two faces have, between them, one face of a coinciding edge and not the other.
 
     An edge that is not folded has one face on either side of the crease's line; what is on the crease's side
@@ -212,25 +267,12 @@ def _interleaved_folds(folds: _Folds, axes: Floats, tolerance: float) -> list[Fi
     fold = np.concatenate([taco, flat])
     side = np.tile([0, 1], len(flat) // 2)
     low = np.concatenate([folds.low[taco], folds.ranks[flat, side]])
-    high = np.concatenate([folds.high[taco].astype(np.float64), np.full(len(flat), np.inf)])
+    high = np.concatenate([folds.high[taco], np.full(len(flat), ENDLESS)])
     left = np.concatenate([folds.left[taco, 0], folds.left[flat, side]])
     order = np.argsort(low)
     fold, low, high, left = fold[order], low[order], high[order], left[order]
-
-    # A last column keeps only what ends above the query's fold: in a valid state, nothing that meets its box.
-    box_low, box_high = _boxes(folds.ends[fold], axes, tolerance)
-    endless = np.full(len(fold), np.inf)
-    tree = LayerTree(np.column_stack([box_low, -endless]), np.column_stack([box_high, high]))
-    at = np.flatnonzero(folds.folded[fold])
-    meetings = tree.meetings(
-        np.column_stack([box_low, high])[at],
-        np.column_stack([box_high, endless])[at],
-        np.searchsorted(low, low[at], side="right"),
-        np.searchsorted(low, high[at], side="left"),
-    )
     reports = _Reports()
-    for query, item in meetings:
-        one, other = at[query], item
+    for one, other in _meetings_of_folds(folds, fold, low, high, axes, tolerance):
         length, same_way = collinear_overlap(folds.ends[fold[one]], folds.ends[fold[other]], 2 * tolerance)
         same_side = (left[one] == left[other]) == same_way
         bad = (length > SHORTEST_OVERLAP * tolerance) & same_side & (high[one] < high[other])
@@ -239,12 +281,36 @@ def _interleaved_folds(folds: _Folds, axes: Floats, tolerance: float) -> list[Fi
     findings = []
     for first, second in reports:
         check = "taco-taco" if folds.folded[second] else "taco-tortilla"
-        edges = f"edges {folds.edges[first]} and {folds.edges[second]}"
-        findings.append(_finding(check, folds, first, f"the faces of {edges} interleave where they coincide"))
+        message = f"the faces of edges {folds.edges[first]} and {folds.edges[second]} interleave where they coincide"
+        findings.append(_finding(check, pattern, folds.edges[first], message))
     return findings
 
 
-def _swapped_sheets(folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
+def _meetings_of_folds(
+    folds: _Folds, fold: Indices, low: Ints, high: Ints, axes: Floats, tolerance: float
+) -> Iterator[tuple[Indices, Indices]]:
+    """Yield, of folds sorted by their low ends, each one with those that begin within it and whose boxes meet its own.
+
+    A last column keeps only what ends above it: in a valid state, nothing that meets its box.
+    """
+    box_low, box_high = np.empty((2, len(fold), len(axes) + 1))
+    for first in range(0, len(fold), BATCH):
+        some = slice(first, first + BATCH)
+        box_low[some, :-1], box_high[some, :-1] = _boxes(folds.ends[fold[some]], axes, tolerance)
+    box_low[:, -1], box_high[:, -1] = high, high
+    tree = LayerTree(box_low, box_high)
+    taco = np.flatnonzero(folds.folded[fold])
+    for first in range(0, len(taco), BATCH):
+        at = taco[first : first + BATCH]
+        query_low, query_high = box_low[at], box_high[at]
+        query_low[:, -1] += 1
+        query_high[:, -1] = ENDLESS
+        begin, end = np.searchsorted(low, low[at], side="right"), np.searchsorted(low, high[at], side="left")
+        for query, item in tree.meetings(query_low, query_high, begin, end):
+            yield at[query], item
+
+
+def _swapped_sheets(pattern: CreasePattern, folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
     """Find two unfolded edges that coincide, and whose sheets change places there."""
     flat = np.flatnonzero(~folds.folded)
     if not len(flat):
@@ -270,7 +336,7 @@ def _swapped_sheets(folds: _Folds, axes: Floats, tolerance: float) -> list[Findi
     for first, second in reports:
         edges = f"edges {folds.edges[first]} and {folds.edges[second]}"
         message = f"the sheets at {edges} change places where they coincide"
-        findings.append(_finding("tortilla-tortilla", folds, first, message))
+        findings.append(_finding("tortilla-tortilla", pattern, folds.edges[first], message))
     return findings
 
 
@@ -308,6 +374,6 @@ def _extents(ends: Floats, axes: Floats) -> tuple[Floats, Floats]:
     return low, high
 
 
-def _finding(check: str, folds: _Folds, fold: int, message: str) -> Finding:
-    x, y = folds.middles[fold].tolist()
+def _finding(check: str, pattern: CreasePattern, edge: np.integer[Any], message: str) -> Finding:
+    x, y = pattern.vertices_coords[pattern.edges_vertices[edge]].mean(axis=0).tolist()
     return Finding(check, message, (x, y))

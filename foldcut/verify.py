@@ -15,8 +15,8 @@ import shapely
 
 from foldcut.cutline import check_cut
 from foldcut.flatfold import FaceMaps, fold_faces, folded_edges
-from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Ragged, Shape
-from foldcut.planar import Keys, edge_sides, faces_of_sides, half_edges, pair_keys, signed_areas
+from foldcut.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Shape
+from foldcut.planar import Keys, edge_lengths, edge_sides, faces_of_sides, half_edges, pair_keys, signed_areas
 from foldcut.stacking import check_layer_order, check_mountains, check_stacking
 
 __all__ = ["CHECKS", "COINCIDENT", "verify"]
@@ -44,7 +44,7 @@ CHECKS = (
 )
 """What findings are called, in the order of the checks."""
 
-BATCH = 1 << 16
+BATCH = 1 << 13
 """Faces looked at together; bounds the memory, not the result."""
 
 ASSIGNMENTS = ("B", "M", "V", "F", "U")
@@ -62,25 +62,25 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
         return findings
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
     coarse, fine = (share * diagonal for share in COINCIDENT)
-    findings = _verify_within(coarse, pattern, layers, shape)
-    return findings and (_verify_within(fine, pattern, layers, shape) and findings)
+    lengths, loose = edge_lengths(pattern), _check_edges(pattern)
+    findings = _short_edges(pattern, lengths, coarse) + loose or _verify_within(coarse, pattern, layers, shape)
+    if not findings:
+        return []
+    return (_short_edges(pattern, lengths, fine) + loose or _verify_within(fine, pattern, layers, shape)) and findings
 
 
 def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
     """Verify with one tolerance, in mm."""
-    findings = _check_edges(pattern, tolerance)
-    if findings:
-        return findings
     sides = edge_sides(pattern)
     faces_of_edges = faces_of_sides(pattern, sides)
     findings = _check_planar(pattern, sides, faces_of_edges, tolerance)
     if findings:
         return findings
+    del sides
     maps = fold_faces(pattern, faces_of_edges)
-    findings = [
-        *_check_vertices(pattern, faces_of_edges, tolerance),
-        *_check_closure(pattern, faces_of_edges, maps, tolerance),
-    ]
+    findings = _check_closure(pattern, faces_of_edges, maps, tolerance)
+    if findings or not _is_flat_at_vertices(pattern, faces_of_edges, maps, tolerance):
+        findings = [*_check_vertices(pattern, faces_of_edges, tolerance), *findings]
     if findings:
         return findings
     if layers is None:
@@ -140,92 +140,109 @@ def _check_planar(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, 
     No vertex may come within the tolerance of an edge, either. The way from one that does leaves it through a face, or
     along an edge, which is longer; so it comes within the tolerance of an edge of that face, and only these are asked.
     """
-    findings = [*_check_face_outlines(pattern), *_check_sides(pattern, sides, faces_of_edges)]
-    if findings or _has_close_sides(pattern, tolerance):
+    convex, close = _look_at_faces(pattern, tolerance)
+    findings = [*_check_face_outlines(pattern, convex), *_check_sides(pattern, sides, faces_of_edges)]
+    if findings or close:
         return [*findings, *_check_crossings(pattern, tolerance)]
     findings = _check_outline(pattern, sides)
     return findings and (_check_crossings(pattern, tolerance) or findings)
 
 
-def _check_edges(pattern: CreasePattern, tolerance: float) -> list[Finding]:
-    """Find edges without length, edges given twice, and vertices that no edge reaches."""
-    coords, edges = pattern.vertices_coords, pattern.edges_vertices
-    lengths = np.hypot(*(coords[edges[:, 1]] - coords[edges[:, 0]]).T)
-    findings = [
+def _short_edges(pattern: CreasePattern, lengths: Floats, tolerance: float) -> list[Finding]:
+    """Find edges without length."""
+    return [
         _at_edge(pattern, edge, "planar", f"edge {edge} is only {lengths[edge]:.3g} mm long; merge its vertices")
         for edge in np.flatnonzero(lengths <= tolerance).tolist()
     ]
-    keys = pair_keys(*np.sort(edges, axis=1).T)
-    findings += [
+
+
+def _check_edges(pattern: CreasePattern) -> list[Finding]:
+    """Find edges given twice, and vertices that no edge reaches."""
+    coords, (one, other) = pattern.vertices_coords, pattern.edges_vertices.T
+    findings = [
         _at_edge(pattern, edge, "planar", f"edge {edge} repeats another edge; leave one out")
-        for edge in _repeated(keys).tolist()
+        for edge in _repeated(pair_keys(np.minimum(one, other), np.maximum(one, other))).tolist()
     ]
-    lonely = np.flatnonzero(np.bincount(edges.ravel(), minlength=len(coords)) == 0)
+    reached = np.zeros(len(coords), dtype=np.bool_)
+    reached[one] = reached[other] = True
+    lonely = np.flatnonzero(~reached)
     findings += [
         _finding("planar", f"vertex {vertex} is on no edge; leave it out", coords[vertex]) for vertex in lonely.tolist()
     ]
     return findings
 
 
-def _check_face_outlines(pattern: CreasePattern) -> list[Finding]:
-    """Find faces that are not simple polygons, or run clockwise."""
-    coords, faces = pattern.vertices_coords, pattern.faces_vertices
-    simple = _are_surely_convex(coords, faces)
-    unsure = np.flatnonzero(~simple)
-    rest = faces.take(unsure)
+def _check_face_outlines(pattern: CreasePattern, convex: Bools) -> list[Finding]:
+    """Find faces that are not simple polygons, or run clockwise; those surely convex are neither."""
+    coords = pattern.vertices_coords
+    unsure = np.flatnonzero(~convex)
+    rest = pattern.faces_vertices.take(unsure)
     rings = shapely.linearrings(coords[rest.values], indices=rest.rows)
-    simple[unsure] = shapely.is_valid(shapely.polygons(rings))
+    simple = shapely.is_valid(shapely.polygons(rings))
+    clockwise = signed_areas(coords, rest) <= 0
     findings = []
-    clockwise = signed_areas(coords, faces) <= 0
-    for face in np.flatnonzero(~simple | clockwise).tolist():
-        problem = "runs clockwise; reverse it" if simple[face] else "is not a simple polygon; its sides cross or touch"
-        findings.append(_finding("planar", f"face {face} {problem}", coords[faces[face]].mean(axis=0)))
+    for at in np.flatnonzero(~simple | clockwise).tolist():
+        problem = "runs clockwise; reverse it" if simple[at] else "is not a simple polygon; its sides cross or touch"
+        findings.append(_finding("planar", f"face {unsure[at]} {problem}", coords[rest[at]].mean(axis=0)))
     return findings
-
-
-def _are_surely_convex(coords: Floats, faces: Ragged) -> Bools:
-    """Which faces turn left at every corner by more than rounding can feign, and once around: these are simple."""
-    start, end = half_edges(faces)
-    following = half_edges(Ragged(end, faces.offsets))[1]
-    (ax, ay), (bx, by) = (coords[end] - coords[start]).T, (coords[following] - coords[end]).T
-    turn = ax * by - ay * bx
-    # a difference of coordinates of the sheet's size is off by this much
-    off = 4 * np.finfo(np.float64).eps * np.abs(coords).max()
-    left = turn > 2 * off * (np.abs(ax) + np.abs(ay) + np.abs(bx) + np.abs(by) + off)
-    convex: Bools = np.logical_and.reduceat(left, faces.offsets[:-1])
-    # less than four corners cannot go around twice
-    many = np.flatnonzero(convex & (faces.lengths > 4))
-    if len(many):
-        of_many = np.isin(faces.rows, many, kind="table")
-        angle = np.arctan2(turn[of_many], ax[of_many] * bx[of_many] + ay[of_many] * by[of_many])
-        lengths = faces.lengths[many]
-        convex[many] = np.add.reduceat(angle, np.cumsum(lengths) - lengths) < 3 * np.pi
-    return convex
 
 
 MANY_SIDES = 64
 """The sides of faces with more are looked for in a tree, those of the others compared all with all."""
 
 
-def _has_close_sides(pattern: CreasePattern, tolerance: float) -> bool:
-    """Whether a vertex of a face is within the tolerance of a side of it that does not end there."""
+def _look_at_faces(pattern: CreasePattern, tolerance: float) -> tuple[Bools, bool]:
+    """Which faces are surely convex, and whether a vertex comes close to a side of its face.
+
+    Surely convex, so simple and counter-clockwise: it turns left at every corner by more than rounding can feign, and
+    once around. Close: within the tolerance of a side that does not end there.
+    """
     coords, faces = pattern.vertices_coords, pattern.faces_vertices
-    for count in np.unique(faces.lengths).tolist():
-        rings = faces.values[faces.offsets[:-1][faces.lengths == count][:, None] + np.arange(count)]
-        if count > MANY_SIDES:
-            if any(_comes_close(coords, ring, tolerance) for ring in rings):
-                return True
-            continue
-        for first in range(0, len(rings), BATCH):
-            points = coords[rings[first : first + BATCH]]
-            along = np.roll(points, -1, axis=1) - points
-            square = (along * along).sum(axis=2)
-            for step in range(2, count):  # from each side to the vertices that do not end it
-                to_vertex = np.roll(points, -step, axis=1) - points
-                share = ((to_vertex * along).sum(axis=2) / square).clip(0, 1)
-                away = to_vertex - share[:, :, None] * along
-                if ((away * away).sum(axis=2) <= (tolerance * (1 + 1e-9)) ** 2).any():
-                    return True
+    convex = np.zeros(len(faces), dtype=np.bool_)
+    close = False
+    # a difference of coordinates of the sheet's size is off by this much
+    off = 4 * np.finfo(np.float64).eps * float(np.abs(coords).max())
+    lengths = faces.lengths
+    for count in np.flatnonzero(np.bincount(lengths)).tolist():
+        alike = np.flatnonzero(lengths == count)
+        for first in range(0, len(alike), BATCH):
+            some = alike[first : first + BATCH]
+            rings = faces.values[faces.offsets[some] + np.arange(count)[:, None]]
+            x, y = np.moveaxis(coords[rings], 2, 0)  # (corners, faces)
+            convex[some] = _turn_left(x, y, off)
+            if count > MANY_SIDES:
+                close = close or any(_comes_close(coords, ring, tolerance) for ring in rings.T)
+            else:
+                close = close or _come_close(x, y, tolerance)
+    return convex, close
+
+
+def _turn_left(x: Floats, y: Floats, off: float) -> Bools:
+    """Which polygons, ``(corners, polygons)``, are surely convex, the coordinates' differences being off so much."""
+    following = np.append(np.arange(1, len(x)), 0)
+    ax, ay = x[following] - x, y[following] - y
+    bx, by = ax[following], ay[following]
+    turn = ax * by - ay * bx
+    size = np.abs(ax) + np.abs(ay)
+    convex: Bools = (turn > 2 * off * (size + size[following] + off)).all(axis=0)
+    if len(x) > 4:  # less cannot go around twice
+        convex &= np.arctan2(turn, ax * bx + ay * by).sum(axis=0) < 3 * np.pi
+    return convex
+
+
+def _come_close(x: Floats, y: Floats, tolerance: float) -> bool:
+    """Whether of some polygon, ``(corners, polygons)``, a corner comes close to a side that it does not end."""
+    count = len(x)
+    corners = np.arange(count)
+    ax, ay = x[(corners + 1) % count] - x, y[(corners + 1) % count] - y
+    square = ax * ax + ay * ay
+    for step in range(2, count):  # from each side to the corners that do not end it
+        to = (corners + step) % count
+        to_x, to_y = x[to] - x, y[to] - y
+        share = ((to_x * ax + to_y * ay) / square).clip(0, 1)
+        away_x, away_y = to_x - share * ax, to_y - share * ay
+        if (away_x * away_x + away_y * away_y).min() <= (tolerance * (1 + 1e-9)) ** 2:
+            return True
     return False
 
 
@@ -238,6 +255,9 @@ def _comes_close(coords: Floats, ring: Ints, tolerance: float) -> bool:
 
 def _repeated(keys: Keys) -> Numbers:
     """The places of keys that have come before, ascending."""
+    ordered = np.sort(keys)
+    if (ordered[1:] != ordered[:-1]).all():
+        return np.empty(0, dtype=np.intp)
     order = np.argsort(keys, kind="stable")
     return np.sort(order[1:][keys[order[1:]] == keys[order[:-1]]])
 
@@ -335,6 +355,45 @@ def _check_outline(pattern: CreasePattern, sides: Numbers) -> list[Finding]:
     return []
 
 
+def _is_flat_at_vertices(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, tolerance: float) -> bool:
+    """Whether ``_check_vertices`` would find nothing for sure, of a pattern whose closure has no findings.
+
+    Then creases part faces that show different sides, so as many go around every inner vertex as have to: an even
+    number. And the angles that are every other one are those of the faces that show the same side.
+    """
+    coords, faces, edges = pattern.vertices_coords, pattern.faces_vertices, pattern.edges_vertices
+    excess = np.zeros(len(coords))  # twice what every other angle is more than a half turn
+    lengths = faces.lengths
+    for count in np.flatnonzero(np.bincount(lengths)).tolist():
+        alike = np.flatnonzero(lengths == count)
+        following = np.append(np.arange(1, count), 0)
+        for first in range(0, len(alike), BATCH):
+            some = alike[first : first + BATCH]
+            rings = faces.values[faces.offsets[some] + np.arange(count)[:, None]]
+            x, y = np.moveaxis(coords[rings], 2, 0)
+            ax, ay = x[following] - x, y[following] - y
+            bx, by = ax[following], ay[following]
+            angle = np.pi - np.arctan2(ax * by - ay * bx, ax * bx + ay * by)
+            np.add.at(excess, rings[following], np.where(maps.up[some], angle, -angle))
+    excess = np.abs(excess) / 2
+    inner = np.ones(len(coords), dtype=np.bool_)
+    inner[edges[(faces_of_edges[:, 0] < 0) | (faces_of_edges[:, 1] < 0)]] = False
+    surplus = np.zeros(len(coords), dtype=np.int32)
+    creased = np.zeros(len(coords), dtype=np.bool_)
+    flat = np.zeros(len(coords), dtype=np.bool_)
+    for kind, sign in (("M", 1), ("V", -1)):
+        crease = edges[pattern.edges_assignment == kind]
+        surplus += sign * np.bincount(crease.ravel(), minlength=len(coords)).astype(np.int32)
+        for first in range(0, len(crease), BATCH):
+            some = crease[first : first + BATCH]
+            along = coords[some[:, 1]] - coords[some[:, 0]]
+            length = np.hypot(along[:, 0], along[:, 1])
+            creased[some] = True
+            # one crease short enough will do; the margin is for sums in another order
+            flat[some[excess[some] * length[:, None] <= tolerance / 2]] = True
+    return bool((flat & (np.abs(surplus) == 2))[inner & creased].all())
+
+
 def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: float) -> list[Finding]:
     """Find inner vertices where the creases' angles or kinds rule out flat folding.
 
@@ -387,13 +446,14 @@ def _check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: flo
 
 def _check_closure(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, tolerance: float) -> list[Finding]:
     """Find edges whose two faces, folded, do not meet, or are not turned as the edge's assignment says."""
-    inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
+    inner = np.flatnonzero((faces_of_edges[:, 0] >= 0) & (faces_of_edges[:, 1] >= 0))
     left, right = faces_of_edges[inner].T
-    ends = pattern.vertices_coords[pattern.edges_vertices[inner]]
-    gap = np.zeros(len(inner))
-    for side in (0, 1):
-        apart = maps.apply(left, ends[:, side]) - maps.apply(right, ends[:, side])
-        gap = np.maximum(gap, np.hypot(*apart.T))
+    gap = np.empty(len(inner))
+    for first in range(0, len(inner), BATCH):
+        some = slice(first, first + BATCH)
+        ends = pattern.vertices_coords[pattern.edges_vertices[inner[some]]]
+        apart = maps.apply(left[some, None], ends) - maps.apply(right[some, None], ends)
+        gap[some] = np.hypot(apart[:, :, 0], apart[:, :, 1]).max(axis=1)
     turned: Bools = (maps.up[left] != maps.up[right]) == folded_edges(pattern)[inner]
     findings = []
     for at in np.flatnonzero((gap > tolerance) | ~turned).tolist():

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,25 +15,30 @@ import pytest
 import simple_assignment
 import simple_layers
 import simple_molecules
+from paper import random_paper
 from several_loops import random_loops
 from simple_boundary import distances_to_edges
 from strategies import star, star_shaped, two_opt
 from test_boundary import SHAPES
 
+import foldcut
 from foldcut import boundary as boundary_module
-from foldcut import layertree, packing
+from foldcut import cutline, flatfold, layertree, packing, planar
 from foldcut.assignment import assign_creases
 from foldcut.boundary import BoundaryDisks, boundary_disks, near_disks
+from foldcut.flatfold import fold_faces
 from foldcut.layers import fold_layers
 from foldcut.layertree import LayerTree
 from foldcut.model import Ragged
 from foldcut.molecules import build_molecules
 from foldcut.packing import Packing, fill_gaps
+from foldcut.planar import edge_faces, edge_lengths, edge_sides, half_edges
 from foldcut.readers import read_shape
 from foldcut.samples import sample_names, sample_path
 from foldcut.shape import make_shape
 from foldcut.sheet import parse_sheet, place
 from foldcut.tolerance import Tolerance
+from foldcut.verify import verify
 
 SHEET = parse_sheet("a4")
 TOLERANCE = Tolerance.for_sheet(SHEET)
@@ -178,20 +183,92 @@ def test_compiled_code_finds_the_meetings_that_array_code_finds(monkeypatch: pyt
 
     def meetings() -> list[tuple[int, int]]:
         found = [*LayerTree(low, high).meetings(low, high, first, last)]
-        return [pair for query, item in found for pair in zip(query.tolist(), item.tolist(), strict=True)]
+        return sorted(pair for query, item in found for pair in zip(query.tolist(), item.tolist(), strict=True))
 
     expected = meetings()
-    monkeypatch.setattr(layertree, "MANY_QUERIES", 0)
+    monkeypatch.setattr(layertree, "MANY_BOXES", 0)
     monkeypatch.setattr(layertree, "BATCH", 100)
     assert meetings() == expected
     assert len(expected) > 1000
 
 
+@pytest.mark.parametrize("name", ["star", "triangle", "swan"])
+def test_edges_on_the_cut_line_tell_what_all_edges_tell(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    severed = foldcut.fold(sample_path(name), method="paper", ribbon=0)
+    good = foldcut.fold(sample_path(name), method="paper", ribbon=0.5).folded_pattern
+    monkeypatch.setattr(cutline, "MANY_EDGES", 0)
+    pattern = severed.folded_pattern
+    assert verify(pattern.creases, pattern.folded.layers, pattern.shape) == list(severed.findings) != []
+    asked = []
+    all_edges = cutline._edges_near
+
+    def counted(pattern: Any, sides: Any, distance: float, among: Any = None) -> Any:
+        asked.append(among is None)
+        return all_edges(pattern, sides, distance, among)
+
+    monkeypatch.setattr(cutline, "_edges_near", counted)
+    assert verify(good.creases, good.folded.layers, good.shape) == []
+    assert asked == [False]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_compiled_code_folds_faces_to_where_array_code_folds_them(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    rng = np.random.default_rng(seed)
+    pattern, _ = random_paper(rng, folds=int(rng.integers(1, 7)), lines=int(rng.integers(3))).pattern()
+    faces = edge_faces(pattern)
+    simple = fold_faces(pattern, faces)
+    monkeypatch.setattr(flatfold, "MANY_FACES", 0)
+    assert flatfold._compiled_fold() is not None
+    quick = fold_faces(pattern, faces)
+    assert np.array_equal(simple.up, quick.up)
+    assert np.allclose(simple.turn, quick.turn, rtol=0, atol=1e-11)
+    assert np.allclose(simple.shift, quick.shift, rtol=0, atol=1e-11)
+
+
+def test_compiled_code_folds_over_the_longer_of_two_edges(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("numba")
+    rng = np.random.default_rng(1)
+    pattern, _ = random_paper(rng, folds=6, lines=3).pattern()
+    faces = edge_faces(pattern)
+    monkeypatch.setattr(flatfold, "MANY_FACES", 0)
+    from foldcut.facepaths import _tree
+
+    ends = np.ascontiguousarray(pattern.edges_vertices), pattern.vertices_coords.copy()
+    via = _tree(*np.ascontiguousarray(faces.T), *ends, len(pattern.faces_vertices), 1e-300)
+    inner = np.flatnonzero((faces >= 0).all(axis=1))
+    cost = 1 / edge_lengths(pattern)
+    least, _ = flatfold._short_paths(*faces[inner].T, cost[inner], len(via))
+    for face in range(len(via)):
+        here, far, steps = face, 0.0, 0
+        while here:
+            far, here, steps = far + cost[via[here]], int(faces[via[here]].sum()) - here, steps + 1
+            assert steps <= len(via)
+        assert least[face] * (1 - 1e-6) <= far <= 2 * least[face]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_half_edges_are_found_by_a_matrix_as_by_their_numbers(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(seed)
+    pattern, _ = random_paper(rng, folds=5, lines=2).pattern()
+    faces = pattern.faces_vertices.to_lists()
+    twice = replace(pattern, faces_vertices=Ragged.from_rows([*faces, faces[0]]))
+    fewer = replace(pattern, faces_vertices=Ragged.from_rows(faces[1:]))
+    simple = [edge_sides(pattern), edge_sides(fewer)]
+    monkeypatch.setattr(planar, "MANY_EDGES", 0)
+    assert all(np.array_equal(one, edge_sides(of)) for one, of in zip(simple, (pattern, fewer), strict=True))
+    for side, (tail, head) in zip(edge_sides(twice), pattern.edges_vertices.tolist(), strict=True):
+        starts, ends = half_edges(twice.faces_vertices)
+        for number, ways in zip(side.tolist(), ((tail, head), (head, tail)), strict=True):
+            assert number < 0 or (starts[number], ends[number]) == ways
+    assert np.array_equal(edge_sides(twice) >= 0, simple[0] >= 0)
+
+
 def test_without_numba_all_is_done_by_the_simple_code() -> None:
     code = (
         "import sys; sys.modules['numba'] = None\n"
-        "import foldcut, foldcut.layertree, foldcut.packing; foldcut.packing.MANY_DISKS = 0\n"
-        "foldcut.layertree.MANY_QUERIES = 0\n"
+        "import foldcut, foldcut.flatfold, foldcut.layertree, foldcut.packing; foldcut.packing.MANY_DISKS = 0\n"
+        "foldcut.layertree.MANY_BOXES = foldcut.flatfold.MANY_FACES = 0\n"
         "print(foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper').verified)"
     )
     environment = {**os.environ, "PYTHONPATH": python_path()}

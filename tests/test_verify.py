@@ -13,7 +13,9 @@ from paper import Paper, Point, box_shape, random_paper, rectangle_fold, square_
 from single_vertex import folds_flat
 from slow_layers import slow_check
 
-from foldcut import layertree
+from foldcut import cutline, flatfold, layertree
+from foldcut import verify as verify_module
+from foldcut.cutline import check_cut
 from foldcut.flatfold import fold_faces
 from foldcut.model import CreasePattern, Finding, Ints, Ragged, Shape, index_array, points_array
 from foldcut.outlines import Outlines
@@ -241,7 +243,9 @@ def test_the_slow_checker_comes_to_the_same_verdict(
     quick = check_mountains(pattern, faces, maps, layers) + check_stacking(pattern, faces, maps, layers, 1e-8)
     verdict = slow_check(pattern, layers)
     assert kinds(quick) == verdict
-    monkeypatch.setattr(layertree, "MANY_QUERIES", 0)  # by compiled code, where numba is
+    monkeypatch.setattr(layertree, "MANY_BOXES", 0)  # by compiled code, where numba is
+    monkeypatch.setattr(flatfold, "MANY_FACES", 0)
+    maps = fold_faces(pattern, faces)
     assert kinds(check_stacking(pattern, faces, maps, layers, 1e-8)) == verdict - {"mountain-valley"}
 
 
@@ -467,6 +471,29 @@ def test_an_unfolded_edge_may_not_lie_in_a_fold_that_coincides_with_it() -> None
     only(verify(with_creases_from(pattern, order), order), "taco-tortilla", "interleave")
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_vertices_are_flat_exactly_when_nothing_is_found_at_them(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    paper = random_paper(rng, folds=int(rng.integers(2, 6)), lines=int(rng.integers(3)))
+    good, _ = paper.pattern(rng.permutation(len(paper.layers)))
+    faces = edge_faces(good)
+    maps = fold_faces(good, faces)
+    verdicts = []
+    for flips in (0, 1, 1, 2, 2, 3):
+        letters = good.edges_assignment.copy()
+        at = rng.choice(np.flatnonzero(np.isin(letters, ("M", "V"))), flips)
+        letters[at] = np.where(letters[at] == "M", "V", "M")
+        pattern = replace(good, edges_assignment=letters)
+        flat = verify_module._is_flat_at_vertices(pattern, faces, maps, TINY)
+        assert flat == (not verify_module._check_vertices(pattern, faces, TINY))
+        verdicts.append(flat)
+    assert verdicts[0]
+    bent = good.vertices_coords + 1e-3 * rng.standard_normal(good.vertices_coords.shape)
+    pattern = replace(good, vertices_coords=bent)
+    flat = verify_module._is_flat_at_vertices(pattern, faces, fold_faces(pattern, faces), TINY)
+    assert flat == (not verify_module._check_vertices(pattern, faces, TINY))
+
+
 def test_many_findings_of_one_kind_are_cut_short() -> None:
     rng = np.random.default_rng(0)
     pattern = strip("MV" * 200)
@@ -585,6 +612,59 @@ def test_unfolded_edges_may_lie_on_the_boundary() -> None:
     pattern, layers = paper.divide((80.0, 0), (0, 1)).pattern()
     assert "F" in pattern.edges_assignment
     assert verify(pattern, layers, shape) == []
+
+
+def cut_verdicts(pattern: CreasePattern, shape: Shape, monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Return whether the cut is right: by the edges that reach the line, as of a large pattern, and by all."""
+    faces = edge_faces(pattern)
+    maps = fold_faces(pattern, faces)
+    monkeypatch.setattr(cutline, "MANY_EDGES", 10**9)
+    slow = not check_cut(pattern, faces, maps, shape, TINY)
+    sides = cutline._sides(shape)
+    if cutline._check_on_sheet(pattern, faces, sides, TINY):
+        assert not slow
+        return [False, False]
+    return [cutline._is_surely_cut(pattern, faces, maps, shape, sides, TINY), slow]
+
+
+def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    paper, shape = rectangle_fold(60.0, 40.0)
+    pattern, _ = paper.pattern()
+    assert cut_verdicts(pattern, shape, monkeypatch) == [True, True]
+    divided, _ = rectangle_fold(60.0, 40.0)[0].divide((80.0, 0), (0, 1)).pattern()
+    assert cut_verdicts(divided, shape, monkeypatch) == [True, True]
+    beyond, square = rectangle_fold(60.0, 60.0)  # paper on the wrong side of the line, as below
+    assert cut_verdicts(beyond.fold((0, 70), (1, 0)).pattern()[0], square, monkeypatch) == [False, False]
+    rng = np.random.default_rng(0)
+    for far in 10.0 ** rng.uniform(-5, 1, 60):  # one corner elsewhere
+        (loop,) = shape.loops
+        moved = loop.copy()
+        moved[rng.integers(4)] += far * np.array([0.6, 0.8])
+        assert cut_verdicts(pattern, Shape((points_array(moved),), (-1,)), monkeypatch) == [False, False]
+    for _ in range(60):  # another loop, that nothing of the line comes near
+        x, y, width, height = *rng.uniform(2, 90, 2), *rng.uniform(0.1, 8, 2)
+        box = box_shape((x, y, x + width, y + height)).loops[0]
+        more = Shape((shape.loops[0], box), (-1, -1))
+        assert cut_verdicts(pattern, more, monkeypatch) == [False, False]
+    for _ in range(60):  # the shape, turned and moved
+        angle, shift = 0.1 * rng.standard_normal(), 3 * rng.standard_normal(2)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        turned = points_array((shape.loops[0] - 50) @ turn.T + 50 + shift)
+        assert cut_verdicts(pattern, Shape((turned,), (-1,)), monkeypatch) == [False, False]
+
+
+def test_faces_that_pieces_of_the_boundary_are_not_in_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
+    paper, shape = rectangle_fold(60.0, 40.0)
+    pattern, _ = paper.pattern()
+    honest = cutline._fold_pieces
+    assert cut_verdicts(pattern, shape, monkeypatch) == [True, True]
+
+    def elsewhere(*given: object) -> tuple[object, ...]:
+        pieces, faces, landed = honest(*given)  # type: ignore[arg-type]
+        return pieces, np.roll(faces, 1), landed
+
+    monkeypatch.setattr(cutline, "_fold_pieces", elsewhere)
+    assert cut_verdicts(pattern, shape, monkeypatch) == [False, True]
 
 
 # Nothing depends on where the sheet lies, or how its parts are numbered
