@@ -281,8 +281,8 @@ class Queue:
     def _pairs(self, one: Numbers, other: Numbers, height: float) -> list[tuple[float, int, int]]:
         """Those pairs of peaks that may come too near, and since when.
 
-        The two beside one valley stay as near as they are. Nothing in the tree is lower than the lowest turn: pairs come
-        too near then, or later.
+        The two beside one valley stay as near as they are. Nothing in the tree is lower than the lowest turn: pairs
+        come too near then, or later.
         """
         beside = self.following[self.following]
         keep = (beside[one] != other) & (beside[other] != one)

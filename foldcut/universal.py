@@ -40,6 +40,8 @@ from foldcut.model import Bools, Floats, Numbers
 
 # Distances that differ by less than this part of the shape's size are equal.
 TIE = 1e-9
+# The same for borders of many turns: so many are so near each other, by chance, that fewer must count as equal.
+SMALL_TIE = 3e-11
 # Sides that differ by less than this angle in radians run back on each other.
 SPIKE = 1e-9
 # Parts of more turns than this look for gussets among pairs that are near each other only.
@@ -181,6 +183,14 @@ class Border:
     levels: Floats
 
 
+class NotClosedError(UnfoldableError):
+    """A molecule does not close; ``stretches``: those of its border that what failed comes from."""
+
+    def __init__(self, message: str, stretches: set[int]) -> None:
+        super().__init__(message)
+        self.stretches = stretches
+
+
 class Molecule:
     """The facets of a molecule and their order from top to bottom, going around from the root.
 
@@ -189,7 +199,7 @@ class Molecule:
     pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
     nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border; ``middles``: see
     there; ``parts``: the outlines of the bounded parts that it falls into, where they begin, and the number of the part
-    that each was of, or -1. Raises ``UnfoldableError`` when the molecule does not close.
+    that each was of, or -1. Raises ``NotClosedError`` when the molecule does not close.
     """
 
     def __init__(
@@ -206,7 +216,8 @@ class Molecule:
         self.vertices = vertices
         self.sign = sign
         self.limit = math.inf if limit is None else limit
-        self.tie = TIE * size
+        count = self.border_facets = len(border.vertices)
+        self.tie = (TIE if count <= MANY else SMALL_TIE) * size
         self.turned = turned
         self.gussets = 0
         self.middles: list[Middle] = []
@@ -214,7 +225,7 @@ class Molecule:
         self._levels = dict(zip(border.levels.tolist(), border.vertices, strict=True))
         self.lowest_event = math.inf
         self._places: dict[tuple[int, int], list[int]] = {}  # this molecule's vertices, by small squares
-        count = self.border_facets = len(border.vertices)
+        self.origin = list(range(count))  # of each facet, a facet at the border that it comes from
         self.facets = [_Facet([a], [b]) for a, b in zip(border.vertices, _after(border.vertices), strict=True)]
         self._order = _Order(count)
         turns = [
@@ -242,7 +253,7 @@ class Molecule:
             stack += self._numbered(self._step(part), part)
             steps += 1
             if steps > 50 * count + 100:
-                raise self._lost(part, "no end of events")
+                raise self._lost(part, "no end of events", [])
             if progress is not None and steps % REPORT == 0:
                 progress(min(1.0, 2 * self.gussets / count))
         self.order = self._order.list()
@@ -264,13 +275,20 @@ class Molecule:
         """The outlines of the facets, by facet number."""
         return [facet.ring() for facet in self.facets]
 
-    def _facet(self, start: int, end: int) -> int:
+    def _facet(self, start: int, end: int, beside: int) -> int:
+        self.origin.append(self.origin[beside])
         self.facets.append(_Facet([start], [end]))
         return len(self.facets) - 1
 
-    def _lost(self, part: _Part, why: str) -> UnfoldableError:
+    def _lost(self, part: _Part, why: str, turns: list[_Turn]) -> NotClosedError:
         x, y = part.turns[0].position
-        return UnfoldableError(f"the molecule of {len(part.turns)} turns near ({x:.3f}, {y:.3f}) mm: {why}")
+        message = f"the molecule of {len(part.turns)} turns near ({x:.3f}, {y:.3f}) mm: {why}"
+        return NotClosedError(message, self.stretches({facet for t in turns for facet in (t.before, t.after)}))
+
+    def stretches(self, facets: set[int]) -> set[int]:
+        """Stretches of the border that some facets come from, as they follow each other around the inside."""
+        border = {self.origin[facet] for facet in facets}
+        return border if self.sign > 0 else {self.border_facets - 1 - facet for facet in border}
 
     def _step(self, part: _Part) -> list[_Part]:
         """Move a part up to its next event and return what becomes of it."""
@@ -301,7 +319,7 @@ class Molecule:
         if gusset is not None:
             return self._split(part, state.positions(gusset.time), state.images(gusset.time), gusset)
         if not math.isfinite(collapse):
-            raise self._lost(part, "no event")
+            raise self._lost(part, "no event", [])
         return self._collapse(part, state, collapse)
 
     def _queued(self, part: _Part) -> list[_Part]:
@@ -396,7 +414,7 @@ class Molecule:
         cut = 0
         for run in runs:
             if len(run) % 2 == 0:
-                raise self._lost(part, "a flap has no length left")
+                raise self._lost(part, "a flap has no length left", [turns[k] for k in run])
             if 0 in run:
                 cut = len(left)
             if len(run) == 1:
@@ -413,7 +431,7 @@ class Molecule:
         position, length = state.positions(0.0), state.lengths(0.0)
         x = state.images(0.0)
         if abs(length[before] - length[k]) > self.tie:
-            raise self._lost(part, "turns do not match along a ridge")
+            raise self._lost(part, "turns do not match along a ridge", [turns[before], turns[k], turns[after]])
         self._push(turns[k], self._vertex_at(position[k], x[k], part.height))
         place = (position[before] + position[after]) / 2
         joined = self._joined([turns[before], turns[after]], place, float(x[before]), part.height)
@@ -445,14 +463,16 @@ class Molecule:
         middle: _Turn | None = None
         if min(far_i, far_j) > self.tie:
             if one.peak != other.peak:
-                raise self._lost(part, "a gusset between a peak and a valley")
+                raise self._lost(part, "a gusset between a peak and a valley", [one, other])
             place = position[i] + along * far_i
             vertex = self._vertex_at(place, gusset.x, height)
             lowest = turns[gusset.at]
             level = self._levels[lowest.level] if abs(float(x[gusset.at]) - gusset.x) > self.tie else None
             self.middles.append(Middle(vertex, lowest.before, lowest.after, position[gusset.at], level))
-            wrapped = [self._facet(other.vertex, vertex), self._facet(vertex, one.vertex)]  # after j, before i
-            around = [self._facet(one.vertex, vertex), self._facet(vertex, other.vertex)]  # after i, before j
+            # after j, before i
+            wrapped = [self._facet(other.vertex, vertex, other.before), self._facet(vertex, one.vertex, one.after)]
+            # after i, before j
+            around = [self._facet(one.vertex, vertex, one.before), self._facet(vertex, other.vertex, other.after)]
             self._order.insert([around[0], wrapped[1]], self._order.before[one.after], one.after)
             self._order.insert([wrapped[0], around[1]], other.before, self._order.after[other.before])
             middle = _Turn(
@@ -460,9 +480,9 @@ class Molecule:
             )
         else:
             if one.peak == other.peak:
-                raise self._lost(part, "a flap has no length left")
-            wrapped = [self._facet(other.vertex, one.vertex)] * 2
-            around = [self._facet(one.vertex, other.vertex)] * 2
+                raise self._lost(part, "a flap has no length left", [one, other])
+            wrapped = [self._facet(other.vertex, one.vertex, one.after)] * 2
+            around = [self._facet(one.vertex, other.vertex, one.before)] * 2
             if far_i <= self.tie:
                 self._order.insert([wrapped[0], around[1]], other.before, self._order.after[other.before])
             else:
