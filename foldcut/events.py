@@ -33,6 +33,9 @@ MARGIN = 10.0
 LOST = 1e3
 """Pairs that are nearer than they should be by more ties than this will not become a gusset."""
 
+MOST_NEW, MOST_NEW_PART = 300, 16
+"""All is looked for anew when this many turns, and this part of all turns, have been added."""
+
 
 class Turn(Protocol):
     """What is asked of a turn."""
@@ -163,7 +166,8 @@ def crosses(origin: Floats, line: Floats, start: Floats, end: Floats) -> Bools:
 
 
 def _boxes(corners: Floats) -> NDArray[np.object_]:
-    boxes: NDArray[np.object_] = shapely.box(*corners.T)
+    """What has these boxes, ``(n, 4)``: their diagonals, which are made faster than polygons."""
+    boxes: NDArray[np.object_] = shapely.linestrings(corners.reshape(-1, 2, 2))
     return boxes
 
 
@@ -184,9 +188,9 @@ class _Grown:
         self.boxes[self.count], self.new[self.count] = box, name
         self.count += 1
 
-    def pairs(self, boxes: Floats) -> tuple[Numbers, Numbers]:
+    def pairs(self) -> tuple[Numbers, Numbers]:
         """The pairs of those that were there from the start whose boxes meet."""
-        one, other = self.tree.query(_boxes(boxes))
+        one, other = self.tree.query(self.tree.geometries)
         keep = one < other
         return self.old[one[keep]], self.old[other[keep]]
 
@@ -194,7 +198,7 @@ class _Grown:
         """What has a box that meets this one."""
         boxes = self.boxes[: self.count]
         late = (boxes[:, :2] <= box[2:]).all(axis=1) & (boxes[:, 2:] >= box[:2]).all(axis=1)
-        return np.concatenate([self.old[self.tree.query(shapely.box(*box))], self.new[: self.count][late]])
+        return np.concatenate([self.old[self.tree.query(_boxes(box)[0])], self.new[: self.count][late]])
 
 
 class Queue:
@@ -238,7 +242,7 @@ class Queue:
         speed = np.hypot(*motion.velocity[peak].T) + np.abs(motion.slope[peak])
         usual = 2 * float(np.median(motion.x[peak] - self.lowest) / np.median(speed))
         ahead = max(ahead, usual) if math.isfinite(usual) and usual > 0 else max(ahead, float(np.ptp(motion.x)))
-        self.until = height + ahead
+        self.ahead, self.until = ahead, height + ahead
         self.added = 0
         # sides that vanish
         after = np.roll(np.arange(len(numbers)), -1)
@@ -258,13 +262,12 @@ class Queue:
         )
         self.side_boxes = _Grown(both, np.stack([numbers, numbers[after]], axis=1))
         self.valley_boxes = _Grown(swept[~peak], numbers[~peak])
-        disks = self._disks(motion, ahead)[peak]
-        self.disk_boxes = _Grown(disks, numbers[peak])
+        self.disk_boxes = _Grown(self._disks(motion, ahead)[peak], numbers[peak])
         # pairs
         self.waiting: list[Pair] = []
-        self.heap = self._pairs(*self.disk_boxes.pairs(disks), height)
+        self.heap = self._pairs(*self.disk_boxes.pairs(), height)
         heapify(self.heap)
-        self.pinches = self._pinching(*self.valley_boxes.pairs(swept[~peak]), height)
+        self.pinches = self._pinching(*self.valley_boxes.pairs(), height)
 
     def _swept(self, motion: Motion, ahead: float) -> Floats:
         """The boxes ``(n, 4)`` of where turns come to within a time."""
@@ -326,8 +329,10 @@ class Queue:
         """The next event, if it is a gusset; None where the simple code must look."""
         if not self._has_witness() or self.turns[0].spike:
             return None
-        if height >= self.until or self.added > 300 + len(self.numbers) // 32:
-            self._look(height, 0.0)
+        most = MOST_NEW + len(self.numbers) // MOST_NEW_PART
+        if height >= self.until or self.added > most:
+            # far enough that it is worth the trouble
+            self._look(height, 2 * self.ahead if self.added < most / 3 else 0.0)
         while True:
             collapse = self._next_collapse(height)
             if collapse <= 0 or self._pinched(height):
@@ -336,7 +341,7 @@ class Queue:
             gusset = self._first(height, before)
             if gusset is not None or height + before <= self.until:
                 return gusset
-            self._look(height, 2 * (self.until - height))
+            self._look(height, 2 * self.ahead)
 
     def _has_witness(self) -> bool:
         """Whether another valley is as low as the root."""
