@@ -3,13 +3,14 @@
 Turns as rows of a ``Table`` -> the next ``Gusset``.
 
 A gusset changes a part at two turns only. So a ``Queue`` keeps what is known of all others: in a heap when sides
-vanish, in another when pairs of peaks come as near as their images along the tree; in R-trees where peaks, valleys and
-sides may come to until then. What is new after an event is looked for in these. It finds what the simple code finds by
+vanish, in another when pairs of peaks come as near as their images along the tree; in R-trees where peaks and sides
+may come to until then. What is new after an event is looked for in these. It finds what the simple code finds by
 looking at all turns at each step, number for number: heaps and trees only choose, and what is chosen is computed by the
 same formulas.
 
 It needs valleys that stay where they are on the cut line, as those of crowded disks do: then a pair's way in the tree
-changes by its ends alone. For all else there is the simple code.
+changes by its ends alone, and two valleys do not meet before peaks beside them have come too near each other. For all
+else there is the simple code.
 """
 
 from __future__ import annotations
@@ -261,13 +262,11 @@ class Queue:
             [np.minimum(swept[:, :2], swept[after, :2]), np.maximum(swept[:, 2:], swept[after, 2:])], 1
         )
         self.side_boxes = _Grown(both, np.stack([numbers, numbers[after]], axis=1))
-        self.valley_boxes = _Grown(swept[~peak], numbers[~peak])
         self.disk_boxes = _Grown(self._disks(motion, ahead)[peak], numbers[peak])
         # pairs
         self.waiting: list[Pair] = []
         self.heap = self._pairs(*self.disk_boxes.pairs(), height)
         heapify(self.heap)
-        self.pinches = self._pinching(*self.valley_boxes.pairs(), height)
 
     def _swept(self, motion: Motion, ahead: float) -> Floats:
         """The boxes ``(n, 4)`` of where turns come to within a time."""
@@ -310,19 +309,6 @@ class Queue:
         some = np.flatnonzero(height + time <= self.until)
         return list(zip((height + time[some]).tolist(), one[some].tolist(), other[some].tolist(), strict=True))
 
-    def _pinching(self, one: Numbers, other: Numbers, height: float) -> list[tuple[float, float, int, int]]:
-        """Those pairs of valleys that come to the same place, both on the sheet and folded, from when to when."""
-        first, second = (Motion(self.table.rows[some], height) for some in (one, other))
-        apart, parting = second.position - first.position, second.velocity - first.velocity
-        square, tie = (parting**2).sum(axis=1), MARGIN * self.tie
-        with np.errstate(all="ignore"):
-            time = np.where(square > 0, -(apart * parting).sum(axis=1) / square, 0.0)
-            around = np.where(square > 0, tie / np.sqrt(square), np.inf)
-        nearest = np.hypot(*(apart + parting * time[:, None]).T)
-        some = np.flatnonzero((nearest <= tie) & (np.abs(first.x - second.x) <= tie))
-        start, end = height + time[some] - around[some], height + time[some] + around[some]
-        return list(zip(start.tolist(), end.tolist(), one[some].tolist(), other[some].tolist(), strict=True))
-
     # --- the next event
 
     def next_gusset(self, height: float) -> Gusset | None:
@@ -335,7 +321,7 @@ class Queue:
             self._look(height, 2 * self.ahead if self.added < most / 3 else 0.0)
         while True:
             collapse = self._next_collapse(height)
-            if collapse <= 0 or self._pinched(height):
+            if collapse <= 0:
                 return None
             before = min(collapse, self.limit - height)
             gusset = self._first(height, before)
@@ -372,13 +358,6 @@ class Queue:
         for entry in looked:
             heappush(self.sides, entry)
         return best
-
-    def _pinched(self, height: float) -> bool:
-        """Whether two valleys have met that are not neighbours."""
-        self.pinches = [
-            pinch for pinch in self.pinches if pinch[1] >= height and self.alive[pinch[2]] and self.alive[pinch[3]]
-        ]
-        return any(start <= height for start, *_ in self.pinches)
 
     def _first(self, height: float, before: float) -> Gusset | None:
         """The first pair that comes too near before the given time, as far as is known."""
@@ -516,11 +495,11 @@ class Queue:
         self.following[ring[:-1]] = ring[1:]
         self.added += 3
         if self.until > height:
-            self._add(first, mid, last, ring, height)
+            self._add(np.array([first, last]), ring, height)
         return larger
 
-    def _add(self, one: int, middle: int, other: int, ring: Numbers, height: float) -> None:
-        """Look for the events of three new turns, and of the sides along ``ring``."""
+    def _add(self, new: Numbers, ring: Numbers, height: float) -> None:
+        """Look for the events of new peaks, and of the sides along ``ring``."""
         rows, ahead = self.table.rows, self.until - height
         motion = Motion(rows[ring], height)
         swept = self._swept(motion, ahead)
@@ -531,7 +510,6 @@ class Queue:
             if length[k] <= self.tie or rate[k] > 0:
                 since = 0.0 if length[k] <= 2 * self.tie else float((length[k] - 2 * self.tie) / rate[k])
                 heappush(self.sides, (height + since, int(ring[k]), int(ring[k + 1])))
-        new = np.array([one, other])
         disks = self._disks(Motion(rows[new], height), ahead)
         for number, disk in zip(new, disks, strict=True):
             near = self.disk_boxes.meeting(disk)
@@ -539,8 +517,3 @@ class Queue:
             for entry in self._pairs(np.full(len(near), number), near, height):
                 heappush(self.heap, entry)
             self.disk_boxes.add(disk, number)
-        box = self._swept(Motion(rows[[middle]], height), ahead)[0]
-        near = self.valley_boxes.meeting(box)
-        near = near[self.alive[near]]
-        self.pinches += self._pinching(np.full(len(near), middle), near, height)
-        self.valley_boxes.add(box, middle)

@@ -53,7 +53,7 @@ SLOW_S = 5.0
 MOST_TURNS = 400
 MOLECULES, PATTERN = 0.6, 0.85
 """Parts of the time for folding many turns: when the molecules are done, and when the pattern is, but for its proof."""
-MENDS, SHAKEN = 6, 0.03  # how often events that are nearly one are moved apart, and by what part of a disk
+MENDS, SHAKEN = 10, 0.03  # how often events that are nearly one are moved apart, and by what part of a disk
 
 Rank = tuple[bool, float, float]
 
@@ -260,8 +260,7 @@ class _Search:
                 if not self.failed or (self.open and not shrunk):
                     break
                 # of very many events some happen to be nearly at one place: move what they come from, and no more
-                sides = np.unique(solution.turns.side[list(self.failed)])
-                corners = np.unique(np.concatenate([sides, (sides + 1) % count]))
+                corners = np.unique(solution.turns.side[list(self.failed)])
                 noise[corners] = SHAKEN * self.rng.random(len(corners))
 
     def _too_near(self, molecules: Molecules, creases: CreasePattern) -> set[int]:

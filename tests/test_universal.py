@@ -15,7 +15,7 @@ import foldcut
 from foldcut import universal
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.crowded import crowded_solution
-from foldcut.events import Queue
+from foldcut.events import Queue, Table, looks_inside
 from foldcut.model import Finding, Floats, Shape, Sheet, points_array
 from foldcut.molecules import Kind
 from foldcut.readers import read_shape
@@ -253,6 +253,26 @@ def test_queued_events_give_the_same_molecules(made: Callable[[], Walk], monkeyp
     monkeypatch.setattr(universal, "MANY", 4)
     monkeypatch.setattr(universal, "PATIENCE", 1)
     assert built() == simple
+
+
+def test_the_queue_sees_what_the_simple_code_sees() -> None:
+    walk = crowded_walk(30)
+    table, count = Table(), len(walk.x)
+    turns = [
+        universal._Turn(
+            *(walk.points[k], 0.0, float(walk.x[k]), bool(walk.peaks[k]), walk.directions[k - 1], walk.directions[k]),
+            *((k - 1) % count, k, k, 0, 0.0),
+        )
+        for k in range(count)
+    ]
+    queue = Queue(table, turns, 0.0, np.inf, 1e-7)
+    state = universal._State(universal._Part(turns, 0.0, False), 0, table)
+    queue.place[queue.numbers] = np.arange(count)
+    pairs = [(i, j) for i in range(1, count, 2) for j in range(i + 4, count, 2)]
+    seen = [queue._sees((turns[i].number, turns[j].number), 0.0, 0.0) for i, j in pairs]
+    assert seen == [state.sees(0.0, i, j) for i, j in pairs]
+    looking = [looks_inside(turns[i], walk.points[j] - walk.points[i]) for i, j in pairs]
+    assert 0 < sum(seen) < sum(looking)
 
 
 def test_most_gussets_of_crowded_disks_come_from_the_queue(monkeypatch: pytest.MonkeyPatch) -> None:
