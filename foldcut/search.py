@@ -414,7 +414,8 @@ class _Search:
         count = len(solution.turns)
         if count <= MOST_TURNS:
             return lambda _: None
-        return lambda part: self._report(f"folding: {count:,} turns", share * part)
+        again = f", trial {self.tried}" if self.tried > 1 else ""
+        return lambda part: self._report(f"folding: {count:,} turns{again}", share * part)
 
     def _tell(self) -> None:
         part = self.budget.part
