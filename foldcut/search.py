@@ -573,7 +573,8 @@ class _Search:
             self._folding(solution)(MOLECULES)
             return walk, molecules, *fold_molecules(molecules, self.sheet)
         except NotClosedError as error:
-            self.failed, self.open = error.stretches, True
+            if len(solution.turns) > MOST_TURNS:
+                self.failed, self.open = error.stretches, True
             return None
         except (UnfoldableError, AssertionError, KeyError, StopIteration):
             return None
