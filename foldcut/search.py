@@ -53,7 +53,8 @@ SLOW_S = 5.0
 MOST_TURNS = 400
 MOLECULES, PATTERN = 0.6, 0.85
 """Parts of the time for folding many turns: when the molecules are done, and when the pattern is, but for its proof."""
-MENDS, SHAKEN = 10, 0.03  # how often events that are nearly one are moved apart, and by what part of a disk
+MENDS = 10  # how often events that are nearly one are moved apart
+SHAKEN = 0.15, 0.6  # by what part of the disks that they come from, and where that was not enough
 
 Rank = tuple[bool, float, float]
 
@@ -252,7 +253,7 @@ class _Search:
         count = len(self.outline.loop)
         for shrunk in (0.0, 0.01, 0.03, 0.06):
             # the exact ties of symmetric shapes are where a molecule may not close; a little noise undoes them
-            noise = shrunk * self.rng.random(count)
+            noise, shaken = shrunk * self.rng.random(count), np.full(count, SHAKEN[0])
             for _ in range(MENDS):
                 solution = crowded_solution(self.outline, CLEARANCES[0], noise)
                 if self._try(solution, plan) < np.inf:
@@ -261,7 +262,8 @@ class _Search:
                     break
                 # of very many events some happen to be nearly at one place: move what they come from, and no more
                 corners = np.unique(solution.turns.side[list(self.failed)])
-                noise[corners] = SHAKEN * self.rng.random(len(corners))
+                noise[corners] = shaken[corners] * self.rng.random(len(corners))
+                shaken[corners] = SHAKEN[1]
 
     def _too_near(self, molecules: Molecules, creases: CreasePattern) -> set[int]:
         """The stretches of the walk that vertices come from that are as good as one."""
