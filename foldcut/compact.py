@@ -11,6 +11,7 @@ Invariants: those of ``faces``; every edge has the same length flat and folded.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,8 +51,8 @@ class Molecules:
     outside: Molecule
 
 
-def build_molecules(walk: Walk, sheet: Sheet) -> Molecules:
-    """Fold the inside and the outside of ``walk``.
+def build_molecules(walk: Walk, sheet: Sheet, progress: Callable[[float], None] | None = None) -> Molecules:
+    """Fold the inside and the outside of ``walk``; ``progress`` is told the part done where there is much to do.
 
     Raises ``UnfoldableError`` with the place when a molecule does not close.
     """
@@ -60,7 +61,8 @@ def build_molecules(walk: Walk, sheet: Sheet) -> Molecules:
     size = float(np.ptp(walk.points, axis=0).max())
     nowhere = np.zeros_like(walk.pockets)
     border = Border(numbers, walk.peaks, walk.directions, nowhere, walk.levels[0])
-    inside = Molecule(vertices, border, sign=1, limit=None, size=size)
+    half = None if progress is None else lambda part: progress(part / 2)
+    inside = Molecule(vertices, border, sign=1, limit=None, size=size, progress=half)
     back = -np.arange(len(numbers)) % len(numbers)  # the reversed walk begins at the root, too
     border = Border(
         [numbers[k] for k in back],
@@ -69,7 +71,9 @@ def build_molecules(walk: Walk, sheet: Sheet) -> Molecules:
         walk.pockets[back],
         walk.levels[1, back],
     )
-    outside = Molecule(vertices, border, sign=-1, limit=2 * sheet.diagonal, size=size, turned=walk.turned)
+    rest = None if progress is None else lambda part: progress((1 + part) / 2)
+    limit = 2 * sheet.diagonal
+    outside = Molecule(vertices, border, sign=-1, limit=limit, size=size, turned=walk.turned, progress=rest)
     return Molecules(vertices, inside, outside)
 
 
@@ -112,9 +116,14 @@ class _Clip:
         self.tie = 1e-11 * sheet.diagonal
         self.sides = ((0, -1.0, 0.0), (0, 1.0, sheet.width), (1, -1.0, 0.0), (1, 1.0, sheet.height))
         self.cuts: dict[tuple[int, int, int], int] = {}
+        flat = np.array(vertices.flat)
+        beyond = np.max([sign * (flat[:, axis] - limit) for axis, sign, limit in self.sides], axis=0)
+        self.within, self.well_within = (beyond <= self.tie).tolist(), (beyond < -self.tie).tolist()
 
     def clip(self, ring: Ring) -> list[Ring]:
         """Return what is left of a ring inside the sheet: none or one ring."""
+        if all(self.within[v] for v in ring) and any(self.well_within[v] for v in ring):
+            return [ring]
         for side, (axis, sign, limit) in enumerate(self.sides):
             if not ring:
                 break

@@ -28,7 +28,8 @@ from foldcut.crowded import crowded_solution
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet
 from foldcut.ties import Mover
-from foldcut.verify import verify
+from foldcut.universal import NotClosedError
+from foldcut.verify import COINCIDENT, verify
 from foldcut.zigzag import Outline, Program, Solution, Turns
 
 EFFORTS = {"fast": 0.42, "normal": 5.2, "best": 60.0}
@@ -50,6 +51,10 @@ SLOW_S = 5.0
 """Before this many seconds no search is cut short for being slow: what is found must not depend on the machine."""
 
 MOST_TURNS = 400
+MOLECULES, PATTERN = 0.6, 0.85
+"""Parts of the time for folding many turns: when the molecules are done, and when the pattern is, but for its proof."""
+MENDS = 10  # how often events that are nearly one are moved apart
+SHAKEN = 0.15, 0.6  # by what part of the disks that they come from, and where that was not enough
 
 Rank = tuple[bool, float, float]
 
@@ -168,8 +173,9 @@ class _Budget:
         self.started = time.monotonic()
 
     def is_less_than_program(self, turns: int) -> bool:
-        """Whether all that may be spent would not be enough for one linear program."""
-        return self.program_cost(turns) > PATIENCE * self.allowed
+        """Whether all that may be spent, or what the highest effort may, would not be enough for one linear program."""
+        allowed = self.allowed if self.seconds is None else min(self.seconds, EFFORTS["best"])
+        return self.program_cost(turns) > PATIENCE * allowed
 
     @staticmethod
     def program_cost(turns: int) -> float:
@@ -215,12 +221,14 @@ class _Search:
         self.rng = np.random.default_rng(len(loop))
         self.best: _Found | None = None
         self.tried = 0
+        self.failed: set[int] = set()  # the stretches of the last walk where it failed,
+        self.open = False  # because a molecule did not close
         self.settled: set[Solution] = set()
         self.solved: list[tuple[float, Solution, _Plan]] = []
 
     def run(self) -> None:
         """Search until the budget is spent, if it is enough for one linear program."""
-        if self.budget.seconds is None and self.budget.is_less_than_program(2 * len(self.outline.loop)):
+        if self.budget.is_less_than_program(2 * len(self.outline.loop)):
             return
         plain, turned = self._ranked(self._plans(turned=False)), self._ranked(self._plans(turned=True))
         while (plain or turned) and (self.best is None or self.budget.part < 0.3):
@@ -242,11 +250,39 @@ class _Search:
         self.budget.more(np.inf)
         # all corners are peaks and no pocket is turned, so no corner falls
         plan = _Plan(np.ones(len(self.outline.loop), dtype=bool), 0, at_corner=False, turned=0, careful=False)
+        count = len(self.outline.loop)
         for shrunk in (0.0, 0.01, 0.03, 0.06):
             # the exact ties of symmetric shapes are where a molecule may not close; a little noise undoes them
-            noise = shrunk * self.rng.random(len(self.outline.loop))
-            if self._try(crowded_solution(self.outline, CLEARANCES[0], noise), plan) < np.inf:
-                return
+            noise, shaken = shrunk * self.rng.random(count), np.full(count, SHAKEN[0])
+            for _ in range(MENDS):
+                solution = crowded_solution(self.outline, CLEARANCES[0], noise)
+                if self._try(solution, plan) < np.inf:
+                    return
+                if not self.failed or (self.open and not shrunk):
+                    break
+                # of very many events some happen to be nearly at one place: move what they come from, and no more
+                corners = np.unique(solution.turns.side[list(self.failed)])
+                noise[corners] = shaken[corners] * self.rng.random(len(corners))
+                shaken[corners] = SHAKEN[1]
+
+    def _too_near(self, molecules: Molecules, creases: CreasePattern) -> set[int]:
+        """The stretches of the walk that vertices come from that are as good as one."""
+        ends = creases.vertices_coords[creases.edges_vertices]
+        short = np.hypot(*(ends[:, 1] - ends[:, 0]).T) <= COINCIDENT[0] * self.sheet.diagonal
+        places = set(map(tuple, ends[short].reshape(-1, 2).tolist()))
+        vertices = {number for number, place in enumerate(molecules.vertices.flat) if place in places}
+        for cut, one, other, _ in molecules.vertices.cuts:
+            if cut in vertices:
+                vertices |= {one, other}
+        stretches: set[int] = set()
+        for molecule in (molecules.inside, molecules.outside) if vertices else ():
+            facets = {
+                number
+                for number, chains in enumerate(molecule.facets)
+                if not (vertices.isdisjoint(chains.start) and vertices.isdisjoint(chains.end))
+            }
+            stretches |= molecule.stretches(facets)
+        return stretches
 
     def finish(self) -> None:
         """Spend more as long as the best pattern has creases that are hard to fold."""
@@ -371,11 +407,22 @@ class _Search:
 
     # --- solutions
 
+    def _report(self, text: str, part: float) -> None:
+        if self.progress is not None:
+            self.progress(text, part)
+
+    def _folding(self, solution: Solution, share: float = 1.0) -> Callable[[float], None]:
+        """Return what tells how far many turns are folded: that takes long, and is no search."""
+        count = len(solution.turns)
+        if count <= MOST_TURNS:
+            return lambda _: None
+        again = f", trial {self.tried}" if self.tried > 1 else ""
+        return lambda part: self._report(f"folding: {count:,} turns{again}", share * part)
+
     def _tell(self) -> None:
         part = self.budget.part
-        if self.progress is not None:
-            count = f"{self.best.creases.crease_count} creases" if self.best else "no pattern yet"
-            self.progress(f"searching: {count}", min(0.99, part))
+        count = f"{self.best.creases.crease_count} creases" if self.best else "no pattern yet"
+        self._report(f"searching: {count}", min(0.99, part))
         if part >= 1 and (self.best is not None or self.budget.seconds is not None or part >= PATIENCE):
             raise _Spent
 
@@ -521,11 +568,16 @@ class _Search:
     def _build(self, solution: Solution, plan: _Plan) -> tuple[Walk, Molecules, CreasePattern, FoldedState] | None:
         walk = solution.walk(self.outline, careful=plan.careful)
         try:
-            molecules = build_molecules(walk, self.sheet)
+            molecules = build_molecules(walk, self.sheet, self._folding(solution, MOLECULES))
             lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
             if lowest <= self.ribbon or molecule_faults(molecules):
                 return None
+            self._folding(solution)(MOLECULES)
             return walk, molecules, *fold_molecules(molecules, self.sheet)
+        except NotClosedError as error:
+            if len(solution.turns) > MOST_TURNS:
+                self.failed, self.open = error.stretches, True
+            return None
         except (UnfoldableError, AssertionError, KeyError, StopIteration):
             return None
 
@@ -545,16 +597,22 @@ class _Search:
     def _try(self, solution: Solution, plan: _Plan) -> float:
         """Fold a solution, keep it if it is verified and better than the best; return its number of creases."""
         self.tried += 1
+        self.failed, self.open = set(), False
         self.budget.fold(len(solution.turns))
         self._tell()
         made = self._build(solution, plan)
         if made is None:
             return np.inf
         walk, molecules, part, folded = made
+        if len(solution.turns) > MOST_TURNS:
+            self.failed = self._too_near(molecules, part)
+            if self.failed:
+                return np.inf
         creases, folded = self.whole.unfold(part, folded)
         key = rank(part.crease_count, shortest_crease(creases))
         better = self.best is None or key < self.best.key
         # with pockets turned about half do not fold: none of these may be searched around
+        self._folding(solution)(PATTERN)
         if (better or plan.turned) and verify(creases, folded.layers, self.whole.shape):
             return np.inf
         if better:

@@ -26,22 +26,32 @@ Rabbit ear and gusset are the cases k = 3 and k = 4 with all valleys at x = 0.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from foldcut.errors import UnfoldableError
-from foldcut.model import Bools, Floats, Numbers, index_array
-from foldcut.plane import cross
+from foldcut.events import Gusset, Meetings, Motion, Queue, Table, crosses, looks_inside
+from foldcut.model import Bools, Floats, Numbers
 
 # Distances that differ by less than this part of the shape's size are equal.
 TIE = 1e-9
+# The same for borders of many turns: so many are so near each other, by chance, that fewer must count as equal.
+SMALL_TIE = 3e-11
 # Sides that differ by less than this angle in radians run back on each other.
 SPIKE = 1e-9
 # Parts of more turns than this look for gussets among pairs that are near each other only.
 FEW = 100
+# Borders of more turns than this have their events queued as far as that can be: more than any search finds.
+MANY = 500
+# Steps by the simple code before a queue is tried again.
+PATIENCE = 10
+# Gussets between two reports of progress.
+REPORT = 200
 
 
 @dataclass
@@ -114,7 +124,8 @@ class _Facet:
 class _Part:
     """A polygon on its way up: its turns counter-clockwise from the one where the list of its layers is cut.
 
-    ``near``: what is known of its pairs of turns, if it has many.
+    ``near``: what is known of its pairs of turns, if it has many; ``queue``: its events to come, if they are queued;
+    ``patience``: for how many steps they are not.
     """
 
     turns: list[_Turn]
@@ -122,25 +133,38 @@ class _Part:
     unbounded: bool
     near: _Near | None = None
     number: int = -1
+    queue: Queue | None = None
+    patience: int = 0
 
 
-class _Table:
-    """What is known of all turns of a molecule, a row each: see ``_Turn.row``."""
+class _Order:
+    """The order of the facets: who comes after whom."""
 
-    def __init__(self) -> None:
-        self.rows = np.empty((64, 10))
-        self.count = 0
+    def __init__(self, count: int) -> None:
+        self.after = [*range(1, count), -1]
+        self.before = [-1, *range(count - 1)]
+        self.first = 0
 
-    def numbers(self, turns: list[_Turn]) -> Numbers:
-        """The turns' numbers; new ones get theirs."""
-        for turn in turns:
-            if turn.number < 0:
-                if self.count == len(self.rows):
-                    self.rows = np.concatenate([self.rows, np.empty_like(self.rows)])
-                self.rows[self.count] = turn.row
-                turn.number = self.count
-                self.count += 1
-        return index_array([turn.number for turn in turns])
+    def insert(self, new: list[int], before: int, after: int) -> None:
+        """Put new facets between two that follow each other, or at an end, which is -1."""
+        more = [-1] * (max(new) + 1 - len(self.after))
+        self.after += more
+        self.before += more
+        chain = [before, *new, after]
+        for one, other in pairwise(chain):
+            if one < 0:
+                self.first = other
+            else:
+                self.after[one] = other
+            if other >= 0:
+                self.before[other] = one
+
+    def list(self) -> list[int]:
+        """The facets in order."""
+        facets = [self.first]
+        while (after := self.after[facets[-1]]) >= 0:
+            facets.append(after)
+        return facets
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +183,14 @@ class Border:
     levels: Floats
 
 
+class NotClosedError(UnfoldableError):
+    """A molecule does not close; ``stretches``: those of its border that what failed comes from."""
+
+    def __init__(self, message: str, stretches: set[int]) -> None:
+        super().__init__(message)
+        self.stretches = stretches
+
+
 class Molecule:
     """The facets of a molecule and their order from top to bottom, going around from the root.
 
@@ -167,16 +199,25 @@ class Molecule:
     pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
     nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border; ``middles``: see
     there; ``parts``: the outlines of the bounded parts that it falls into, where they begin, and the number of the part
-    that each was of, or -1. Raises ``UnfoldableError`` when the molecule does not close.
+    that each was of, or -1. Raises ``NotClosedError`` when the molecule does not close.
     """
 
     def __init__(
-        self, vertices: Vertices, border: Border, *, sign: int, limit: float | None, size: float, turned: int = 0
+        self,
+        vertices: Vertices,
+        border: Border,
+        *,
+        sign: int,
+        limit: float | None,
+        size: float,
+        turned: int = 0,
+        progress: Callable[[float], None] | None = None,
     ) -> None:
         self.vertices = vertices
         self.sign = sign
         self.limit = math.inf if limit is None else limit
-        self.tie = TIE * size
+        count = self.border_facets = len(border.vertices)
+        self.tie = (TIE if count <= MANY else SMALL_TIE) * size
         self.turned = turned
         self.gussets = 0
         self.middles: list[Middle] = []
@@ -184,9 +225,9 @@ class Molecule:
         self._levels = dict(zip(border.levels.tolist(), border.vertices, strict=True))
         self.lowest_event = math.inf
         self._places: dict[tuple[int, int], list[int]] = {}  # this molecule's vertices, by small squares
-        count = self.border_facets = len(border.vertices)
+        self.origin = list(range(count))  # of each facet, a facet at the border that it comes from
         self.facets = [_Facet([a], [b]) for a, b in zip(border.vertices, _after(border.vertices), strict=True)]
-        self.order = list(range(count))
+        self._order = _Order(count)
         turns = [
             _Turn(
                 np.array(vertices.flat[v]),
@@ -203,7 +244,8 @@ class Molecule:
             )
             for k, v in enumerate(border.vertices)
         ]
-        self._table = _Table()
+        self._table = Table()
+        self._many = count > MANY and not turned
         stack = [_Part(turns, 0.0, limit is not None)]
         steps = 0
         while stack:
@@ -211,13 +253,20 @@ class Molecule:
             stack += self._numbered(self._step(part), part)
             steps += 1
             if steps > 50 * count + 100:
-                raise self._lost(part, "no end of events")
+                raise self._lost(part, "no end of events", [])
+            if progress is not None and steps % REPORT == 0:
+                progress(min(1.0, 2 * self.gussets / count))
+        self.order = self._order.list()
 
     def _numbered(self, parts: list[_Part], whole: _Part) -> list[_Part]:
-        """Number what a part has become, and keep the outlines of what it has fallen into."""
+        """Number what a part has become, and keep the outlines of what it has fallen into.
+
+        Of a large part pieces come off, one after the other: what is left of it is still that part.
+        """
         for part in parts:
             part.number = whole.number
-            if len(parts) > 1 and not part.unbounded:
+            part.patience = max(0, whole.patience - 1)
+            if len(parts) > 1 and not part.unbounded and not (self._many and len(part.turns) > FEW):
                 part.number = len(self.parts)
                 self.parts.append((np.array([turn.position for turn in part.turns]), whole.number))
         return parts
@@ -226,19 +275,31 @@ class Molecule:
         """The outlines of the facets, by facet number."""
         return [facet.ring() for facet in self.facets]
 
-    def _facet(self, start: int, end: int) -> int:
+    def _facet(self, start: int, end: int, beside: int) -> int:
+        self.origin.append(self.origin[beside])
         self.facets.append(_Facet([start], [end]))
         return len(self.facets) - 1
 
-    def _lost(self, part: _Part, why: str) -> UnfoldableError:
+    def _lost(self, part: _Part, why: str, turns: list[_Turn]) -> NotClosedError:
         x, y = part.turns[0].position
-        return UnfoldableError(f"the molecule of {len(part.turns)} turns near ({x:.3f}, {y:.3f}) mm: {why}")
+        message = f"the molecule of {len(part.turns)} turns near ({x:.3f}, {y:.3f}) mm: {why}"
+        return NotClosedError(message, self.stretches({facet for t in turns for facet in (t.before, t.after)}))
+
+    def stretches(self, facets: set[int]) -> set[int]:
+        """Stretches of the border that some facets come from, as they follow each other around the inside."""
+        border = {self.origin[facet] for facet in facets}
+        return border if self.sign > 0 else {self.border_facets - 1 - facet for facet in border}
 
     def _step(self, part: _Part) -> list[_Part]:
         """Move a part up to its next event and return what becomes of it."""
         if len(part.turns) == 2:
             self._raise(part, _State(part, self.turned, self._table), 0.0)
             return []
+        if self._many and len(part.turns) > FEW and not part.patience:
+            parts = self._queued(part)
+            if parts:
+                return parts
+            part.patience = PATIENCE
         state = _State(part, self.turned, self._table)
         for k, turn in enumerate(part.turns):
             if turn.spike:
@@ -256,10 +317,26 @@ class Molecule:
             self._raise(part, state, self.limit - part.height)
             return []
         if gusset is not None:
-            return self._split(part, state, gusset)
+            return self._split(part, state.positions(gusset.time), state.images(gusset.time), gusset)
         if not math.isfinite(collapse):
-            raise self._lost(part, "no event")
+            raise self._lost(part, "no event", [])
         return self._collapse(part, state, collapse)
+
+    def _queued(self, part: _Part) -> list[_Part]:
+        """Do the same by the queue of a part's events; nothing where it cannot tell what is next."""
+        queue, part.queue = part.queue, None
+        if queue is None and Queue.fits(self._table, part.turns):
+            queue = Queue(self._table, part.turns, part.height, self.limit, self.tie)
+        gusset = None if queue is None else queue.next_gusset(part.height)
+        if queue is None or gusset is None:
+            return []
+        height = part.height + gusset.time
+        self.lowest_event = min(self.lowest_event, height)
+        parts = self._split(part, *queue.places(gusset, part.height), gusset)
+        larger = queue.split(gusset, height, parts[0].turns, parts[1].turns)
+        if larger >= 0:
+            parts[larger].queue = queue
+        return parts
 
     def _vertex_at(self, position: Floats, x: float, height: float) -> int:
         """The vertex of this molecule at a place, or a new one; events at one place share it."""
@@ -337,7 +414,7 @@ class Molecule:
         cut = 0
         for run in runs:
             if len(run) % 2 == 0:
-                raise self._lost(part, "a flap has no length left")
+                raise self._lost(part, "a flap has no length left", [turns[k] for k in run])
             if 0 in run:
                 cut = len(left)
             if len(run) == 1:
@@ -354,7 +431,7 @@ class Molecule:
         position, length = state.positions(0.0), state.lengths(0.0)
         x = state.images(0.0)
         if abs(length[before] - length[k]) > self.tie:
-            raise self._lost(part, "turns do not match along a ridge")
+            raise self._lost(part, "turns do not match along a ridge", [turns[before], turns[k], turns[after]])
         self._push(turns[k], self._vertex_at(position[k], x[k], part.height))
         place = (position[before] + position[after]) / 2
         joined = self._joined([turns[before], turns[after]], place, float(x[before]), part.height)
@@ -363,8 +440,12 @@ class Molecule:
         cut = 0 if {before, k, after} & {0} else ring.index(turns[0])
         return _Part(ring[cut:] + ring[:cut], part.height, part.unbounded, part.near)
 
-    def _split(self, part: _Part, state: _State, gusset: _Gusset) -> list[_Part]:
+    def _split(
+        self, part: _Part, position: Floats | dict[int, Floats], x: Floats | dict[int, float], gusset: Gusset
+    ) -> list[_Part]:
         r"""Split a part along the crease between turns i and j, which wraps the turns between them.
+
+        ``position`` and ``x``: where these turns, and the one where the tree's path turns, are by then.
 
         ::
 
@@ -372,7 +453,6 @@ class Molecule:
                                    i is the path's one end and j the other, and there is no m
         """
         turns, height = part.turns, part.height + gusset.time
-        position, x = state.positions(gusset.time), state.images(gusset.time)
         i, j = gusset.first, gusset.last
         one, other = turns[i], turns[j]
         self.gussets += 1
@@ -383,28 +463,30 @@ class Molecule:
         middle: _Turn | None = None
         if min(far_i, far_j) > self.tie:
             if one.peak != other.peak:
-                raise self._lost(part, "a gusset between a peak and a valley")
+                raise self._lost(part, "a gusset between a peak and a valley", [one, other])
             place = position[i] + along * far_i
             vertex = self._vertex_at(place, gusset.x, height)
             lowest = turns[gusset.at]
             level = self._levels[lowest.level] if abs(float(x[gusset.at]) - gusset.x) > self.tie else None
             self.middles.append(Middle(vertex, lowest.before, lowest.after, position[gusset.at], level))
-            wrapped = [self._facet(other.vertex, vertex), self._facet(vertex, one.vertex)]  # after j, before i
-            around = [self._facet(one.vertex, vertex), self._facet(vertex, other.vertex)]  # after i, before j
-            self._insert_before(one.after, [around[0], wrapped[1]])
-            self._insert_after(other.before, [wrapped[0], around[1]])
+            # after j, before i
+            wrapped = [self._facet(other.vertex, vertex, other.before), self._facet(vertex, one.vertex, one.after)]
+            # after i, before j
+            around = [self._facet(one.vertex, vertex, one.before), self._facet(vertex, other.vertex, other.after)]
+            self._order.insert([around[0], wrapped[1]], self._order.before[one.after], one.after)
+            self._order.insert([wrapped[0], around[1]], other.before, self._order.after[other.before])
             middle = _Turn(
                 place, height, gusset.x, not one.peak, along, along, around[0], around[1], vertex, 0, gusset.x
             )
         else:
             if one.peak == other.peak:
-                raise self._lost(part, "a flap has no length left")
-            wrapped = [self._facet(other.vertex, one.vertex)] * 2
-            around = [self._facet(one.vertex, other.vertex)] * 2
+                raise self._lost(part, "a flap has no length left", [one, other])
+            wrapped = [self._facet(other.vertex, one.vertex, one.after)] * 2
+            around = [self._facet(one.vertex, other.vertex, one.before)] * 2
             if far_i <= self.tie:
-                self._insert_after(other.before, [wrapped[0], around[1]])
+                self._order.insert([wrapped[0], around[1]], other.before, self._order.after[other.before])
             else:
-                self._insert_before(one.after, [around[0], wrapped[1]])
+                self._order.insert([around[0], wrapped[1]], self._order.before[one.after], one.after)
 
         def turn(k: int, arriving: Floats, leaving: Floats, before: int, after: int) -> _Turn:
             old = turns[k]
@@ -451,12 +533,16 @@ class Molecule:
         )
         new = [last, first] if middle is None else [last, middle, first]
         outer = [*turns[:i], *new, *turns[j + 1 :]] if i < j else [new[-1], *turns[1:i], *new[:-1]]
-        return [self._part(inner, height, part), self._part(outer, height, part)]
+        return self._parts(inner, outer, height, part)
 
-    def _part(self, turns: list[_Turn], height: float, whole: _Part) -> _Part:
+    def _parts(self, inner: list[_Turn], outer: list[_Turn], height: float, whole: _Part) -> list[_Part]:
         """What a part falls into; the turning number tells the unbounded one from a pocket."""
-        unbounded = whole.unbounded and sum(math.pi - turn.angle for turn in turns) < 0
-        return _Part(turns, height, unbounded, whole.near)
+        fewer = min(inner, outer, key=len)
+        unbounded = sum(math.pi - turn.angle for turn in fewer) < 0
+        return [
+            _Part(turns, height, whole.unbounded and (turns is fewer) == unbounded, whole.near)
+            for turns in (inner, outer)
+        ]
 
     def _pinch(self, part: _Part, state: _State, i: int, j: int) -> list[_Part]:
         """Two turns i < j that are not neighbours meet in a point: the part falls in two, and no crease is needed."""
@@ -484,15 +570,7 @@ class Molecule:
 
         inner = [joined(other, one), *turns[i + 1 : j]]
         outer = [*turns[:i], joined(one, other), *turns[j + 1 :]]
-        return [self._part(inner, height, part), self._part(outer, height, part)]
-
-    def _insert_before(self, facet: int, new: list[int]) -> None:
-        place = self.order.index(facet)
-        self.order[place:place] = new
-
-    def _insert_after(self, facet: int, new: list[int]) -> None:
-        place = self.order.index(facet) + 1
-        self.order[place:place] = new
+        return self._parts(inner, outer, height, part)
 
 
 @dataclass(frozen=True, eq=False)
@@ -508,17 +586,6 @@ class Middle:
     after: int
     position: Floats
     level: int | None
-
-
-@dataclass(frozen=True)
-class _Gusset:
-    """When a gusset crease forms, from turn ``first`` on to turn ``last``, and the x where its path turns."""
-
-    time: float
-    first: int
-    last: int
-    at: int
-    x: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -541,37 +608,20 @@ class _Near:
     count: int
 
 
-class _State:
+class _State(Motion):
     """A part's turns as arrays, at its own height."""
 
-    def __init__(self, part: _Part, turned: int, table: _Table) -> None:
+    def __init__(self, part: _Part, turned: int, table: Table) -> None:
         self.part, self.table = part, table
         turns = part.turns
         self.numbers = table.numbers(turns)
-        columns = table.rows[self.numbers].T
-        self.velocity = columns[2:4].T.copy()
-        self.slope, height, self.shrink, self.up, level = columns[5:].copy()
-        rise = part.height - height
-        self.position = columns[:2].T + self.velocity * rise[:, None]
-        self.x = columns[4] + self.slope * rise
+        super().__init__(table.rows[self.numbers], part.height)
         self.peak = self.up > 0
         self.after = np.arange(1, len(turns) + 1)
         self.after[-1] = 0
-        # a turn that moves outwards is wrapped at the level that it comes to
-        outwards = (self.shrink < 0) & (self.up * (level - self.x) > 0)
-        self.level = np.where(outwards, level, self.x)
-        self.level_slope = np.where(outwards, 0.0, self.slope)
         self.turned = np.zeros(len(turns), dtype=np.int64)
         if turned:
             self.turned = np.array([t.pockets for t in turns]) & turned
-
-    def positions(self, time: float) -> Floats:
-        moved: Floats = self.position + self.velocity * time
-        return moved
-
-    def images(self, time: float) -> Floats:
-        images: Floats = self.x + self.slope * time
-        return images
 
     def lengths(self, time: float) -> Floats:
         """The lengths of the stretches of border after the turns."""
@@ -593,7 +643,8 @@ class _State:
             return math.inf
         best = math.inf
         for kind in (self.peak, ~self.peak) if self.turned.any() else (~self.peak,):
-            x, slope = self.level[kind], self.level_slope[kind]
+            # many valleys are of one hub
+            x, slope = np.unique(np.stack([self.level[kind], self.level_slope[kind]]), axis=1)
             apart, closing = x[:, None] - x, slope - slope[:, None]
             with np.errstate(all="ignore"):
                 time = np.where((apart > tie) & (closing > 0), apart / closing, np.inf)
@@ -727,36 +778,17 @@ class _State:
         heights = self.part.height + since[some] * (1 - 1e-9) - 1e-9 * radius.max()
         return self.numbers[i[some]], self.numbers[j[some]], heights
 
-    def next_gusset(self, before: float, tie: float) -> _Gusset | None:
+    def next_gusset(self, before: float, tie: float) -> Gusset | None:
         """The first pair that comes too near before the given time."""
         if len(self.x) < 4 or (self.part.unbounded and (self.shrink <= 0).all()):
             return None  # around a convex polygon no two turns see each other
         i, j, at = self._pairs(tie, before)
-        apart, parting = self.position[j] - self.position[i], self.velocity[j] - self.velocity[i]
         sign = np.where((self.turned[i] & self.turned[j]) != 0, -1.0, 1.0)
-        own = (at == i) | (at == j)
-        level = np.where(own, self.x[at], self.level[at])
-        level_slope = np.where(own, self.slope[at], self.level_slope[at])
-        path = sign * (self.x[i] + self.x[j] - 2 * level)
-        path_slope = sign * (self.slope[i] + self.slope[j] - 2 * level_slope)
-        distance = np.hypot(apart[:, 0], apart[:, 1])
-        a = (parting**2).sum(axis=1) - path_slope**2
-        b = 2 * ((apart * parting).sum(axis=1) - path * path_slope)
-        c = (distance - path) * (distance + path)
-        with np.errstate(all="ignore"):
-            q = -b + np.sqrt(b * b - 4 * a * c)
-            time = np.where(q > 0, 2 * c / q, np.inf)
-        time = np.where(distance - path <= tie, np.where(b < 0, 0.0, np.inf), time)
-        time[distance < path - 1e3 * tie] = np.inf  # it was too near from the start: see the search
-        some = np.flatnonzero((time >= 0) & (time <= before) & np.isfinite(time))
-        if math.isfinite(before) and len(some):
-            # a tie with a collapse is the collapse's
-            then = apart[some] + parting[some] * before
-            some = some[path[some] + path_slope[some] * before - np.hypot(then[:, 0], then[:, 1]) > tie]
-        for n in some[np.argsort(time[some], kind="stable")]:
-            if self.sees(float(time[n]), int(i[n]), int(j[n])):
-                x = float(level[n] + level_slope[n] * time[n])
-                return _Gusset(float(time[n]), int(i[n]), int(j[n]), int(at[n]), x)
+        meetings = Meetings(self, i, j, at, sign, tie)
+        for n in meetings.before(before):
+            time = float(meetings.time[n])
+            if self.sees(time, int(i[n]), int(j[n])):
+                return Gusset(time, int(i[n]), int(j[n]), int(at[n]), meetings.x(n))
         return None
 
     def sees(self, time: float, i: int, j: int) -> bool:
@@ -765,25 +797,12 @@ class _State:
         line = place[j] - place[i]
         if not line.any():
             return False
-        for k, toward in ((i, line), (j, -line)):
-            leaving = turns[k].leaving
-            angle = math.atan2(float(cross(leaving, toward)), float(leaving @ toward)) % (2 * math.pi)
-            if not 1e-9 < angle < turns[k].angle - 1e-9:
-                return False
+        if not (looks_inside(turns[i], line) and looks_inside(turns[j], -line)):
+            return False
         others = np.ones(len(turns), dtype=bool)
         others[[i, i - 1, j, j - 1]] = False
         start, end = place[others], place[self.after[others]]
-        return not bool(_crosses(place[i], line, start, end).any())
-
-
-def _crosses(origin: Floats, line: Floats, start: Floats, end: Floats) -> Bools:
-    """Which segments start-end meet the segment from ``origin`` along ``line``; those on one line with it do not."""
-    side_start, side_end = cross(line, start - origin), cross(line, end - origin)
-    along = end - start
-    near, far = cross(along, origin - start), cross(along, origin + line - start)
-    level = 1e-10 * np.hypot(along[:, 0], along[:, 1]) * math.hypot(*line)
-    in_line = (np.abs(side_start) <= level) & (np.abs(side_end) <= level)
-    return (side_start * side_end <= 0) & (near * far <= 0) & ~in_line
+        return not bool(crosses(place[i], line, start, end).any())
 
 
 def _lowest(level: Floats, i: Numbers, j: Numbers) -> Numbers:

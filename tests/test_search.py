@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,12 +17,13 @@ from foldcut.crowded import crowded_solution
 from foldcut.foldability import crease_numbers
 from foldcut.model import CreasePattern, Floats, Shape, Sheet
 from foldcut.samples import sample_path
-from foldcut.search import fold_compact
+from foldcut.search import Compact, fold_compact
 from foldcut.shape import make_shape
 from foldcut.sheet import parse_sheet, place
 from foldcut.skeleton import corner_lives, side_nodes
 from foldcut.slopes import vertex_slopes
 from foldcut.ties import Mover
+from foldcut.universal import NotClosedError
 from foldcut.verify import verify
 from foldcut.zigzag import Outline, Program, Solution, Turns, sees_each_other
 
@@ -189,6 +191,78 @@ def test_a_shape_that_takes_too_long_is_folded_with_many_disks(monkeypatch: pyte
     found = fold_compact(loop, A4, effort="fast")
     assert len(found.walk.x) > 60
     assert verify(found.creases, found.folded.layers, Shape((loop,), (-1,))) == []
+
+
+def many_corners() -> Floats:
+    random = np.random.default_rng(1)
+    angles = (np.arange(160) + random.uniform(0.1, 0.9, 160)) * 2 * np.pi / 160
+    reach = 80 + 15 * np.sin(7 * angles)
+    return loop_of(list(zip(reach * np.cos(angles), reach * np.sin(angles), strict=True)))
+
+
+def walks_of(found: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> list[Walk]:
+    """The walks that are folded on the way."""
+    walks: list[Walk] = []
+    build = search.build_molecules
+
+    def noting(walk: Walk, *rest: Any) -> Molecules:
+        walks.append(walk)
+        return build(walk, *rest)
+
+    monkeypatch.setattr(search, "build_molecules", noting)
+    found()
+    return walks
+
+
+def test_creases_that_are_too_short_to_be_told_apart_are_mended_where_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    loop = many_corners()
+    shortest = search.shortest_crease(fold_compact(loop, A4, effort="fast").creases)
+    monkeypatch.setattr(search, "COINCIDENT", (1.001 * shortest / A4.diagonal, 0.0))
+    found: list[Compact] = []
+    first, *_, last = walks_of(lambda: found.append(fold_compact(loop, A4, effort="fast")), monkeypatch)
+    assert search.shortest_crease(found[0].creases) > 1.001 * shortest
+    assert verify(found[0].creases, found[0].folded.layers, Shape((loop,), (-1,))) == []
+    same = (last.points[:, None] == first.points).all(axis=2).any(axis=1)
+    assert 0.9 < same.mean() < 1
+
+
+def test_a_molecule_that_does_not_close_is_mended_where_it_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    loop, build = many_corners(), search.build_molecules
+    calls: list[Walk] = []
+
+    def failing(walk: Walk, *rest: Any) -> Molecules:
+        calls.append(walk)
+        if len(calls) < 3:
+            raise NotClosedError("no", {17})
+        return build(walk, *rest)
+
+    monkeypatch.setattr(search, "build_molecules", failing)
+    fold_compact(loop, A4, effort="fast")
+    _, second, third = calls
+    moved = np.flatnonzero(~(third.points[:, None] == second.points).all(axis=2).any(axis=1))
+    assert 0 < len(moved) < 20
+    assert np.hypot(*(third.points[moved] - second.points[17]).T).max() < 20
+
+
+def test_a_time_too_short_for_one_program_is_not_spent_on_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    def program(*_: Any, **__: Any) -> Program:
+        raise AssertionError("no time for this")
+
+    monkeypatch.setattr(search, "Program", program)
+    found = fold_compact(many_corners(), A4, seconds=2.0)
+    assert len(found.walk.x) > 400
+
+
+def test_progress_of_many_turns_goes_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    told: list[tuple[str, float]] = []
+    found = fold_compact(many_corners(), A4, effort="fast", progress=lambda *told_now: told.append(told_now))
+    folding = [part for text, part in told if text == f"folding: {len(found.walk.x)} turns"]
+    assert len(folding) > 4
+    assert folding == sorted(folding)
+    assert 0 < folding[0] < folding[-1] < 1
 
 
 def test_a_feature_that_is_too_fine_is_refused_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ import foldcut
 from foldcut import universal
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.crowded import crowded_solution
+from foldcut.events import Queue, Table, looks_inside
 from foldcut.model import Finding, Floats, Shape, Sheet, points_array
 from foldcut.molecules import Kind
 from foldcut.readers import read_shape
@@ -204,6 +206,89 @@ def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
     for side in ("inside", "outside"):
         one, other = getattr(every, side), getattr(near, side)
         assert (one.order, one.rings()) == (other.order, other.rings())
+
+
+def gear_walk(teeth: int) -> Walk:
+    """Many small disks along a shape with exact ties."""
+    angles = np.arange(2 * teeth) * np.pi / teeth
+    reach = np.where(np.arange(2 * teeth) % 2, 50.0, 60.0)
+    outline = Outline(points_array(100 + np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1)))
+    return crowded_solution(outline, 0.02).walk(outline, careful=False)
+
+
+def convex_walk(corners: int) -> Walk:
+    """What the search finds for a convex polygon: feet on several levels."""
+    random = np.random.default_rng(corners)
+    angles = (np.arange(corners) + random.uniform(0.1, 0.9, corners)) * 2 * np.pi / corners
+    loop = points_array(np.stack([100 + 80 * np.cos(angles), 100 + 30 * np.sin(angles)], axis=1))
+    return fold_compact(loop, SHEET, effort="fast").walk
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        lambda: crowded_walk(8),
+        lambda: crowded_walk(20),
+        lambda: crowded_walk(50),
+        lambda: gear_walk(6),
+        lambda: gear_walk(9),
+        lambda: convex_walk(14),
+        lambda: searched_walk("fish"),
+    ],
+)
+def test_queued_events_give_the_same_molecules(made: Callable[[], Walk], monkeypatch: pytest.MonkeyPatch) -> None:
+    walk = made()
+    monkeypatch.setattr(universal, "SMALL_TIE", universal.TIE)
+
+    def built() -> Any:
+        try:
+            molecules = build_molecules(walk, SHEET)
+        except universal.NotClosedError as error:
+            return str(error), error.stretches
+        sides = molecules.inside, molecules.outside
+        return molecules.vertices, [(side.order, side.rings(), side.lowest_event, side.gussets) for side in sides]
+
+    simple = built()
+    monkeypatch.setattr(universal, "FEW", 4)
+    monkeypatch.setattr(universal, "MANY", 4)
+    monkeypatch.setattr(universal, "PATIENCE", 1)
+    assert built() == simple
+
+
+def test_the_queue_sees_what_the_simple_code_sees() -> None:
+    walk = crowded_walk(30)
+    table, count = Table(), len(walk.x)
+    turns = [
+        universal._Turn(
+            *(walk.points[k], 0.0, float(walk.x[k]), bool(walk.peaks[k]), walk.directions[k - 1], walk.directions[k]),
+            *((k - 1) % count, k, k, 0, 0.0),
+        )
+        for k in range(count)
+    ]
+    queue = Queue(table, turns, 0.0, np.inf, 1e-7)
+    state = universal._State(universal._Part(turns, 0.0, False), 0, table)
+    queue.place[queue.numbers] = np.arange(count)
+    pairs = [(i, j) for i in range(1, count, 2) for j in range(i + 4, count, 2)]
+    seen = [queue._sees((turns[i].number, turns[j].number), 0.0, 0.0) for i, j in pairs]
+    assert seen == [state.sees(0.0, i, j) for i, j in pairs]
+    looking = [looks_inside(turns[i], walk.points[j] - walk.points[i]) for i, j in pairs]
+    assert 0 < sum(seen) < sum(looking)
+
+
+def test_most_gussets_of_crowded_disks_come_from_the_queue(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(universal, "FEW", 10)
+    monkeypatch.setattr(universal, "MANY", 10)
+    queued = 0
+    split = Queue.split
+
+    def counting(self: Queue, *rest: Any) -> int:
+        nonlocal queued
+        queued += 1
+        return split(self, *rest)
+
+    monkeypatch.setattr(Queue, "split", counting)
+    molecules = build_molecules(crowded_walk(40), SHEET)
+    assert queued > 0.6 * (molecules.inside.gussets + molecules.outside.gussets)
 
 
 def test_two_hundred_corners_are_folded_with_crowded_disks() -> None:
