@@ -102,8 +102,8 @@ def test_beyond_an_ear_the_next_two_disks_are_candidates_the_nearer_first() -> N
     filler = _Filler.__new__(_Filler)
     filler.centres = np.array([(-2.0, 0.0), (0.0, -1.5), (2.0, 0.0), (0.3, 14.0), (0.1, 5.0), (-0.2, 9.0), (0.0, -6.0)])
     filler.radii = np.array([1.0, 0.5, 1.0, 1.0, 1.2, 0.8, 1.0])
-    ear = _Candidate((0.0, 0.3), 1.02)
+    ear = _Candidate(0.0, 0.3, 1.02)
     found = filler._beyond(ear, 0, 1, 2, np.arange(7))
-    gaps = [np.hypot(*(filler.centres - candidate.centre).T) - filler.radii - candidate.radius for candidate in found]
+    gaps = [np.hypot(*(filler.centres - candidate[:2]).T) - filler.radii - candidate.radius for candidate in found]
     assert [np.flatnonzero(np.abs(gap) < 1e-9).tolist() for gap in gaps] == [[0, 2, 4], [0, 2, 5]]
-    assert found[0].centre[1] < found[1].centre[1]
+    assert found[0].y < found[1].y
