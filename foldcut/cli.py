@@ -204,7 +204,7 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         known = [option for action in command._actions for option in action.option_strings]
         nearest = _nearest(unknown[0].partition("=")[0], known) if unknown[0].startswith("--") else ""
         remedy = nearest or f"see {command.prog} --help"
-        if hasattr(args, "shape") and unknown[0][:1] != "-":
+        if args.command == "make" and unknown[0][:1] != "-":
             remedy = "give one drawing, or all to foldcut batch"
         raise BadInputError(f"unrecognized arguments: {' '.join(unknown)}; {remedy}")
     return args
@@ -479,7 +479,7 @@ def _serve(args: argparse.Namespace) -> int:
     if not 0 < args.port < 65536:
         raise BadInputError(f"--port {args.port} is none; give one from 1 to 65535")
     if not 0 < args.job_seconds < 1e8:
-        raise BadInputError(f"--job-seconds is {args.job_seconds:g}; give a positive number")
+        raise BadInputError(f"--job-seconds is {args.job_seconds:g}; give a positive number below 1e8")
     name = f"[{args.host}]" if ":" in args.host else args.host
     own = Settings().hosts
     everywhere = args.host in ("0.0.0.0", "::")
@@ -802,7 +802,7 @@ def _with_joined_values(argv: Sequence[str]) -> list[str]:
     """Return the arguments with ``--offset -5,3`` or ``--text -A`` as one: argparse takes such values for options."""
     joined: list[str] = []
     for argument in argv:
-        before = joined[-1] if joined else ""
+        before = joined[-1] if joined and "--" not in joined else ""  # after -- there are no options
         negative = argument[:1] == "-" and argument[1:2].isdigit() and before[:2] == "--" and "=" not in before
         if negative or (before in ("--offset", "--text") and argument[:2] != "--"):
             joined[-1] = f"{before}={argument}"

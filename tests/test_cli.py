@@ -204,6 +204,8 @@ BAD_INPUT = {
     "there is no command 'box.json'; choose one of make, view,": ["box.json"],
     "such as foldcut make own.svg": ["own.svg", "--sheet", "a5"],
     "unrecognized arguments: b.svg; give one drawing": ["make", "own.svg", "b.svg"],
+    "unrecognized arguments: b.fold; see foldcut check --help": ["check", "a.fold", "b.fold"],
+    "-5.json: there is no such file": ["make", "--quiet", "--", "-5.json"],
     "a preview is SVG": ["make", "box.json", "--preview", "p.txt"],
     "give a SHAPE or a --text, one of them": ["make", ""],
     "required: COMMAND": [],

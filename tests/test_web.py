@@ -282,7 +282,7 @@ def test_an_address_where_nobody_can_listen_is_an_error_of_one_line(capsys: pyte
     assert out == ""
     assert err.splitlines() == [
         f"foldcut: error: cannot listen at 127.0.0.1:{port}: Address already in use; give another --port or --host",
-        "foldcut: error: --job-seconds is -1; give a positive number",
+        "foldcut: error: --job-seconds is -1; give a positive number below 1e8",
     ]
 
 
