@@ -109,7 +109,7 @@ def measure(kind: str, size: int, seed: int, names: list[str], limit: float) -> 
         "disks": disks,
         "creases": creases.crease_count,
         "faces": subject.faces,
-        "compiled": boundary_count >= packing.MANY_DISKS and may_be_compiled(size),
+        "compiled": packing._is_loaded(),
         **{f"{name}_s": seconds[name] for name in STAGES},
         "build_s": build,
         "load_s": load,

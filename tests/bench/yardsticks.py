@@ -7,7 +7,7 @@
 - PyPI ``py-straight-skeleton`` and ``shapely-polyskel``: the straight skeleton of the loop and of the sheet around it;
   neither perpendiculars nor layers. One face for each side is what there must be, and they must fill the sheet.
 
-The last three packages and ``triangle`` are the extra ``bench``. Triangle may not be sold without its author's leave,
+The last two packages and ``triangle`` are the extra ``bench``. Triangle may not be sold without its author's leave,
 so nothing but the bench uses it.
 """
 
