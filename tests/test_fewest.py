@@ -64,7 +64,6 @@ def test_a_pattern_with_the_fewest_folds_ends_the_search(name: str, folds: int) 
     assert result.findings == ()
     others = foldcut.fold(sample_path(name), effort="fast", method="skeleton")
     assert np.array_equal(result.folded_pattern.creases.vertices_coords, others.folded_pattern.creases.vertices_coords)
-    assert result.seconds["build"] < 5
 
 
 def test_other_drawings_are_tried_by_every_method() -> None:

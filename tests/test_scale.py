@@ -226,12 +226,11 @@ def test_compiled_code_folds_faces_to_where_array_code_folds_them(seed: int, mon
     assert np.allclose(simple.shift, quick.shift, rtol=0, atol=1e-11)
 
 
-def test_compiled_code_folds_over_the_longer_of_two_edges(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compiled_code_folds_over_the_longer_of_two_edges() -> None:
     pytest.importorskip("numba")
     rng = np.random.default_rng(1)
     pattern, _ = random_paper(rng, folds=6, lines=3).pattern()
     faces = edge_faces(pattern)
-    monkeypatch.setattr(flatfold, "MANY_FACES", 0)
     from foldcut.facepaths import _tree
 
     ends = np.ascontiguousarray(pattern.edges_vertices), pattern.vertices_coords.copy()
