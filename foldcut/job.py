@@ -28,7 +28,8 @@ from foldcut.profiles import Bed, Dash, Drawing, Operation, Profile, Role, Setti
 Side = Literal["both", "front", "back"]
 
 PASSES, MOST_LINES = 20, 4000
-"""How often the whole way is gone through to make it shorter, and for how many lines at most."""
+"""How often the whole way is gone through to make it shorter, and for how many lines at most; of more lines the nearest
+ends are looked for in a tree."""
 
 Registration = Literal["corners", "holes", "pins"]
 """What lines the back up with the front: marks to look at, holes for pegs, or needles' holes."""

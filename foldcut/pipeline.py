@@ -185,7 +185,7 @@ def fold(
     first three, the one with the fewest folding actions, else the gate, or for one loop the paper's. ``ribbon`` is
     the half-width in mm of the strip along the shape's boundary that is not folded; None is the method's default,
     which for "paper" is a small one: without, creases fold onto the cut line. ``min_crease`` is the shortest crease
-    in mm that a pattern may have, None the method's default (0.5, "paper": 0).
+    in mm that a pattern may have, None the method's default (0.5 for "mirror" and "compact", else 0).
     ``simplify`` leaves out corners that are off by no more than so many mm on the sheet; ``symmetry`` takes a drawing
     as symmetric whose corners are off by so much, and makes it so; ``adjust`` is how far in mm
     "skeleton" may move corners so that creases meet. ``effort`` ("fast", "normal", "best") and

@@ -44,7 +44,7 @@ MOST_CREASES, MOST_CORNERS = 1000, 120
 class Skeletal:
     """What the method made.
 
-    ``shape`` is the drawing with nodes tied, ``moved_mm`` how far its corners were moved for that at most;
+    ``shape`` is the drawing that was folded, ``moved_mm`` how far its corners were moved for that at most;
     ``perpendiculars`` how many there are; ``interrupted`` by Ctrl-C, so that not all choices were tried.
     """
 
@@ -69,8 +69,9 @@ def fold_skeletal(
 ) -> Skeletal:
     """Fold a shape along its straight skeleton.
 
-    ``shape`` is in the sheet's mm; corners may be moved by ``near`` mm where that joins nodes of the skeleton.
-    ``ribbon`` is a half-width in mm: so near to the cut, creases run straight across it or along a corner's bisector.
+    ``shape`` is in the sheet's mm; corners may be moved by ``near`` mm where that joins nodes of the skeleton or
+    takes perpendiculars to them. ``ribbon`` is a half-width in mm: so near to the cut, creases run straight across it
+    or along a corner's bisector.
     Raises ``UnfoldableError`` with the reason where perpendiculars do not end, creases are too many, or no choice has
     a layer order.
     """
