@@ -36,6 +36,9 @@ PATIENCE, LEAST_PATIENCE = 3.0, 3.0
 """How many times as long choices are tried for the drawing as it is while none has an order; for how many seconds at
 least with its corners moved."""
 
+LESS = 0.2
+"""Corners are also moved by only so much of what is allowed: less is sometimes better."""
+
 MOST_CREASES, MOST_CORNERS = 1000, 120
 """Patterns with more creases are not looked at, nor drawings with more corners."""
 
@@ -124,7 +127,7 @@ def _adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, floa
     """Return the shape as it is, and moved so that creases meet in several ways, those that do most for it first."""
     if not near:
         return [(shape, 0.0)]
-    moved = [tie_perpendiculars(shape, sheet, near), tie_perpendiculars(shape, sheet, near / 5)]
+    moved = [tie_perpendiculars(shape, sheet, way) for way in (near, LESS * near)]
     moved += [tie_nodes(shape, sheet, near), (shape, 0.0)]
     different: list[tuple[Shape, float]] = []
     for one, way in moved:
