@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from foldcut.errors import UnfoldableError
 from foldcut.model import Floats, Shape, Sheet, points_array
@@ -72,11 +73,16 @@ class _Moves:
     meetings: list[Meeting]
 
     def add(self, ties: Sequence[Tie] = (), meetings: Sequence[Meeting] = ()) -> bool:
-        """Move corners for this, too; leave all as it is and return False if some had to move by more than ``near``."""
+        """Move corners for this, too; leave all as it is and return False where that cannot be.
+
+        Some had to move by more than ``near``, or sides would cross or touch.
+        """
         kept = [known for known in self.ties if not any(known < tie for tie in ties)]
         ties, meetings = [*kept, *ties], [*self.meetings, *meetings]
         moved = _moved(self.original, self.sheet, ties, meetings)
         if moved is None or _farthest(moved, self.original) > self.near:
+            return False
+        if not shapely.multilinestrings([shapely.linearrings(loop) for loop in moved.loops]).is_simple:
             return False
         self.now, self.ties, self.meetings = moved, ties, meetings
         return True

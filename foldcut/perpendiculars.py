@@ -267,6 +267,8 @@ def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> tuple[Floats, list
         from compas_cgal import _types_std  # noqa: F401  # what it returns
     except ImportError as error:
         raise UnfoldableError(needed_extra("straight skeletons", "skeleton")) from error
+    if not shapely.Polygon(outer, holes).is_valid:  # CGAL's code does not survive it
+        raise UnfoldableError("sides of the shape cross or touch, so it has no straight skeleton")
     flat = [np.column_stack([loop, np.zeros(len(loop))]) for loop in (outer, *holes)]
     try:
         points, numbers, edges, kinds = cgal.create_interior_straight_skeleton_with_holes(flat[0], flat[1:])

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from several_loops import random_loops
 from strategies import Points, rectangle, star
 
@@ -148,6 +149,21 @@ def test_corners_are_moved_so_that_perpendiculars_come_to_the_nodes_that_they_ne
     assert verify(made.creases, made.folded.layers, made.shape) == []
     assert made.creases.crease_count < other.creases.crease_count
     assert shortest_crease(made.creases) > 3 > shortest_crease(other.creases)
+
+
+def test_corners_are_not_moved_so_that_sides_cross() -> None:
+    # two corners that nearly touch: they would be joined, and sides would cross
+    slit = [(105, 246), (33, 215), (10, 172), (25, 91), (91.92, 50.80), (42, 174)]
+    slit += [(130, 212), (174, 145), (91.94, 50.81), (176, 81), (200, 172), (152, 234)]
+    shape = make_shape([slit])
+    for near in (0.05, 0.25, 1.0):
+        for tie in (tie_nodes, tie_perpendiculars):
+            tied, moved = tie(shape, SHEET, near)
+            assert moved <= near
+            assert shapely.Polygon(tied.loops[0]).is_valid
+    crossing = np.array([(0.0, 0), (9, 9), (9, 0), (0, 8)])
+    with pytest.raises(UnfoldableError, match="sides of the shape cross or touch"):
+        straight_skeleton(Shape((crossing,), (-1,)), SHEET)
 
 
 def test_a_node_that_nearly_is_on_another_ridge_is_put_there() -> None:
