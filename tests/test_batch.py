@@ -480,7 +480,7 @@ def test_batch_prints_counts_and_a_report_for_programs(
         ([".", "--timeout", "0"], "positive number"),
         ([".", "--format", "dxf"], "name it with --profile"),
         ([".", "--format", "xyz"], "cannot write .xyz"),
-        ([".", "--material", "card"], "go with a machine"),
+        ([".", "--material", "card"], "goes with a machine"),
     ],
 )
 def test_bad_options_are_told_before_any_work(

