@@ -43,14 +43,16 @@ def write_carelessly(contents: Mapping[Path, bytes], *, replace: bool) -> None:
 def main(kills: int, mode: str) -> None:
     loop = square_out_of_square().shape.loops[0]
     Path("box.json").write_text(json.dumps({"loops": [loop.tolist()]}))
-    fold = partial(pipeline.fold, effort="fast")
+    fold = partial(pipeline.fold, method="compact", effort="fast")
     made = {size: fold("box.json", size) for size in SIZES} if mode != "whole" else {}
     versions: dict[Path, list[bytes]] = {path: [] for path in OUTPUTS}
 
     def run(size: str) -> int:
         if mode != "whole":
             pipeline.fold = lambda *_, **__: made[size]  # type: ignore[assignment]
-        return cli.main([*COMMAND, "--sheet", size, "--effort", "fast", *(f"-o{path}" for path in OUTPUTS)])
+        return cli.main(
+            [*COMMAND, "--sheet", size, "--method", "compact", "--effort", "fast", *(f"-o{path}" for path in OUTPUTS)]
+        )
 
     longest_s = LONGEST_S
     for size in SIZES:
