@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from foldcut.errors import UnfoldableError
 from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS, export, export_job
 from foldcut.job import Job, Lay, make_jobs, steps_of
 from foldcut.model import FoldedPattern
@@ -103,7 +104,14 @@ def _verify(subject: Subject) -> Callable[[], list[Any]]:
     return lambda: list(verify(pattern.creases, pattern.folded.layers, pattern.shape))
 
 
-VERIFY = Item("verify", _verify, lambda findings: {"findings": len(findings)}, limit=6.0)
+def _require_none(findings: list[Any]) -> dict[str, Any]:
+    """What ends at a finding has not been verified, and its seconds say nothing."""
+    if findings:
+        raise UnfoldableError(f"{len(findings):,} findings, such as: {findings[0]}")
+    return {}
+
+
+VERIFY = Item("verify", _verify, _require_none, limit=6.0)
 EXPORTERS = (
     *(_pattern_exporter(suffix) for suffix in PATTERN_EXPORTERS),
     _pattern_exporter(".svg", "origami-software"),
