@@ -24,6 +24,7 @@ import numpy as np
 from foldcut.boundary import BoundaryDisks, overlapping_disks, touching_disks
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, Floats, Ints, Numbers, Ragged, index_array, points_array
+from foldcut.planar import pair_keys
 from foldcut.plane import contains_point, signed_area
 from foldcut.tolerance import Tolerance
 
@@ -563,7 +564,7 @@ def _is_loaded() -> bool:
 
 def _pair_keys(one: Ints, other: Ints) -> Numbers:
     """A number for each pair of disks, whichever comes first."""
-    return (np.minimum(one, other).astype(np.int64) << 32) | np.maximum(one, other)
+    return pair_keys(np.minimum(one, other), np.maximum(one, other))
 
 
 def _flat(gaps: list[Chain]) -> tuple[Ints, Ints]:

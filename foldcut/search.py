@@ -27,6 +27,7 @@ from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, mo
 from foldcut.crowded import crowded_solution
 from foldcut.errors import UnfoldableError
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet
+from foldcut.planar import edge_lengths
 from foldcut.ties import Mover
 from foldcut.universal import NotClosedError
 from foldcut.verify import COINCIDENT, verify
@@ -267,9 +268,10 @@ class _Search:
 
     def _too_near(self, molecules: Molecules, creases: CreasePattern) -> set[int]:
         """The stretches of the walk that vertices come from that are as good as one."""
-        ends = creases.vertices_coords[creases.edges_vertices]
-        short = np.hypot(*(ends[:, 1] - ends[:, 0]).T) <= COINCIDENT[0] * self.sheet.diagonal
-        places = set(map(tuple, ends[short].reshape(-1, 2).tolist()))
+        short = creases.edges_vertices[edge_lengths(creases) <= COINCIDENT[0] * self.sheet.diagonal]
+        if not len(short):
+            return set()
+        places = set(map(tuple, creases.vertices_coords[short].reshape(-1, 2).tolist()))
         vertices = {number for number, place in enumerate(molecules.vertices.flat) if place in places}
         for cut, one, other, _ in molecules.vertices.cuts:
             if cut in vertices:
@@ -411,13 +413,12 @@ class _Search:
         if self.progress is not None:
             self.progress(text, part)
 
-    def _folding(self, solution: Solution, share: float = 1.0) -> Callable[[float], None]:
-        """Return what tells how far many turns are folded: that takes long, and is no search."""
+    def _tell_folding(self, solution: Solution, part: float) -> None:
+        """Tell how far many turns are folded: that takes long, and is no search."""
         count = len(solution.turns)
-        if count <= MOST_TURNS:
-            return lambda _: None
-        again = f", trial {self.tried}" if self.tried > 1 else ""
-        return lambda part: self._report(f"folding: {count:,} turns{again}", share * part)
+        if count > MOST_TURNS:
+            again = f", trial {self.tried}" if self.tried > 1 else ""
+            self._report(f"folding: {count:,} turns{again}", part)
 
     def _tell(self) -> None:
         part = self.budget.part
@@ -568,11 +569,11 @@ class _Search:
     def _build(self, solution: Solution, plan: _Plan) -> tuple[Walk, Molecules, CreasePattern, FoldedState] | None:
         walk = solution.walk(self.outline, careful=plan.careful)
         try:
-            molecules = build_molecules(walk, self.sheet, self._folding(solution, MOLECULES))
+            molecules = build_molecules(walk, self.sheet, lambda part: self._tell_folding(solution, MOLECULES * part))
             lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
             if lowest <= self.ribbon or molecule_faults(molecules):
                 return None
-            self._folding(solution)(MOLECULES)
+            self._tell_folding(solution, MOLECULES)
             return walk, molecules, *fold_molecules(molecules, self.sheet)
         except NotClosedError as error:
             if len(solution.turns) > MOST_TURNS:
@@ -612,7 +613,7 @@ class _Search:
         key = rank(part.crease_count, shortest_crease(creases))
         better = self.best is None or key < self.best.key
         # with pockets turned about half do not fold: none of these may be searched around
-        self._folding(solution)(PATTERN)
+        self._tell_folding(solution, PATTERN)
         if (better or plan.turned) and verify(creases, folded.layers, self.whole.shape):
             return np.inf
         if better:

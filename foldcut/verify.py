@@ -63,10 +63,12 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
     coarse, fine = (share * diagonal for share in COINCIDENT)
     lengths, loose = edge_lengths(pattern), _check_edges(pattern)
-    findings = _short_edges(pattern, lengths, coarse) + loose or _verify_within(coarse, pattern, layers, shape)
-    if not findings:
-        return []
-    return (_short_edges(pattern, lengths, fine) + loose or _verify_within(fine, pattern, layers, shape)) and findings
+
+    def found_within(tolerance: float) -> list[Finding]:
+        return _short_edges(pattern, lengths, tolerance) + loose or _verify_within(tolerance, pattern, layers, shape)
+
+    findings = found_within(coarse)
+    return findings if findings and found_within(fine) else []
 
 
 def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
