@@ -133,7 +133,7 @@ def _exponent(value: float | None) -> str:
     return "" if value is None else f"{value:.2f}"
 
 
-WIDTH, PANEL, LEFT, BOTTOM, NAMES = 730.0, 440.0, 60.0, 40.0, 225.0
+WIDTH, PANEL, LEFT, TOP, BOTTOM, NAMES = 730.0, 440.0, 60.0, 30.0, 40.0, 225.0
 COLOURS = (
     "#c0392b", "#e67e22", "#2471a3", "#7f8c8d", "#17a589", "#8e44ad", "#34495e", "#b7950b", "#d35400", "#1e8449",
     "#5dade2", "#cb4f9b", "#6e2c00", "#000000", "#839192", "#7d6608", "#f1948a", "#117864",
@@ -144,11 +144,11 @@ DASHES = ("", "5 3", "1.5 2.5")
 def plot(rows: Sequence[Row], yardsticks: Sequence[str]) -> str:
     """Return seconds over boundary disks, both logarithmic, as an SVG: pattern and yardsticks, then exporters."""
     items = list(dict.fromkeys(name for row in rows for name in row["items"]))
-    panels = [
-        {"whole pattern": "build_s", "packing": "packing_s"}
-        | {name: name for name in items if name in ("verify", *yardsticks)},
-        {"whole pattern": "build_s"} | {name: name for name in items if name not in ("verify", *yardsticks)},
-    ]
+    compared = {name: name for name in items if name in ("verify", *yardsticks)}
+    exporters = {name: name for name in items if name not in compared}
+    panels = [{"whole pattern": "build_s", "packing": "packing_s"} | compared]
+    if exporters:
+        panels.append({"whole pattern": "build_s"} | exporters)
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {PANEL * len(panels):g}" '
         'font-family="sans-serif" font-size="11">',
@@ -179,7 +179,7 @@ def _panel(rows: Sequence[Row], columns: dict[str, str]) -> list[str]:
     def at(x: float, y: float) -> tuple[float, float]:
         return (
             LEFT + (math.log10(x) - x0) / max(x1 - x0, 1) * (WIDTH - LEFT - NAMES),
-            PANEL - BOTTOM - (math.log10(y) - y0) / max(y1 - y0, 1) * (PANEL - BOTTOM - 20),
+            PANEL - BOTTOM - (math.log10(y) - y0) / max(y1 - y0, 1) * (PANEL - BOTTOM - TOP),
         )
 
     out = []
@@ -214,6 +214,6 @@ def _panel(rows: Sequence[Row], columns: dict[str, str]) -> list[str]:
             f'<text x="{x + 30:g}" y="{y:g}">{html.escape(title)}</text>'
         )
     out.append(
-        f'<text x="{(WIDTH - NAMES) / 2:g}" y="{PANEL - 6:g}">boundary disks</text><text x="4" y="14">seconds</text>'
+        f'<text x="{(WIDTH - NAMES) / 2:g}" y="{PANEL - 6:g}">boundary disks</text><text x="4" y="12">seconds</text>'
     )
     return out
