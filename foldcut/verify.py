@@ -21,12 +21,13 @@ from foldcut.stacking import check_layer_order, check_mountains, check_stacking
 
 __all__ = ["CHECKS", "COINCIDENT", "verify"]
 
-COINCIDENT = (1e-8, 1e-10)
+COINCIDENT = (1e-8, 1e-10, 1e-12)
 """What lies this close, relative to the sheet's diagonal, is taken as touching: the first that fits the pattern.
 
 Patterns are made to about 1e-13 and paper is cut to about 1e-4; whatever is between the two does. But needles and
-narrow slits have creases as short as the coarse tolerance, so what fails there is tried again with the fine one. That
-is no loophole: layers that touch may overlap by the tolerance, folds may gape by it, and the fine one allows less.
+narrow slits, and the closest of a million disks, have creases as short as a coarse tolerance, so what fails there is
+tried again with a finer one. That is no loophole: layers that touch may overlap by the tolerance, folds may gape by it,
+and a finer one allows less.
 """
 
 CHECKS = (
@@ -61,14 +62,14 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
     if findings:
         return findings
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
-    coarse, fine = (share * diagonal for share in COINCIDENT)
+    coarse, *finer = (share * diagonal for share in COINCIDENT)
     lengths, loose = edge_lengths(pattern), _check_edges(pattern)
 
     def found_within(tolerance: float) -> list[Finding]:
         return _short_edges(pattern, lengths, tolerance) + loose or _verify_within(tolerance, pattern, layers, shape)
 
     findings = found_within(coarse)
-    return findings if findings and found_within(fine) else []
+    return findings if findings and all(found_within(tolerance) for tolerance in finer) else []
 
 
 def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:

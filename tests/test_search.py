@@ -218,7 +218,7 @@ def test_creases_that_are_too_short_to_be_told_apart_are_mended_where_they_are(m
     monkeypatch.setattr(search, "PATIENCE", 0)
     loop = many_corners()
     shortest = search.shortest_crease(fold_compact(loop, A4, effort="fast").creases)
-    monkeypatch.setattr(search, "COINCIDENT", (1.001 * shortest / A4.diagonal, 0.0))
+    monkeypatch.setattr(search, "COINCIDENT", (1.001 * shortest / A4.diagonal,))
     found: list[Compact] = []
     first, *_, last = walks_of(lambda: found.append(fold_compact(loop, A4, effort="fast")), monkeypatch)
     assert search.shortest_crease(found[0].creases) > 1.001 * shortest

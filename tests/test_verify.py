@@ -392,8 +392,8 @@ def test_errors_of_rounding_are_no_findings_and_larger_ones_are() -> None:
         assert (verify(replace(pattern, vertices_coords=points), layers, shape) == []) == good
 
 
-@pytest.mark.parametrize(("width", "good"), [(1e-8, True), (1e-9, True), (1e-11, False)])
-def test_pleats_may_be_finer_than_the_coarse_tolerance_but_not_than_the_fine_one(width: float, good: bool) -> None:
+@pytest.mark.parametrize(("width", "good"), [(1e-8, True), (1e-9, True), (1e-11, True), (1e-13, False)])
+def test_pleats_may_be_finer_than_the_coarse_tolerance_but_not_than_the_finest(width: float, good: bool) -> None:
     pleat = strip("MV")
     points = pleat.vertices_coords.copy()
     points[4:, 0] += width - 1
