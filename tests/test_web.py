@@ -80,6 +80,21 @@ def test_a_sample_becomes_the_files_of_the_command_line(client: TestClient, tmp_
     assert archive.read(dxf) == ours.read_bytes()
 
 
+def test_how_creases_and_marks_are_made_is_told_to_the_machine(client: TestClient, tmp_path: Path) -> None:
+    made = set()
+    for treatment, marks in (("", "outline,first-folds"), ("perforate", "none"), ("", "none"), ("", "numbers")):
+        token = send(client, sample="triangle", profile="laser-dxf", treatment=treatment, marks=marks)
+        assert outcome(client, token)["error"] == ""
+        archive = zipfile.ZipFile(io.BytesIO(client.get(f"/jobs/{token}/job.zip").content))
+        (dxf,) = [name for name in archive.namelist() if name.endswith(".dxf")]
+        ours = tmp_path / "job.dxf"
+        command = ["make", "triangle", "--effort", "fast", "--profile", "laser-dxf", "--marks", marks, "-o", str(ours)]
+        assert main([*command, *(("--treatment", treatment) if treatment else ()), "--quiet", "--force"]) == 0
+        assert archive.read(dxf) == ours.read_bytes()
+        made.add(ours.read_bytes())
+    assert len(made) == 4
+
+
 def test_any_format_is_made_when_it_is_asked_for(client: TestClient, tmp_path: Path) -> None:
     token = send(client, sample="triangle", profile="laser-dxf")
     more = outcome(client, token)["more"]
@@ -182,6 +197,8 @@ def test_nothing_is_left_when_the_server_stops() -> None:
         (SQUARE, {"ending": ".json", "profile": "/etc/x.toml"}, 400, "no machine"),
         (SQUARE, {"ending": ".json", "effort": "best"}, 400, "no effort"),
         (SQUARE, {"ending": ".json", "profile": "laser-dxf", "material": "-o"}, 400, "no material"),
+        (SQUARE, {"ending": ".json", "profile": "laser-dxf", "treatment": "melt"}, 400, "no treatment"),
+        (SQUARE, {"ending": ".json", "profile": "laser-dxf", "marks": "outline,-o"}, 400, "no mark"),
     ],
 )
 def test_bad_requests_are_refused(
@@ -389,7 +406,21 @@ def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
     assert seen["serious"] == []
     assert seen["wide"] <= 390
     assert [name for name in seen["reached"] if name not in ("text", "font")] == [
-        *("file", "sample", "summary", "sheet", "margin", "effort", "summary", "profile", "material", "live", "go"),
+        *(
+            "file",
+            "sample",
+            "summary",
+            "sheet",
+            "margin",
+            "effort",
+            "summary",
+            "profile",
+            "material",
+            "treatment",
+            "summary",
+            "live",
+            "go",
+        ),
     ]
     assert seen["cancelled"]
     assert 0 < seen["bar"] < 1

@@ -27,7 +27,7 @@ from functools import cache
 from importlib.resources import files
 from mimetypes import guess_type
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import anyio
 from starlette.applications import Starlette
@@ -40,7 +40,8 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from foldcut.errors import BadInputError
 from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS
-from foldcut.profiles import load_profile, profile_names
+from foldcut.marks import DEFAULT_MARKS, MARKS
+from foldcut.profiles import Treatment, load_profile, profile_names
 from foldcut.readers import READERS
 from foldcut.readers.text import font_families
 from foldcut.samples import sample_names
@@ -307,14 +308,19 @@ def _options(options: Mapping[str, str]) -> list[str]:
 
 
 def _machine(options: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the options that choose a machine and its material, none for no machine."""
-    name, material = options.get("profile", ""), options.get("material", "")
+    """Return the options that choose a machine, its material, its treatment of creases and marks; none for none."""
+    name = options.get("profile", "")
     if not name:
         return ()
-    _known(name, "machine", machines())
-    words = ("--profile", name)
-    materials = load_profile(name).materials
-    return (*words, "--material", _known(material, "material", tuple(materials))) if material else words
+    words = ["--profile", _known(name, "machine", machines())]
+    if material := options.get("material", ""):
+        words += ["--material", _known(material, "material", tuple(load_profile(name).materials))]
+    if treatment := options.get("treatment", ""):
+        words += ["--treatment", _known(treatment, "treatment", get_args(Treatment))]
+    if marks := options.get("marks", ""):
+        known = ("none", *MARKS)
+        words += ["--marks", ",".join(_known(mark, "mark", known) for mark in marks.split(","))]
+    return tuple(words)
 
 
 def _known(name: str, what: str, names: tuple[str, ...]) -> str:
@@ -382,6 +388,8 @@ async def choices(request: Request) -> Response:
         {
             "samples": sample_names(),
             "machines": {name: {"title": p.title, "materials": list(p.materials)} for name, p in known.items()},
+            "treatments": get_args(Treatment),
+            "marks": {name: name in DEFAULT_MARKS for name in MARKS},
             "endings": list(READERS),
             "fonts": fonts(),
         }
