@@ -266,9 +266,9 @@ class _Search:
                 noise[corners] = shaken[corners] * self.rng.random(len(corners))
                 shaken[corners] = SHAKEN[1]
 
-    def _too_near(self, molecules: Molecules, creases: CreasePattern) -> set[int]:
-        """The stretches of the walk that vertices come from that are as good as one."""
-        short = creases.edges_vertices[edge_lengths(creases) <= COINCIDENT[0] * self.sheet.diagonal]
+    def _too_near(self, molecules: Molecules, creases: CreasePattern, apart: float) -> set[int]:
+        """The stretches of the walk that vertices come from that are as good as one: no more than ``apart`` mm."""
+        short = creases.edges_vertices[edge_lengths(creases) <= apart]
         if not len(short):
             return set()
         places = set(map(tuple, creases.vertices_coords[short].reshape(-1, 2).tolist()))
@@ -605,16 +605,18 @@ class _Search:
         if made is None:
             return np.inf
         walk, molecules, part, folded = made
-        if len(solution.turns) > MOST_TURNS:
-            self.failed = self._too_near(molecules, part)
-            if self.failed:
-                return np.inf
+        coarse, fine = (share * self.sheet.diagonal for share in COINCIDENT)
+        many = len(solution.turns) > MOST_TURNS
+        if many and (near := self._too_near(molecules, part, fine)):
+            self.failed = near
+            return np.inf
         creases, folded = self.whole.unfold(part, folded)
         key = rank(part.crease_count, shortest_crease(creases))
         better = self.best is None or key < self.best.key
         # with pockets turned about half do not fold: none of these may be searched around
         self._tell_folding(solution, PATTERN)
         if (better or plan.turned) and verify(creases, folded.layers, self.whole.shape):
+            self.failed = self._too_near(molecules, part, coarse) if many else set()
             return np.inf
         if better:
             self.best = _Found(key, solution, plan, creases, folded, part, walk, molecules)

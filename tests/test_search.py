@@ -15,7 +15,7 @@ from foldcut import crowded, search
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules
 from foldcut.crowded import crowded_solution
 from foldcut.foldability import crease_numbers
-from foldcut.model import CreasePattern, Floats, Shape, Sheet
+from foldcut.model import CreasePattern, Finding, Floats, Shape, Sheet
 from foldcut.samples import sample_path
 from foldcut.search import Compact, fold_compact
 from foldcut.shape import make_shape
@@ -218,13 +218,29 @@ def test_creases_that_are_too_short_to_be_told_apart_are_mended_where_they_are(m
     monkeypatch.setattr(search, "PATIENCE", 0)
     loop = many_corners()
     shortest = search.shortest_crease(fold_compact(loop, A4, effort="fast").creases)
-    monkeypatch.setattr(search, "COINCIDENT", (1.001 * shortest / A4.diagonal, 0.0))
+    least = 1.001 * shortest / A4.diagonal
+    monkeypatch.setattr(search, "COINCIDENT", (least, 0.0))
+    as_it_is = fold_compact(loop, A4, effort="fast")
+    assert (as_it_is.tried, search.shortest_crease(as_it_is.creases)) == (1, shortest), "verified, so left as it is"
+    monkeypatch.setattr(search, "COINCIDENT", (least, least))
     found: list[Compact] = []
     first, *_, last = walks_of(lambda: found.append(fold_compact(loop, A4, effort="fast")), monkeypatch)
     assert search.shortest_crease(found[0].creases) > 1.001 * shortest
     assert verify(found[0].creases, found[0].folded.layers, Shape((loop,), (-1,))) == []
     same = (last.points[:, None] == first.points).all(axis=2).any(axis=1)
     assert 0.9 < same.mean() < 1
+
+
+def test_short_creases_are_mended_where_verification_finds_something(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    loop = many_corners()
+    shortest = search.shortest_crease(fold_compact(loop, A4, effort="fast").creases)
+    monkeypatch.setattr(search, "COINCIDENT", (1.001 * shortest / A4.diagonal, 0.0))
+    answers = iter([[Finding("planar", "too near")], []])
+    monkeypatch.setattr(search, "verify", lambda *_: next(answers))
+    found = fold_compact(loop, A4, effort="fast")
+    assert found.tried == 2
+    assert search.shortest_crease(found.creases) > 1.001 * shortest
 
 
 def test_a_molecule_that_does_not_close_is_mended_where_it_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
