@@ -34,7 +34,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from foldcut.errors import UnfoldableError
+from foldcut.errors import CreaseTooShortError, UnfoldableError
 from foldcut.events import Gusset, Meetings, Motion, Queue, Table, crosses, looks_inside
 from foldcut.model import Bools, Floats, Numbers
 
@@ -199,7 +199,8 @@ class Molecule:
     pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
     nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border; ``middles``: see
     there; ``parts``: the outlines of the bounded parts that it falls into, where they begin, and the number of the part
-    that each was of, or -1. Raises ``NotClosedError`` when the molecule does not close.
+    that each was of, or -1. Raises ``NotClosedError`` when the molecule does not close, and ``CreaseTooShortError`` as
+    soon as a gusset has a crease shorter than ``least`` mm.
     """
 
     def __init__(
@@ -211,6 +212,7 @@ class Molecule:
         limit: float | None,
         size: float,
         turned: int = 0,
+        least: float = 0.0,
         progress: Callable[[float], None] | None = None,
     ) -> None:
         self.vertices = vertices
@@ -219,6 +221,7 @@ class Molecule:
         count = self.border_facets = len(border.vertices)
         self.tie = (TIE if count <= MANY else SMALL_TIE) * size
         self.turned = turned
+        self.least = least
         self.gussets = 0
         self.middles: list[Middle] = []
         self.parts: list[tuple[Floats, int]] = []
@@ -466,6 +469,10 @@ class Molecule:
                 raise self._lost(part, "a gusset between a peak and a valley", [one, other])
             place = position[i] + along * far_i
             vertex = self._vertex_at(place, gusset.x, height)
+            if min(far_i, far_j) < self.least:
+                end, length = (i, far_i) if far_i <= far_j else (j, far_j)
+                middle_x, middle_y = ((position[end] + place) / 2).tolist()
+                raise CreaseTooShortError("the crease of a gusset is too short", length, (middle_x, middle_y))
             lowest = turns[gusset.at]
             level = self._levels[lowest.level] if abs(float(x[gusset.at]) - gusset.x) > self.tie else None
             self.middles.append(Middle(vertex, lowest.before, lowest.after, position[gusset.at], level))
