@@ -606,8 +606,8 @@ class _Search:
         x, y = place
         return CreaseTooShortError(
             f"with {len(self.outline.loop):,} corners creases get too short: the first one found, at ({x:.4g}, "
-            f"{y:.4g}), is {length:.2g} mm long, shorter than {self.least:g} mm; leave out small corners with --simplify, use a "
-            "larger sheet with the drawing larger to match, or allow all with --min-crease 0",
+            f"{y:.4g}), is {length:.2g} mm long, shorter than {self.least:g} mm; leave out small corners with "
+            "--simplify, use a larger sheet with the drawing larger to match, or allow all with --min-crease 0",
             length,
             place,
         )
