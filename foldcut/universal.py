@@ -46,6 +46,8 @@ SMALL_TIE = 3e-11
 SPIKE = 1e-9
 # Parts of more turns than this look for gussets among pairs that are near each other only.
 FEW = 100
+# Parts of no more turns look for them one by one.
+VERY_FEW = 12
 # Borders of more turns than this have their events queued as far as that can be: more than any search finds.
 MANY = 500
 # Steps by the simple code before a queue is tried again.
@@ -343,21 +345,24 @@ class Molecule:
 
     def _vertex_at(self, position: Floats, x: float, height: float) -> int:
         """The vertex of this molecule at a place, or a new one; events at one place share it."""
-        place = float(position[0]), float(position[1])
+        at_x, at_y = float(position[0]), float(position[1])
         # squares of some ties: what is within one tie is in the same or the next
-        columns, rows = (
-            {math.floor((at - self.tie) / (8 * self.tie)), math.floor((at + self.tie) / (8 * self.tie))} for at in place
-        )
+        tie, size, floor = self.tie, 8 * self.tie, math.floor
+        column, last_column = floor((at_x - tie) / size), floor((at_x + tie) / size)
+        row, last_row = floor((at_y - tie) / size), floor((at_y + tie) / size)
         latest = -1
-        for column in columns:
-            for row in rows:
-                for number in self._places.get((column, row), ()):
-                    there = self.vertices.flat[number]
-                    if abs(there[0] - place[0]) <= self.tie and abs(there[1] - place[1]) <= self.tie:
-                        latest = max(latest, number)
+        for square in (
+            ((column, row),)
+            if column == last_column and row == last_row
+            else [(c, r) for c in range(column, last_column + 1) for r in range(row, last_row + 1)]
+        ):
+            for number in self._places.get(square, ()):
+                there = self.vertices.flat[number]
+                if abs(there[0] - at_x) <= tie and abs(there[1] - at_y) <= tie:
+                    latest = max(latest, number)
         if latest < 0:
             latest = self.vertices.add(position, (float(x), self.sign * height))
-            square = math.floor(place[0] / (8 * self.tie)), math.floor(place[1] / (8 * self.tie))
+            square = floor(at_x / size), floor(at_y / size)
             self._places.setdefault(square, []).append(latest)
         return latest
 
@@ -660,6 +665,8 @@ class _State(Motion):
 
     def coincident(self, tie: float) -> tuple[int, int] | None:
         """Two turns, not neighbours, that are in the same place now, both on the sheet and when folded."""
+        if len(self.x) < 4:
+            return None  # all are neighbours
         # only turns that some line's direction does not tell apart are worth a closer look
         along = self.position @ (0.8, 0.6)
         order = np.argsort(along)
@@ -685,8 +692,11 @@ class _State(Motion):
         over, under = ~self.peak | bent, self.peak | bent
         # the root is a leaf, too, when it alone is the lowest
         under[0] |= bool((self.x[1:] > self.x[0] + tie).all())
-        if count > FEW and not self.turned.any():
-            return self._near_pairs(under, until)
+        if not self.turned.any():
+            if count > FEW:
+                return self._near_pairs(under, until)
+            if count <= VERY_FEW:
+                return self._few_pairs(under)
         place = np.arange(count + 1) % count
         x, step = self.level[place], np.arange(count + 1)
         ahead = step >= step[:-1, None]
@@ -703,6 +713,25 @@ class _State(Motion):
         keep[0, count - 1 :] = False
         i, j = np.nonzero(keep)
         return i, place[j], place[at[i, j]]
+
+    def _few_pairs(self, under: Bools) -> tuple[Numbers, Numbers, Numbers]:
+        """The same where there are so few turns that arrays are not worth it, and no pocket is turned."""
+        count = len(self.x)
+        level, leaf = self.level.tolist(), under.tolist()
+        first, last, lowest = [], [], []
+        for i in range(count):
+            if not leaf[i]:
+                continue
+            at, least = i, level[i]
+            for step in range(i + 1, count + 1 if i else count - 1):
+                j = step % count
+                if level[j] <= least:
+                    at, least = j, level[j]
+                if step >= i + 2 and leaf[j]:
+                    first.append(i)
+                    last.append(j)
+                    lowest.append(at)
+        return np.array(first, dtype=np.intp), np.array(last, dtype=np.intp), np.array(lowest, dtype=np.intp)
 
     def _near_pairs(self, under: Bools, until: float) -> tuple[Numbers, Numbers, Numbers]:
         """The same where there are many turns, and no pocket is turned: of all pairs only those that are near."""
