@@ -665,8 +665,22 @@ class _State(Motion):
 
     def coincident(self, tie: float) -> tuple[int, int] | None:
         """Two turns, not neighbours, that are in the same place now, both on the sheet and when folded."""
-        if len(self.x) < 4:
-            return None  # all are neighbours
+        count = len(self.x)
+        if count <= VERY_FEW:
+            peak = self.peak.tolist()
+            places = list(zip(*self.position.T.tolist(), self.x.tolist(), strict=True))
+            for i in range(count - 2):
+                x, y, image = places[i]
+                for j in range(i + 2, count if i else count - 1):
+                    other_x, other_y, other_image = places[j]
+                    if (
+                        abs(x - other_x) <= tie
+                        and abs(y - other_y) <= tie
+                        and abs(image - other_image) <= tie
+                        and peak[i] == peak[j]
+                    ):
+                        return i, j
+            return None
         # only turns that some line's direction does not tell apart are worth a closer look
         along = self.position @ (0.8, 0.6)
         order = np.argsort(along)
