@@ -524,10 +524,10 @@ class Queue:
             if length[k] <= self.tie or rate[k] > 0:
                 since = 0.0 if length[k] <= 2 * self.tie else float((length[k] - 2 * self.tie) / rate[k])
                 heappush(self.sides, (height + since, int(ring[k]), int(ring[k + 1])))
-        for number in new:
-            disk = reached[ring == number][0]
-            near = self.disk_boxes.meeting(disk)
-            near = near[self.alive[near]]
-            for entry in self._pairs(np.full(len(near), number), near, height):
-                heappush(self.heap, entry)
+        # the two are beside one valley, so no pair
+        disks = [reached[ring == number][0] for number in new]
+        near = [found[self.alive[found]] for found in map(self.disk_boxes.meeting, disks)]
+        for entry in self._pairs(np.repeat(new, [len(found) for found in near]), np.concatenate(near), height):
+            heappush(self.heap, entry)
+        for number, disk in zip(new, disks, strict=True):
             self.disk_boxes.add(disk, number)

@@ -28,6 +28,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -277,7 +278,11 @@ class Molecule:
         return parts
 
     def rings(self) -> list[list[int]]:
-        """The outlines of the facets, by facet number."""
+        """The outlines of the facets, by facet number; not to be changed."""
+        return self._rings
+
+    @cached_property
+    def _rings(self) -> list[list[int]]:
         return [facet.ring() for facet in self.facets]
 
     def _facet(self, start: int, end: int, beside: int) -> int:
@@ -544,7 +549,11 @@ class Molecule:
             turn(j, along, other.leaving, around[1], other.after),
         )
         new = [last, first] if middle is None else [last, middle, first]
-        outer = [*turns[:i], *new, *turns[j + 1 :]] if i < j else [new[-1], *turns[1:i], *new[:-1]]
+        if i < j:
+            outer = turns  # nobody needs the old list: a new one of many turns for each gusset would take long
+            outer[i : j + 1] = new
+        else:
+            outer = [new[-1], *turns[1:i], *new[:-1]]
         return self._parts(inner, outer, height, part)
 
     def _parts(self, inner: list[_Turn], outer: list[_Turn], height: float, whole: _Part) -> list[_Part]:
