@@ -51,10 +51,13 @@ class Molecules:
     outside: Molecule
 
 
-def build_molecules(walk: Walk, sheet: Sheet, progress: Callable[[float], None] | None = None) -> Molecules:
+def build_molecules(
+    walk: Walk, sheet: Sheet, progress: Callable[[float], None] | None = None, least: float = 0.0
+) -> Molecules:
     """Fold the inside and the outside of ``walk``; ``progress`` is told the part done where there is much to do.
 
-    Raises ``UnfoldableError`` with the place when a molecule does not close.
+    Raises ``UnfoldableError`` with the place when a molecule does not close, and ``CreaseTooShortError`` as soon as the
+    crease of a gusset inside is shorter than ``least`` mm.
     """
     vertices = Vertices()
     numbers = [vertices.add(p, (float(x), 0.0)) for p, x in zip(walk.points, walk.x, strict=True)]
@@ -62,7 +65,7 @@ def build_molecules(walk: Walk, sheet: Sheet, progress: Callable[[float], None] 
     nowhere = np.zeros_like(walk.pockets)
     border = Border(numbers, walk.peaks, walk.directions, nowhere, walk.levels[0])
     half = None if progress is None else lambda part: progress(part / 2)
-    inside = Molecule(vertices, border, sign=1, limit=None, size=size, progress=half)
+    inside = Molecule(vertices, border, sign=1, limit=None, size=size, least=least, progress=half)
     back = -np.arange(len(numbers)) % len(numbers)  # the reversed walk begins at the root, too
     border = Border(
         [numbers[k] for k in back],

@@ -26,8 +26,8 @@ def crowded_solution(outline: Outline, clearance: float, shrink: Floats | float 
     loop, length = outline.loop, outline.length
     count = len(loop)
     row = np.arange(count)
-    away = np.array([_away(outline, corner) for corner in range(count)])
-    radius = (1 - shrink) * (0.5 - clearance) * np.minimum(away, np.minimum(length, np.roll(length, 1)))
+    shorter = np.minimum(length, np.roll(length, 1))
+    radius = (1 - shrink) * (0.5 - clearance) * np.minimum(_away(outline, shorter), shorter)
     side = row
     ends = np.stack([radius, length - np.roll(radius, -1)], axis=1)
     while (crowded := _crowded(outline, side, ends, radius, clearance)).any():
@@ -44,8 +44,9 @@ def crowded_solution(outline: Outline, clearance: float, shrink: Floats | float 
         halves[~crowded, 0] = ends[~crowded]
         side, ends = np.repeat(side, 1 + crowded), halves[keep]
     # a peak at every disk's centre, a valley where it touches the next
-    centres = [np.append(0.0, ends[side == s].mean(axis=1)) for s in row]
-    radii = [np.append(radius[s], np.diff(ends[side == s])[:, 0] / 2) for s in row]
+    parts = np.split(ends, np.searchsorted(side, row[1:]))
+    centres = [np.append(0.0, part.mean(axis=1)) for part in parts]
+    radii = [np.append(radius[s], np.diff(part)[:, 0] / 2) for s, part in enumerate(parts)]
     sides = np.concatenate([np.full(2 * len(c), s) for s, c in enumerate(centres)])
     along = np.concatenate([np.stack([c, c + r], axis=1).ravel() for c, r in zip(centres, radii, strict=True)])
     x = np.concatenate([np.stack([r, np.zeros_like(r)], axis=1).ravel() for r in radii])
@@ -55,13 +56,20 @@ def crowded_solution(outline: Outline, clearance: float, shrink: Floats | float 
     return Solution(Turns(sides, corner, peak), x, along, np.zeros(len(x)), clearance)
 
 
-def _away(outline: Outline, corner: int) -> float:
-    """How far a corner is from the nearest side that does not end in it."""
-    to_corner = outline.loop[corner] - outline.loop
-    part = np.clip(np.sum(to_corner * outline.direction, axis=1), 0, outline.length)
-    away = np.hypot(*(to_corner - part[:, None] * outline.direction).T)
-    away[[corner, corner - 1]] = np.inf
-    return float(away.min())
+def _away(outline: Outline, near: Floats) -> Floats:
+    """How far each corner is from the nearest side that does not end in it, ``(n,)``; only what is ``near`` is sure."""
+    loop = outline.loop
+    count = len(loop)
+    sides = shapely.linestrings(np.stack([loop, np.roll(loop, -1, axis=0)], axis=1))
+    reach = near * (1 + 1e-9)
+    corner, side = shapely.STRtree(sides).query(shapely.points(loop), predicate="dwithin", distance=reach)
+    other = (side != corner) & (side != (corner - 1) % count)
+    corner, side = corner[other], side[other]
+    to_corner = loop[corner] - loop[side]
+    part = np.clip(np.sum(to_corner * outline.direction[side], axis=1), 0, outline.length[side])
+    away = np.full(count, np.inf)
+    np.minimum.at(away, corner, np.hypot(*(to_corner - part[:, None] * outline.direction[side]).T))
+    return away
 
 
 def _crowded(outline: Outline, side: Numbers, ends: Floats, radius: Floats, clearance: float) -> Bools:

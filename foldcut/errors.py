@@ -41,7 +41,7 @@ class UnfoldableError(FoldcutError, RuntimeError):
 
 
 class CreaseTooShortError(UnfoldableError):
-    """A verified pattern has a crease that is shorter than asked for: ``length`` in mm, its middle at ``place``."""
+    """A pattern has a crease that is shorter than asked for: ``length`` in mm, its middle at ``place``."""
 
     def __init__(self, message: str, length: float, place: tuple[float, float]) -> None:
         self.length = length

@@ -108,6 +108,13 @@ class Motion:
         return images
 
 
+def _places(rows: Floats, height: float, time: float) -> Floats:
+    """Where turns are some time after a height, ``(n, 2)`` mm: as ``Motion`` has it."""
+    velocity = rows[:, 2:4]
+    places: Floats = rows[:, :2] + velocity * (height - rows[:, 6:7]) + velocity * time
+    return places
+
+
 class Meetings:
     """When turns ``i`` and ``j`` come as near as their way in the tree, which turns at ``at``: ``(k,)`` each.
 
@@ -118,14 +125,15 @@ class Meetings:
     def __init__(self, motion: Motion, i: Numbers, j: Numbers, at: Numbers, sign: Floats | float, tie: float) -> None:
         self.tie = tie
         self.apart, self.parting = motion.position[j] - motion.position[i], motion.velocity[j] - motion.velocity[i]
+        distance = np.hypot(self.apart[:, 0], self.apart[:, 1])
         own = (at == i) | (at == j)
         self.level = np.where(own, motion.x[at], motion.level[at])
         self.level_slope = np.where(own, motion.slope[at], motion.level_slope[at])
         self.path = sign * (motion.x[i] + motion.x[j] - 2 * self.level)
         self.path_slope = sign * (motion.slope[i] + motion.slope[j] - 2 * self.level_slope)
-        distance = np.hypot(self.apart[:, 0], self.apart[:, 1])
-        self.a = (self.parting**2).sum(axis=1) - self.path_slope**2
-        self.b = 2 * ((self.apart * self.parting).sum(axis=1) - self.path * self.path_slope)
+        (apart_x, apart_y), (parting_x, parting_y) = self.apart.T, self.parting.T
+        self.a = parting_x * parting_x + parting_y * parting_y - self.path_slope * self.path_slope
+        self.b = 2 * (apart_x * parting_x + apart_y * parting_y - self.path * self.path_slope)
         self.c = (distance - self.path) * (distance + self.path)
         with np.errstate(all="ignore"):
             q = -self.b + np.sqrt(self.b * self.b - 4 * self.a * self.c)
@@ -197,8 +205,9 @@ class _Grown:
 
     def meeting(self, box: Floats) -> Numbers:
         """What has a box that meets this one."""
-        boxes = self.boxes[: self.count]
-        late = (boxes[:, :2] <= box[2:]).all(axis=1) & (boxes[:, 2:] >= box[:2]).all(axis=1)
+        x0, y0, x1, y1 = self.boxes[: self.count].T
+        low_x, low_y, high_x, high_y = box.tolist()
+        late = (x0 <= high_x) & (y0 <= high_y) & (x1 >= low_x) & (y1 >= low_y)
         return np.concatenate([self.old[self.tree.query(_boxes(box)[0])], self.new[: self.count][late]])
 
 
@@ -289,12 +298,16 @@ class Queue:
         beside = self.following[self.following]
         keep = (beside[one] != other) & (beside[other] != one)
         one, other = one[keep], other[keep]
-        first, second = (Motion(self.table.rows[some], height) for some in (one, other))
-        apart, parting = second.position - first.position, second.velocity - first.velocity
-        path, slope = first.x + second.x - 2 * self.lowest, first.slope + second.slope
-        distance = np.hypot(*apart.T)
-        a = (parting**2).sum(axis=1) - slope**2
-        b = 2 * ((apart * parting).sum(axis=1) - path * slope)
+        count = len(one)
+        if not count:
+            return []
+        motion = Motion(self.table.rows[np.concatenate([one, other])], height)
+        apart_x, apart_y = (motion.position[count:] - motion.position[:count]).T
+        parting_x, parting_y = (motion.velocity[count:] - motion.velocity[:count]).T
+        path, slope = motion.x[:count] + motion.x[count:] - 2 * self.lowest, motion.slope[:count] + motion.slope[count:]
+        distance = np.hypot(apart_x, apart_y)
+        a = parting_x * parting_x + parting_y * parting_y - slope * slope
+        b = 2 * (apart_x * parting_x + apart_y * parting_y - path * slope)
         c = (distance - path) * (distance + path)
         root = b * b - 4 * a * c
         grazing = np.abs(root) <= 1e-6 * b * b
@@ -433,7 +446,7 @@ class Queue:
     def _sees(self, pair: Pair, height: float, time: float) -> bool:
         """Whether the segment between two turns lies inside the part."""
         rows = self.table.rows
-        start, end = Motion(rows[list(pair)], height).positions(time)
+        start, end = _places(rows[list(pair)], height, time)
         line = end - start
         if not line.any():
             return False
@@ -443,9 +456,10 @@ class Queue:
         sides = self.side_boxes.meeting(np.concatenate([np.minimum(start, end), np.maximum(start, end)]))
         first, last = sides.T
         there = self.alive[first] & (self.following[first] == last)
-        there &= ~np.isin(first, pair) & ~np.isin(last, pair)
+        for number in pair:
+            there &= (first != number) & (last != number)
         count = int(there.sum())
-        ends = Motion(rows[np.concatenate([first[there], last[there]])], height).positions(time)
+        ends = _places(rows[np.concatenate([first[there], last[there]])], height, time)
         return not bool(crosses(start, line, ends[:count], ends[count:]).any())
 
     def places(self, gusset: Gusset, height: float) -> tuple[dict[int, Floats], dict[int, float]]:
@@ -502,7 +516,7 @@ class Queue:
         """Look for the events of new peaks, and of the sides along ``ring``."""
         rows, ahead = self.table.rows, self.until - height
         motion = Motion(rows[ring], height)
-        swept = self._swept(motion, ahead)
+        swept, reached = self._swept(motion, ahead), self._disks(motion, ahead)
         length, rate = motion.up[:-1] * -np.diff(motion.x), motion.shrink[:-1] + motion.shrink[1:]
         for k in range(len(ring) - 1):
             a, b = swept[k], swept[k + 1]
@@ -510,10 +524,10 @@ class Queue:
             if length[k] <= self.tie or rate[k] > 0:
                 since = 0.0 if length[k] <= 2 * self.tie else float((length[k] - 2 * self.tie) / rate[k])
                 heappush(self.sides, (height + since, int(ring[k]), int(ring[k + 1])))
-        disks = self._disks(Motion(rows[new], height), ahead)
+        # the two are beside one valley, so no pair
+        disks = [reached[ring == number][0] for number in new]
+        near = [found[self.alive[found]] for found in map(self.disk_boxes.meeting, disks)]
+        for entry in self._pairs(np.repeat(new, [len(found) for found in near]), np.concatenate(near), height):
+            heappush(self.heap, entry)
         for number, disk in zip(new, disks, strict=True):
-            near = self.disk_boxes.meeting(disk)
-            near = near[self.alive[near]]
-            for entry in self._pairs(np.full(len(near), number), near, height):
-                heappush(self.heap, entry)
             self.disk_boxes.add(disk, number)

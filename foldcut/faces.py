@@ -23,6 +23,7 @@ from foldcut.model import (
     Ragged,
     sealed,
 )
+from foldcut.planar import signed_areas
 from foldcut.plane import signed_area
 
 Ring = list[int]
@@ -67,7 +68,7 @@ def creases_of_stack(folded: Floats, rings: Sequence[Ring]) -> tuple[list[Edge],
     A crease is a valley exactly when the face that looks up has its neighbour above it. ``folded`` ``(v, 2)``.
     """
     beside = {side: face for face, ring in enumerate(rings) for side in zip(ring, ring[1:] + ring[:1], strict=True)}
-    up = [signed_area(folded[ring]) > 0 for ring in rings]
+    up = (signed_areas(folded, Ragged.from_rows(rings)) > 0).tolist()
     edges, kinds = [], []
     for (a, b), face in beside.items():
         other = beside.get((b, a))

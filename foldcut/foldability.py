@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -119,10 +120,14 @@ def crease_numbers(creases: CreasePattern) -> CreaseNumbers:
     )
 
 
-def remedies(sheet: Sheet, factor: float, loops: int) -> str:
-    """Return words for what makes the shortest crease of a drawing of so many loops ``factor`` times as long."""
+def remedies(sheet: Sheet, factor: float, loops: int, tried: Collection[str] = ()) -> str:
+    """Return words for what makes the shortest crease of a drawing of so many loops ``factor`` times as long.
+
+    ``tried``: the methods that have been, if that is known.
+    """
     if factor > LARGEST_FACTOR:
-        other = "try --method compact or a higher --effort" if loops == 1 else "fold fewer loops at a time"
+        other = "try a higher --effort" if "compact" in tried else "try --method compact or a higher --effort"
+        other = other if loops == 1 else "fold fewer loops at a time"
         return f"leave out small corners with --simplify, or {other}"
     factor = math.ceil(factor * 10 - 1e-9) / 10
     size = f"{math.ceil(sheet.width * factor)} x {math.ceil(sheet.height * factor)} mm"

@@ -29,9 +29,9 @@ BLOCK = 1 << 13
 
 def points_array(points: ArrayLike) -> Floats:
     """Return ``points`` as a read-only ``(n, 2)`` float64 array of its own."""
-    array = np.array(points, dtype=np.float64).reshape(-1, 2)
+    array = np.array(points, dtype=np.float64)
     array.setflags(write=False)
-    return array
+    return array.reshape(-1, 2)
 
 
 def sealed(array: NDArray[Scalar]) -> NDArray[Scalar]:

@@ -239,7 +239,8 @@ def fold(
             return _Laid(on, placed, placement.from_y_down() if y_down else placement, notes, quarter)
 
         laid = lay(0.0)
-    trials = _Trials(stages, ribbon, effort, seconds, symmetry, adjust, may_turn=rotation is None and offset is None)
+    may_turn = rotation is None and offset is None
+    trials = _Trials(stages, ribbon, effort, seconds, symmetry, adjust, min_crease, may_turn=may_turn)
     made = trials.run(method, laid, lay)
     stages.up_to(FOLDED)
     stages.up_to(1.0)
@@ -248,7 +249,7 @@ def fold(
         findings = verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
     if not findings:
         least = MIN_CREASE_MM[made.method] if min_crease is None else min_crease
-        _require_length(made.stages.creases, made.laid.sheet, least, len(made.laid.shape.loops))
+        _require_length(made, least, {attempt.method for attempt in trials.attempts})
     on = made.laid
     pattern = FoldedPattern(
         made.stages.creases,
@@ -333,6 +334,7 @@ class _Trials:
         seconds: float | None,
         symmetry: float,
         adjust: float,
+        min_crease: float | None,
         *,
         may_turn: bool,
     ) -> None:
@@ -340,7 +342,12 @@ class _Trials:
         self.symmetry, self.adjust = symmetry, adjust
         self.free = ribbon or 0.0  # the ribbon of methods that need none
         self.fold_compact = partial(
-            fold_compact, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
+            fold_compact,
+            ribbon=self.free,
+            effort=effort,
+            seconds=seconds,
+            progress=stages.tell,
+            least=MIN_CREASE_MM["compact"] if min_crease is None else min_crease,
         )
         self.fold_mirrored = partial(
             fold_mirrored, ribbon=self.free, effort=effort, seconds=seconds, progress=stages.tell
@@ -529,15 +536,16 @@ def _fold_by_the_paper(shape: Shape, sheet: Sheet, ribbon: float, stages: _Stage
     return PaperStages(packing, built, assignment, creases, folded)
 
 
-def _require_length(creases: CreasePattern, sheet: Sheet, least: float, loops: int) -> None:
-    """Refuse a crease of a drawing of ``loops`` that is shorter than ``least``, in mm, with what to do about it."""
-    numbers = crease_numbers(creases)
+def _require_length(made: _Made, least: float, tried: set[str]) -> None:
+    """Refuse a crease that is shorter than ``least``, in mm, with what to do about it but methods that were tried."""
+    numbers = crease_numbers(made.stages.creases)
     length, at = numbers.shortest_crease_mm, numbers.shortest_crease_at
     if length is None or at is None or length >= least:
         return
+    remedy = remedies(made.laid.sheet, least / length, len(made.laid.shape.loops), tried)
     raise CreaseTooShortError(
         f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {length:.2g} mm long, shorter than {least:g} mm; "
-        f"{remedies(sheet, least / length, loops)}, or allow it with --min-crease {_rounded_down(length)}mm",
+        f"{remedy}, or allow it with --min-crease {_rounded_down(length)}mm",
         length,
         at,
     )

@@ -25,7 +25,7 @@ import numpy as np
 
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.crowded import crowded_solution
-from foldcut.errors import UnfoldableError
+from foldcut.errors import CreaseTooShortError, UnfoldableError
 from foldcut.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet
 from foldcut.planar import edge_lengths
 from foldcut.ties import Mover
@@ -116,6 +116,7 @@ def fold_compact(
     progress: Callable[[str, float], None] | None = None,
     share: float = 1.0,
     whole: Whole | None = None,
+    least: float = 0.0,
 ) -> Compact:
     """Return the verified pattern with the fewest creases that the search finds.
 
@@ -123,11 +124,11 @@ def fold_compact(
     that has to stay free of all but straight creases; ``effort`` one of ``EFFORTS``; ``seconds`` a time limit instead.
     ``progress`` is called with a text and the part done. Ctrl-C ends the search with the best pattern so far.
     ``share``: the part of the effort, or of the seconds, that may be spent. ``whole``: what ``sheet`` is part of, which
-    is what is verified.
-    Raises ``UnfoldableError`` when no pattern is found.
+    is what is verified. ``least``: where very many turns are folded, a crease shorter than so many mm ends that.
+    Raises ``UnfoldableError`` when no pattern is found, ``CreaseTooShortError`` for a crease that is too short.
     """
     budget = _Budget(share * EFFORTS[effort], None if seconds is None else share * seconds)
-    search = _Search(loop, sheet, ribbon, budget, progress, whole or Whole(Shape((loop,), (-1,))))
+    search = _Search(loop, sheet, ribbon, budget, progress, whole or Whole(Shape((loop,), (-1,))), least)
     interrupted = False
     try:
         for stage in (search.run, search.crowd, search.finish):
@@ -138,6 +139,11 @@ def fold_compact(
             raise
         interrupted = True
     best = search.best
+    if best is None and search.late:
+        raise UnfoldableError(
+            f"folding {len(loop):,} corners takes longer than {share * (seconds or 0):.3g} s; allow more with "
+            "--seconds, or leave out small corners with --simplify"
+        )
     if best is None:
         x, y = loop.mean(axis=0)
         raise UnfoldableError(
@@ -215,15 +221,18 @@ class _Search:
         budget: _Budget,
         progress: Callable[[str, float], None] | None,
         whole: Whole,
+        least: float,
     ) -> None:
         self.outline = Outline(loop)
-        self.whole = whole
+        self.whole, self.least = whole, least
         self.sheet, self.ribbon, self.budget, self.progress = sheet, ribbon, budget, progress
         self.rng = np.random.default_rng(len(loop))
         self.best: _Found | None = None
         self.tried = 0
         self.failed: set[int] = set()  # the stretches of the last walk where it failed,
         self.open = False  # because a molecule did not close
+        self.deadline = np.inf  # of folding very many turns
+        self.late = False
         self.settled: set[Solution] = set()
         self.solved: list[tuple[float, Solution, _Plan]] = []
 
@@ -247,6 +256,8 @@ class _Search:
         """Where the programs took too long, fold many small disks instead."""
         if self.best is not None:
             return
+        if self.budget.seconds is not None:
+            self.deadline = self.budget.started + self.budget.seconds
         self.budget.seconds = None
         self.budget.more(np.inf)
         # all corners are peaks and no pocket is turned, so no corner falls
@@ -266,9 +277,9 @@ class _Search:
                 noise[corners] = shaken[corners] * self.rng.random(len(corners))
                 shaken[corners] = SHAKEN[1]
 
-    def _too_near(self, molecules: Molecules, creases: CreasePattern) -> set[int]:
-        """The stretches of the walk that vertices come from that are as good as one."""
-        short = creases.edges_vertices[edge_lengths(creases) <= COINCIDENT[0] * self.sheet.diagonal]
+    def _too_near(self, molecules: Molecules, creases: CreasePattern, apart: float) -> set[int]:
+        """The stretches of the walk that vertices come from that are as good as one: no more than ``apart`` mm."""
+        short = creases.edges_vertices[edge_lengths(creases) <= apart]
         if not len(short):
             return set()
         places = set(map(tuple, creases.vertices_coords[short].reshape(-1, 2).tolist()))
@@ -414,9 +425,12 @@ class _Search:
             self.progress(text, part)
 
     def _tell_folding(self, solution: Solution, part: float) -> None:
-        """Tell how far many turns are folded: that takes long, and is no search."""
+        """Tell how far many turns are folded: that takes long, and is no search. ``--seconds`` ends it, too."""
         count = len(solution.turns)
         if count > MOST_TURNS:
+            self.late = part < PATTERN and time.monotonic() > self.deadline
+            if self.late:
+                raise _Spent
             again = f", trial {self.tried}" if self.tried > 1 else ""
             self._report(f"folding: {count:,} turns{again}", part)
 
@@ -568,19 +582,35 @@ class _Search:
 
     def _build(self, solution: Solution, plan: _Plan) -> tuple[Walk, Molecules, CreasePattern, FoldedState] | None:
         walk = solution.walk(self.outline, careful=plan.careful)
+        least = self.least if len(solution.turns) > MOST_TURNS else 0.0
         try:
-            molecules = build_molecules(walk, self.sheet, lambda part: self._tell_folding(solution, MOLECULES * part))
+            molecules = build_molecules(
+                walk, self.sheet, lambda part: self._tell_folding(solution, MOLECULES * part), least
+            )
             lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
             if lowest <= self.ribbon or molecule_faults(molecules):
                 return None
             self._tell_folding(solution, MOLECULES)
             return walk, molecules, *fold_molecules(molecules, self.sheet)
+        except CreaseTooShortError as error:
+            raise self._too_short(error.length, error.place) from None
         except NotClosedError as error:
             if len(solution.turns) > MOST_TURNS:
                 self.failed, self.open = error.stretches, True
             return None
         except (UnfoldableError, AssertionError, KeyError, StopIteration):
             return None
+
+    def _too_short(self, length: float, place: tuple[float, float]) -> CreaseTooShortError:
+        """Say what is to be done about the first crease of very many that is found to be too short."""
+        x, y = place
+        return CreaseTooShortError(
+            f"with {len(self.outline.loop):,} corners creases get too short: the first one found, at ({x:.4g}, "
+            f"{y:.4g}), is {length:.2g} mm long, shorter than {self.least:g} mm; leave out small corners with "
+            "--simplify, use a larger sheet with the drawing larger to match, or allow all with --min-crease 0",
+            length,
+            place,
+        )
 
     def _wishes(self, turns: Turns, *, plain: bool) -> tuple[Floats, Floats]:
         """For each turn on a side with no other: a node over it; for each turn a weight."""
@@ -605,16 +635,18 @@ class _Search:
         if made is None:
             return np.inf
         walk, molecules, part, folded = made
-        if len(solution.turns) > MOST_TURNS:
-            self.failed = self._too_near(molecules, part)
-            if self.failed:
-                return np.inf
+        coarse, *_, fine = (share * self.sheet.diagonal for share in COINCIDENT)
+        many = len(solution.turns) > MOST_TURNS
+        if many and (near := self._too_near(molecules, part, fine)):
+            self.failed = near
+            return np.inf
         creases, folded = self.whole.unfold(part, folded)
         key = rank(part.crease_count, shortest_crease(creases))
         better = self.best is None or key < self.best.key
         # with pockets turned about half do not fold: none of these may be searched around
         self._tell_folding(solution, PATTERN)
         if (better or plan.turned) and verify(creases, folded.layers, self.whole.shape):
+            self.failed = self._too_near(molecules, part, coarse) if many else set()
             return np.inf
         if better:
             self.best = _Found(key, solution, plan, creases, folded, part, walk, molecules)

@@ -28,13 +28,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from foldcut.errors import UnfoldableError
+from foldcut.errors import CreaseTooShortError, UnfoldableError
 from foldcut.events import Gusset, Meetings, Motion, Queue, Table, crosses, looks_inside
 from foldcut.model import Bools, Floats, Numbers
 
@@ -46,6 +47,8 @@ SMALL_TIE = 3e-11
 SPIKE = 1e-9
 # Parts of more turns than this look for gussets among pairs that are near each other only.
 FEW = 100
+# Parts of no more turns look for them one by one.
+VERY_FEW = 12
 # Borders of more turns than this have their events queued as far as that can be: more than any search finds.
 MANY = 500
 # Steps by the simple code before a queue is tried again.
@@ -199,7 +202,8 @@ class Molecule:
     pockets, as bits, that are folded with the tree over the peaks. ``lowest_event``: the height in mm up to which
     nothing happens, the room for a ribbon; ``border_facets``: how many facets begin at the border; ``middles``: see
     there; ``parts``: the outlines of the bounded parts that it falls into, where they begin, and the number of the part
-    that each was of, or -1. Raises ``NotClosedError`` when the molecule does not close.
+    that each was of, or -1. Raises ``NotClosedError`` when the molecule does not close, and ``CreaseTooShortError`` as
+    soon as a gusset has a crease shorter than ``least`` mm.
     """
 
     def __init__(
@@ -211,6 +215,7 @@ class Molecule:
         limit: float | None,
         size: float,
         turned: int = 0,
+        least: float = 0.0,
         progress: Callable[[float], None] | None = None,
     ) -> None:
         self.vertices = vertices
@@ -219,6 +224,7 @@ class Molecule:
         count = self.border_facets = len(border.vertices)
         self.tie = (TIE if count <= MANY else SMALL_TIE) * size
         self.turned = turned
+        self.least = least
         self.gussets = 0
         self.middles: list[Middle] = []
         self.parts: list[tuple[Floats, int]] = []
@@ -272,7 +278,11 @@ class Molecule:
         return parts
 
     def rings(self) -> list[list[int]]:
-        """The outlines of the facets, by facet number."""
+        """The outlines of the facets, by facet number; not to be changed."""
+        return self._rings
+
+    @cached_property
+    def _rings(self) -> list[list[int]]:
         return [facet.ring() for facet in self.facets]
 
     def _facet(self, start: int, end: int, beside: int) -> int:
@@ -340,21 +350,24 @@ class Molecule:
 
     def _vertex_at(self, position: Floats, x: float, height: float) -> int:
         """The vertex of this molecule at a place, or a new one; events at one place share it."""
-        place = float(position[0]), float(position[1])
+        at_x, at_y = float(position[0]), float(position[1])
         # squares of some ties: what is within one tie is in the same or the next
-        columns, rows = (
-            {math.floor((at - self.tie) / (8 * self.tie)), math.floor((at + self.tie) / (8 * self.tie))} for at in place
-        )
+        tie, size, floor = self.tie, 8 * self.tie, math.floor
+        column, last_column = floor((at_x - tie) / size), floor((at_x + tie) / size)
+        row, last_row = floor((at_y - tie) / size), floor((at_y + tie) / size)
         latest = -1
-        for column in columns:
-            for row in rows:
-                for number in self._places.get((column, row), ()):
-                    there = self.vertices.flat[number]
-                    if abs(there[0] - place[0]) <= self.tie and abs(there[1] - place[1]) <= self.tie:
-                        latest = max(latest, number)
+        for square in (
+            ((column, row),)
+            if column == last_column and row == last_row
+            else [(c, r) for c in range(column, last_column + 1) for r in range(row, last_row + 1)]
+        ):
+            for number in self._places.get(square, ()):
+                there = self.vertices.flat[number]
+                if abs(there[0] - at_x) <= tie and abs(there[1] - at_y) <= tie:
+                    latest = max(latest, number)
         if latest < 0:
             latest = self.vertices.add(position, (float(x), self.sign * height))
-            square = math.floor(place[0] / (8 * self.tie)), math.floor(place[1] / (8 * self.tie))
+            square = floor(at_x / size), floor(at_y / size)
             self._places.setdefault(square, []).append(latest)
         return latest
 
@@ -466,6 +479,10 @@ class Molecule:
                 raise self._lost(part, "a gusset between a peak and a valley", [one, other])
             place = position[i] + along * far_i
             vertex = self._vertex_at(place, gusset.x, height)
+            if min(far_i, far_j) < self.least:
+                end, length = (i, far_i) if far_i <= far_j else (j, far_j)
+                middle_x, middle_y = ((position[end] + place) / 2).tolist()
+                raise CreaseTooShortError("the crease of a gusset is too short", length, (middle_x, middle_y))
             lowest = turns[gusset.at]
             level = self._levels[lowest.level] if abs(float(x[gusset.at]) - gusset.x) > self.tie else None
             self.middles.append(Middle(vertex, lowest.before, lowest.after, position[gusset.at], level))
@@ -532,7 +549,11 @@ class Molecule:
             turn(j, along, other.leaving, around[1], other.after),
         )
         new = [last, first] if middle is None else [last, middle, first]
-        outer = [*turns[:i], *new, *turns[j + 1 :]] if i < j else [new[-1], *turns[1:i], *new[:-1]]
+        if i < j:
+            outer = turns  # nobody needs the old list: a new one of many turns for each gusset would take long
+            outer[i : j + 1] = new
+        else:
+            outer = [new[-1], *turns[1:i], *new[:-1]]
         return self._parts(inner, outer, height, part)
 
     def _parts(self, inner: list[_Turn], outer: list[_Turn], height: float, whole: _Part) -> list[_Part]:
@@ -653,6 +674,22 @@ class _State(Motion):
 
     def coincident(self, tie: float) -> tuple[int, int] | None:
         """Two turns, not neighbours, that are in the same place now, both on the sheet and when folded."""
+        count = len(self.x)
+        if count <= VERY_FEW:
+            peak = self.peak.tolist()
+            places = list(zip(*self.position.T.tolist(), self.x.tolist(), strict=True))
+            for i in range(count - 2):
+                x, y, image = places[i]
+                for j in range(i + 2, count if i else count - 1):
+                    other_x, other_y, other_image = places[j]
+                    if (
+                        abs(x - other_x) <= tie
+                        and abs(y - other_y) <= tie
+                        and abs(image - other_image) <= tie
+                        and peak[i] == peak[j]
+                    ):
+                        return i, j
+            return None
         # only turns that some line's direction does not tell apart are worth a closer look
         along = self.position @ (0.8, 0.6)
         order = np.argsort(along)
@@ -678,8 +715,11 @@ class _State(Motion):
         over, under = ~self.peak | bent, self.peak | bent
         # the root is a leaf, too, when it alone is the lowest
         under[0] |= bool((self.x[1:] > self.x[0] + tie).all())
-        if count > FEW and not self.turned.any():
-            return self._near_pairs(under, until)
+        if not self.turned.any():
+            if count > FEW:
+                return self._near_pairs(under, until)
+            if count <= VERY_FEW:
+                return self._few_pairs(under)
         place = np.arange(count + 1) % count
         x, step = self.level[place], np.arange(count + 1)
         ahead = step >= step[:-1, None]
@@ -696,6 +736,25 @@ class _State(Motion):
         keep[0, count - 1 :] = False
         i, j = np.nonzero(keep)
         return i, place[j], place[at[i, j]]
+
+    def _few_pairs(self, under: Bools) -> tuple[Numbers, Numbers, Numbers]:
+        """The same where there are so few turns that arrays are not worth it, and no pocket is turned."""
+        count = len(self.x)
+        level, leaf = self.level.tolist(), under.tolist()
+        first, last, lowest = [], [], []
+        for i in range(count):
+            if not leaf[i]:
+                continue
+            at, least = i, level[i]
+            for step in range(i + 1, count + 1 if i else count - 1):
+                j = step % count
+                if level[j] <= least:
+                    at, least = j, level[j]
+                if step >= i + 2 and leaf[j]:
+                    first.append(i)
+                    last.append(j)
+                    lowest.append(at)
+        return np.array(first, dtype=np.intp), np.array(last, dtype=np.intp), np.array(lowest, dtype=np.intp)
 
     def _near_pairs(self, under: Bools, until: float) -> tuple[Numbers, Numbers, Numbers]:
         """The same where there are many turns, and no pocket is turned: of all pairs only those that are near."""

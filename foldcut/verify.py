@@ -10,6 +10,8 @@ the layers can lie in their order (``stacking``); the shape's boundary comes to 
 
 from __future__ import annotations
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 import shapely
 
@@ -57,7 +59,52 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
     ``layers`` are the face numbers from bottom to top, up being the normal of face 0; ``shape`` is on the
     sheet, in mm. Without a shape the cut is not checked; without layers the pattern is not verified, and the
     findings say so. Edges assigned F or U are taken as not folded.
+
+    A pattern found valid is not looked at again, with the same layers and shape, as long as it lives and its arrays
+    cannot be written to: the search proves what it finds, and what is handed out is proven.
     """
+    if _is_proven(pattern, layers, shape):
+        return []
+    findings = _findings(pattern, layers, shape)
+    if not findings and layers is not None and _is_sealed(pattern, layers):
+        _PROVEN.setdefault(pattern, []).append((layers, _loops(shape)))
+    return findings
+
+
+_PROVEN: WeakKeyDictionary[CreasePattern, list[tuple[Ints, tuple[bytes, ...] | None]]] = WeakKeyDictionary()
+"""The layers, and the loops of the shapes, with which patterns have been found valid."""
+
+
+def _is_proven(pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> bool:
+    known = _PROVEN.get(pattern, [])
+    return any(layers is one and loops == _loops(shape) and _is_sealed(pattern, one) for one, loops in known)
+
+
+def _is_sealed(pattern: CreasePattern, layers: Ints) -> bool:
+    """Whether none of the arrays can be written to, nor what they are views of."""
+    faces = pattern.faces_vertices
+    array: object
+    for array in (
+        pattern.vertices_coords,
+        pattern.edges_vertices,
+        pattern.edges_assignment,
+        faces.values,
+        faces.offsets,
+        layers,
+    ):
+        while isinstance(array, np.ndarray) and not array.flags.writeable:
+            array = array.base
+        if array is not None:
+            return False
+    return True
+
+
+def _loops(shape: Shape | None) -> tuple[bytes, ...] | None:
+    return None if shape is None else tuple(loop.tobytes() for loop in shape.loops)
+
+
+def _findings(pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
+    """Verify with the coarse tolerance, or with a finer one: what is valid within one is valid."""
     findings = _check_arrays(pattern)
     if findings:
         return findings
@@ -65,18 +112,26 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
     coarse, *finer = (share * diagonal for share in COINCIDENT)
     lengths, loose = edge_lengths(pattern), _check_edges(pattern)
 
-    def found_within(tolerance: float) -> list[Finding]:
-        return _short_edges(pattern, lengths, tolerance) + loose or _verify_within(tolerance, pattern, layers, shape)
+    def found_within(tolerance: float, faces: tuple[Bools, bool] | None = None) -> list[Finding]:
+        return _short_edges(pattern, lengths, tolerance) + loose or _verify_within(
+            tolerance, pattern, layers, shape, faces or _look_at_faces(pattern, tolerance)
+        )
 
-    findings = found_within(coarse)
-    return findings if findings and all(found_within(tolerance) for tolerance in finer) else []
+    faces = None if loose or (lengths <= coarse).any() else _look_at_faces(pattern, coarse)
+    if faces is not None and not faces[1]:
+        findings = found_within(coarse, faces)
+        return findings if findings and all(map(found_within, finer)) else []
+    # something is too near for the coarse tolerance: where that is takes long to say, and often nobody needs to know
+    return found_within(coarse, faces) if loose or all(map(found_within, finer)) else []
 
 
-def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
-    """Verify with one tolerance, in mm."""
+def _verify_within(
+    tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None, faces: tuple[Bools, bool]
+) -> list[Finding]:
+    """Verify with one tolerance, in mm; ``faces``: what ``_look_at_faces`` has seen."""
     sides = edge_sides(pattern)
     faces_of_edges = faces_of_sides(pattern, sides)
-    findings = _check_planar(pattern, sides, faces_of_edges, tolerance)
+    findings = _check_planar(pattern, sides, faces_of_edges, tolerance, *faces)
     if findings:
         return findings
     del sides
@@ -131,7 +186,9 @@ def _check_arrays(pattern: CreasePattern) -> list[Finding]:
     return findings
 
 
-def _check_planar(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float) -> list[Finding]:
+def _check_planar(
+    pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float, convex: Bools, close: bool
+) -> list[Finding]:
     """Find whatever keeps the faces from tiling a sheet with one simple outline, edge to edge.
 
     Why this is enough: each face is a simple counter-clockwise polygon, the sides of two faces at an inner
@@ -143,7 +200,6 @@ def _check_planar(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, 
     No vertex may come within the tolerance of an edge, either. The way from one that does leaves it through a face, or
     along an edge, which is longer; so it comes within the tolerance of an edge of that face, and only these are asked.
     """
-    convex, close = _look_at_faces(pattern, tolerance)
     findings = [*_check_face_outlines(pattern, convex), *_check_sides(pattern, sides, faces_of_edges)]
     if findings or close:
         return [*findings, *_check_crossings(pattern, tolerance)]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 from strategies import Points, cross, rectangle, regular, star, star_shaped, two_opt
 
 import foldcut
@@ -15,7 +16,7 @@ from foldcut import crowded, search
 from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules
 from foldcut.crowded import crowded_solution
 from foldcut.foldability import crease_numbers
-from foldcut.model import CreasePattern, Floats, Shape, Sheet
+from foldcut.model import CreasePattern, Finding, Floats, Shape, Sheet
 from foldcut.samples import sample_path
 from foldcut.search import Compact, fold_compact
 from foldcut.shape import make_shape
@@ -184,6 +185,18 @@ def test_many_small_disks_always_fit() -> None:
         assert np.allclose(np.bincount(solution.turns.side, step), outline.length)
 
 
+def test_corners_are_as_far_from_other_sides_as_the_nearest_of_all() -> None:
+    for seed in range(4):
+        outline = Outline(loop_of(star_shaped(np.random.default_rng(seed), 12)))
+        count = len(outline.loop)
+        sides = shapely.linestrings(np.stack([outline.loop, np.roll(outline.loop, -1, axis=0)], axis=1))
+        away = shapely.distance(shapely.points(outline.loop)[:, None], sides)
+        away[np.arange(count), np.arange(count)] = away[np.arange(count), np.arange(count) - 1] = np.inf
+        nearest = away.min(axis=1)
+        assert np.allclose(crowded._away(outline, 1.5 * nearest), nearest)
+        assert np.isinf(crowded._away(outline, 0.5 * nearest)).all(), "nothing farther is looked at"
+
+
 def test_a_shape_that_takes_too_long_is_folded_with_many_disks(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(search, "PATIENCE", 0)
     monkeypatch.setitem(search.EFFORTS, "fast", 1e-6)
@@ -218,13 +231,29 @@ def test_creases_that_are_too_short_to_be_told_apart_are_mended_where_they_are(m
     monkeypatch.setattr(search, "PATIENCE", 0)
     loop = many_corners()
     shortest = search.shortest_crease(fold_compact(loop, A4, effort="fast").creases)
-    monkeypatch.setattr(search, "COINCIDENT", (1.001 * shortest / A4.diagonal,))
+    least = 1.001 * shortest / A4.diagonal
+    monkeypatch.setattr(search, "COINCIDENT", (least, 0.0))
+    as_it_is = fold_compact(loop, A4, effort="fast")
+    assert (as_it_is.tried, search.shortest_crease(as_it_is.creases)) == (1, shortest), "verified, so left as it is"
+    monkeypatch.setattr(search, "COINCIDENT", (least, least))
     found: list[Compact] = []
     first, *_, last = walks_of(lambda: found.append(fold_compact(loop, A4, effort="fast")), monkeypatch)
     assert search.shortest_crease(found[0].creases) > 1.001 * shortest
     assert verify(found[0].creases, found[0].folded.layers, Shape((loop,), (-1,))) == []
     same = (last.points[:, None] == first.points).all(axis=2).any(axis=1)
     assert 0.9 < same.mean() < 1
+
+
+def test_short_creases_are_mended_where_verification_finds_something(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    loop = many_corners()
+    shortest = search.shortest_crease(fold_compact(loop, A4, effort="fast").creases)
+    monkeypatch.setattr(search, "COINCIDENT", (1.001 * shortest / A4.diagonal, 0.0))
+    answers = iter([[Finding("planar", "too near")], []])
+    monkeypatch.setattr(search, "verify", lambda *_: next(answers))
+    found = fold_compact(loop, A4, effort="fast")
+    assert found.tried == 2
+    assert search.shortest_crease(found.creases) > 1.001 * shortest
 
 
 def test_a_molecule_that_does_not_close_is_mended_where_it_does_not(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -251,8 +280,42 @@ def test_a_time_too_short_for_one_program_is_not_spent_on_it(monkeypatch: pytest
         raise AssertionError("no time for this")
 
     monkeypatch.setattr(search, "Program", program)
-    found = fold_compact(many_corners(), A4, seconds=2.0)
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    found = fold_compact(many_corners(), A4, seconds=100.0)
     assert len(found.walk.x) > 400
+
+
+def test_the_time_allowed_ends_the_folding_of_very_many_turns() -> None:
+    seen: list[float] = []
+    with pytest.raises(foldcut.UnfoldableError, match=r"folding 160 corners takes longer than 0.001 s; .*--seconds"):
+        fold_compact(many_corners(), A4, seconds=0.001, progress=lambda _, part: seen.append(part))
+    assert max(seen) < 0.5
+
+
+def test_ctrl_c_ends_the_folding_of_very_many_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+
+    def interrupting(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fold_compact(many_corners(), A4, effort="fast", progress=interrupting)
+
+
+def test_a_crease_of_very_many_that_is_too_short_ends_the_folding(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "PATIENCE", 0)
+    loop = many_corners()
+    creases = fold_compact(loop, A4, effort="fast").creases
+    parts: list[float] = []
+    with pytest.raises(foldcut.CreaseTooShortError, match="with 160 corners .* than 0.5 mm; .*--simplify") as no:
+        fold_compact(loop, A4, effort="fast", least=0.5, progress=lambda _, part: parts.append(part))
+    assert parts == [0.0], "at once"
+    assert 0 < no.value.length < 0.5
+    ends = creases.vertices_coords[creases.edges_vertices]
+    lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    at = int(np.hypot(*(ends.mean(axis=1) - no.value.place).T).argmin())
+    assert lengths[at] == pytest.approx(no.value.length, abs=1e-9), "the whole pattern has that crease"
+    assert fold_compact(loop, A4, effort="fast", least=float(lengths.min())).tried == 1
 
 
 def test_progress_of_many_turns_goes_up(monkeypatch: pytest.MonkeyPatch) -> None:
