@@ -78,7 +78,7 @@ def fold_gated(shape: Shape, sheet: Sheet, ribbon: float) -> Gated:
             continue
         findings = verify(made.creases, made.folded.layers, shape)
         if not findings:
-            return made  # and nobody has to verify it again
+            return made
         reasons.append(f"the pattern fails verification ({findings[0]})")
     raise UnfoldableError(f"the shape's {len(shape.loops)} loops cannot be joined by gates: {reasons[0]}")
 
