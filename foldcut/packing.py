@@ -17,6 +17,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain as chained
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -192,11 +193,17 @@ class _Filler:
         one, other = disks[left], disks[right]
         across = ~np.isin(_pair_keys(one, other), _pair_keys(disks, following))
         gaps = [chains]
+        members = [set(disks.tolist())]  # of each gap
         for a, b in zip(one[across].tolist(), other[across].tolist(), strict=True):
             for number, gap in enumerate(gaps):
+                if a not in members[number] or b not in members[number]:
+                    continue
                 visit_a, visit_b = self._visit(gap, a, self.centres[b]), self._visit(gap, b, self.centres[a])
                 if visit_a is not None and visit_b is not None:
-                    gaps[number : number + 1] = self._add_edge(gap, visit_a, visit_b)
+                    parts = self._add_edge(gap, visit_a, visit_b)
+                    gaps[number : number + 1] = parts
+                    if len(parts) > 1:  # else the disks are the same
+                        members[number : number + 1] = [set(chained.from_iterable(part)) for part in parts]
                     break
         return gaps
 
@@ -217,14 +224,18 @@ class _Filler:
         if not others:
             return gaps
         areas = [signed_area(self.centres[part] - self.centres[part[0]]) for part in parts]
-        around = gaps[areas.index(min(areas))]
-        for chain in others:
-            inside = (
-                gap
-                for gap, area in zip(gaps, areas, strict=True)
-                if area > 0 and contains_point(self.centres[gap[0]], self.centres[chain[0]])
-            )
-            next(inside, around).append(chain)
+        rest = areas.index(min(areas))
+        starts = self.centres[[chain[0] for chain in others]]
+        place = np.full(len(others), rest)
+        for number, part in enumerate(parts):
+            if number != rest and areas[number] > 0:
+                polygon = self.centres[part]
+                near = ((starts >= polygon.min(axis=0)) & (starts <= polygon.max(axis=0))).all(axis=1)
+                for at in np.flatnonzero(near & (place == rest)):
+                    if contains_point(polygon, starts[at]):
+                        place[at] = number
+        for number, chain in zip(place.tolist(), others, strict=True):
+            gaps[number].append(chain)
         return gaps
 
     def _visit(
