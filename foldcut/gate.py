@@ -14,13 +14,14 @@ and the moved layers fits into a crevice triangle.
 
 from __future__ import annotations
 
+import time
 from collections import defaultdict, deque
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from foldcut.assignment import molecule_tree, opposite_sides
-from foldcut.boundary import boundary_disks
+from foldcut.boundary import boundary_disks, overlapping_disks
 from foldcut.errors import UnfoldableError
 from foldcut.faces import assemble, creases_of_stack
 from foldcut.layers import (
@@ -40,6 +41,11 @@ from foldcut.verify import verify
 
 # The room of a ring on either side, in radii of its disks, that is tried.
 ROOMS = (2.6, 3.5, 5.0)
+MOST_DISKS = {"fast": 10_000, "normal": 20_000, "best": 60_000}
+"""So many disks of rings and on boundaries, by effort, are packed for all sizes of rings that are tried together.
+
+A disk makes some 33 creases; 4,000 take about a second, with verification.
+"""
 RINGS = 1_000_000
 Step = tuple[int, int, int]  # child corner, parent corner, tangency point
 
@@ -61,39 +67,93 @@ class Gated:
     parent: Ints
 
 
-def fold_gated(shape: Shape, sheet: Sheet, ribbon: float) -> Gated:
+def fold_gated(
+    shape: Shape, sheet: Sheet, ribbon: float, effort: str = "normal", seconds: float | None = None
+) -> Gated:
     """Fold a shape with several loops by rings of equal disks: the first that is verified, with ever smaller disks.
 
-    ``shape`` is in the sheet's mm, ``ribbon`` the half-width in mm. Raises ``UnfoldableError`` with the loops and the
-    reason where there is no room or the layers cross.
+    ``shape`` is in the sheet's mm, ``ribbon`` the half-width in mm; ``effort`` is one of ``MOST_DISKS``, ``seconds`` a
+    time limit instead. Raises ``UnfoldableError`` with the loops and the reason where there is no room, the layers
+    cross, or too many disks are needed.
     """
     if len(shape.loops) < 2:
         raise UnfoldableError("the shape has one boundary loop; a gate joins several")
+    budget = _Budget(effort, seconds)
     reasons = []
     for room in ROOMS:
         try:
-            made = build_gated(shape, sheet, ribbon, room)
+            made = build_gated(shape, sheet, ribbon, room, budget=budget)
         except UnfoldableError as error:
             reasons.append(str(error))
+            if budget.over:
+                break
             continue
         findings = verify(made.creases, made.folded.layers, shape)
         if not findings:
             return made
         reasons.append(f"the pattern fails verification ({findings[0]})")
-    raise UnfoldableError(f"the shape's {len(shape.loops)} loops cannot be joined by gates: {reasons[0]}")
+    why = reasons[0] if len(reasons) == 1 or not budget.over else f"{reasons[0]}; with smaller rings {reasons[-1]}"
+    raise UnfoldableError(f"the shape's {len(shape.loops)} loops cannot be joined by gates: {why}")
 
 
-def build_gated(shape: Shape, sheet: Sheet, ribbon: float, room: float, *, move_layers: bool = True) -> Gated:
+class _Budget:
+    """How many disks may be packed, and for how long."""
+
+    def __init__(self, effort: str, seconds: float | None) -> None:
+        self.effort, self.seconds = effort, seconds
+        self.most = self.left = MOST_DISKS["best" if seconds is not None else effort]
+        self.start = time.perf_counter()
+        self.over = False
+
+    def take(self, disks: int) -> None:
+        """Raise ``UnfoldableError`` if so many more disks are too many."""
+        self.left -= disks
+        if self.left < 0:
+            self.over = True
+            more = "" if self.most == MOST_DISKS["best"] else "give --effort best, "
+            raise UnfoldableError(
+                f"{disks:,} disks would be needed, and all that is tried may have {self.most:,}; {more}"
+                "move the loops apart, or use a bigger sheet or fewer corners"
+            )
+        self.look()
+
+    def look(self, _: float = 0.0, __: str = "") -> None:
+        """Raise ``UnfoldableError`` if the time is over."""
+        if self.seconds is not None and time.perf_counter() - self.start > self.seconds:
+            self.over = True
+            raise UnfoldableError(f"the {self.seconds:g} seconds are over; give more --seconds")
+
+
+def build_gated(
+    shape: Shape, sheet: Sheet, ribbon: float, room: float, *, move_layers: bool = True, budget: _Budget | None = None
+) -> Gated:
     """Build the pattern with one size of ring, not verified; without ``move_layers`` it has no gate (for tests)."""
     tolerance = Tolerance.for_sheet(sheet)
     root, rings = plan_rings(shape, sheet, ribbon, room)
     boundary = boundary_disks(shape, sheet, ribbon, tolerance, small_at_gates(rings))
     parts = divide_faces(boundary, rings)
-    packing = with_molecules(fill_gaps(parts.boundary, tolerance), parts)
+    _require_apart(parts, tolerance)
+    if budget is not None:
+        budget.take(len(parts.boundary.radii))
+    packed = fill_gaps(parts.boundary, tolerance, budget.look if budget else None)
+    packing = with_molecules(packed, parts)
     molecules = build_molecules(packing, tolerance)
     joined = _Joined(molecules, packing, parts, root, rings)
     creases, folded = joined.fold(move_layers=move_layers)
     return Gated(packing, molecules, rings, creases, folded, joined.excess, joined.parent)
+
+
+def _require_apart(parts: Parts, tolerance: Tolerance) -> None:
+    """Raise ``UnfoldableError`` where disks that are there before packing overlap: no pattern comes of it."""
+    boundary = parts.boundary
+    each = np.stack([boundary.chain_face[boundary.chains.rows], boundary.chains.values], axis=1)
+    face, disk = np.unique(each, axis=0).T
+    one, _ = overlapping_disks(boundary.centres[disk], boundary.radii[disk], face, tolerance)
+    if len(one):
+        x, y = boundary.centres[disk[one[0]]]
+        raise UnfoldableError(
+            f"disks of the rings overlap near ({x:.4g}, {y:.4g}); move the loops apart or use a bigger sheet"
+        )
 
 
 def with_molecules(packing: Packing, parts: Parts) -> Packing:

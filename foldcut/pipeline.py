@@ -349,6 +349,7 @@ class _Trials:
         self.fold_skeletal = partial(
             fold_skeletal, ribbon=self.free, near=adjust, effort=effort, seconds=seconds, progress=stages.tell
         )
+        self.fold_gated = partial(fold_gated, effort=effort, seconds=seconds)
         self.attempts: list[Attempt] = []
 
     def run(self, method: str, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
@@ -478,7 +479,7 @@ class _Trials:
     def _gate(self, laid: _Laid) -> _Made:
         ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon
         with self.stages("gates"):
-            made = fold_gated(laid.shape, laid.sheet, ribbon)
+            made = self.fold_gated(laid.shape, laid.sheet, ribbon)
         return _Made("gate", made, laid, ribbon, crease_numbers(made.creases).lines)
 
     def _paper(self, laid: _Laid) -> _Made:

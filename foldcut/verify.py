@@ -64,18 +64,21 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
     coarse, fine = (share * diagonal for share in COINCIDENT)
     lengths, loose = edge_lengths(pattern), _check_edges(pattern)
 
-    def found_within(tolerance: float) -> list[Finding]:
-        return _short_edges(pattern, lengths, tolerance) + loose or _verify_within(tolerance, pattern, layers, shape)
+    def found_within(tolerance: float, *, places: bool) -> list[Finding]:
+        findings = _short_edges(pattern, lengths, tolerance) + loose
+        return findings or _verify_within(tolerance, pattern, layers, shape, places=places)
 
-    findings = found_within(coarse)
-    return findings if findings and found_within(fine) else []
+    findings = found_within(coarse, places=True)
+    return findings if findings and found_within(fine, places=False) else []
 
 
-def _verify_within(tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
-    """Verify with one tolerance, in mm."""
+def _verify_within(
+    tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None, *, places: bool
+) -> list[Finding]:
+    """Verify with one tolerance, in mm; without ``places`` crossings that come of something else are not looked for."""
     sides = edge_sides(pattern)
     faces_of_edges = faces_of_sides(pattern, sides)
-    findings = _check_planar(pattern, sides, faces_of_edges, tolerance)
+    findings = _check_planar(pattern, sides, faces_of_edges, tolerance, places=places)
     if findings:
         return findings
     del sides
@@ -130,7 +133,9 @@ def _check_arrays(pattern: CreasePattern) -> list[Finding]:
     return findings
 
 
-def _check_planar(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float) -> list[Finding]:
+def _check_planar(
+    pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float, *, places: bool
+) -> list[Finding]:
     """Find whatever keeps the faces from tiling a sheet with one simple outline, edge to edge.
 
     Why this is enough: each face is a simple counter-clockwise polygon, the sides of two faces at an inner
@@ -144,8 +149,12 @@ def _check_planar(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, 
     """
     convex, close = _look_at_faces(pattern, tolerance)
     findings = [*_check_face_outlines(pattern, convex), *_check_sides(pattern, sides, faces_of_edges)]
-    if findings or close:
-        return [*findings, *_check_crossings(pattern, tolerance)]
+    if not findings and close:
+        findings = _vertices_on_edges(pattern, tolerance)
+        if findings:
+            return findings
+    if findings:
+        return [*findings, *_check_crossings(pattern, tolerance)] if places else findings
     findings = _check_outline(pattern, sides)
     return findings and (_check_crossings(pattern, tolerance) or findings)
 
@@ -323,13 +332,19 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
         _finding("planar", f"edges {a} and {b} cross; divide both there", place)
         for a, b, place in zip(one.tolist(), other.tolist(), places, strict=True)
     ]
+    return [*findings, *_vertices_on_edges(pattern, tolerance, tree)]
+
+
+def _vertices_on_edges(pattern: CreasePattern, tolerance: float, tree: shapely.STRtree | None = None) -> list[Finding]:
+    """Find vertices that lie on an edge without being an end of it; ``tree`` has the edges."""
+    coords, edges = pattern.vertices_coords, pattern.edges_vertices
+    tree = tree or shapely.STRtree(shapely.linestrings(coords[edges]))
     vertex, edge = tree.query(shapely.points(coords), predicate="dwithin", distance=tolerance)
     apart = (edges[edge] != vertex[:, None]).all(axis=1)
-    findings += [
+    return [
         _finding("planar", f"vertex {v} lies on edge {e}; divide the edge there", coords[v])
         for v, e in zip(vertex[apart].tolist(), edge[apart].tolist(), strict=True)
     ]
-    return findings
 
 
 def _check_outline(pattern: CreasePattern, sides: Numbers) -> list[Finding]:
