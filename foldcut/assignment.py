@@ -17,7 +17,6 @@ Invariants: both trees span; every interior vertex has two more mountains than v
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -79,7 +78,7 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
     reversed_corner[corner_tree[:, 1]] = corner_tree[:, 0]
     open_sides = (reversed_corner[feet] < 0) & (loops.of_vertex[feet] < 0)
     roots = _roots(molecules, inside)
-    entry_side, parent = _molecule_tree(molecules, roots, open_sides)
+    entry_side, parent = molecule_tree(molecules, roots, open_sides)
     assignment = _assign(molecules, reversed_corner, entry_side, loops)
     return Assignment(
         assignment,
@@ -88,11 +87,6 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
         (int(molecules.feet.rows[roots[0]]), int(molecules.feet.rows[roots[1]])),
         index_array(corner_tree),
     )
-
-
-def ribbon_partners(molecules: Molecules) -> dict[int, int]:
-    """Vertices on the left border of the ribbon to their like on the right one."""
-    return dict(molecules.creases[molecules.crease_kind == Kind.RIBBON].tolist())
 
 
 def opposite_sides(feet: Ints) -> Numbers:
@@ -194,8 +188,12 @@ def _roots(molecules: Molecules, inside: Bools) -> Numbers:
     return np.asarray(places[np.argsort(outside, kind="stable")])
 
 
-def _molecule_tree(molecules: Molecules, roots: Numbers, open_sides: Bools) -> tuple[Numbers, Numbers]:
-    """T_M: the entry side, as a place in ``feet.values``, and the parent of every molecule, through open sides."""
+def molecule_tree(molecules: Molecules, roots: Numbers, open_sides: Bools) -> tuple[Numbers, Ints]:
+    """Return T_M: the entry side and the parent, -1 at roots, of every molecule, each ``(m,)``.
+
+    Sides are places in ``feet.values``: ``roots`` has one for each face of the plane, ``open_sides`` says through
+    which the tree may go. Raises ``UnfoldableError`` when it does not span.
+    """
     rows, count = molecules.feet.rows, len(molecules.feet)
     opposite = opposite_sides(molecules.feet.values)
     entry, parent = np.full(count, -1, dtype=np.int64), np.full(count, -1, dtype=np.int32)
@@ -211,32 +209,6 @@ def _molecule_tree(molecules: Molecules, roots: Numbers, open_sides: Bools) -> t
     if entry.min() < 0:
         raise UnfoldableError("the tree of molecules does not reach every molecule; move the drawing a little")
     return entry, parent
-
-
-def molecule_tree(
-    feet: list[list[int]],
-    behind: dict[int, list[tuple[int, int]]],
-    roots: list[tuple[int, int]],
-    tree_feet: set[int],
-    loop_of_foot: dict[int, int],
-) -> tuple[list[int], list[int]]:
-    """T_M: the entry side and the parent of every molecule."""
-    entry_side, parent = [-1] * len(feet), [-1] * len(feet)
-    for number, side in roots:
-        entry_side[number] = side
-    queue = deque(number for number, _ in roots)
-    while queue:
-        number = queue.popleft()
-        for foot in feet[number]:
-            if foot in tree_feet or foot in loop_of_foot:
-                continue
-            for following, side in behind[foot]:
-                if entry_side[following] < 0:
-                    entry_side[following], parent[following] = side, number
-                    queue.append(following)
-    if min(entry_side) < 0:
-        raise UnfoldableError("the tree of molecules does not reach every molecule; move the drawing a little")
-    return entry_side, parent
 
 
 def _assign(molecules: Molecules, reversed_corner: Ints, entry_side: Numbers, loops: _Loops) -> Chars:

@@ -23,11 +23,10 @@ from foldcut.model import (
     Ragged,
     sealed,
 )
-from foldcut.planar import signed_areas
+from foldcut.planar import half_edges, pair_keys, signed_areas
 from foldcut.plane import signed_area
 
 Ring = list[int]
-Edge = tuple[int, int]
 
 
 def outlines(rings: Sequence[Ring]) -> list[Ring]:
@@ -62,31 +61,29 @@ def merge_stacks(inside: Sequence[int], outside: Sequence[int], shared: set[int]
     return order + list(rest)
 
 
-def creases_of_stack(folded: Floats, rings: Sequence[Ring]) -> tuple[list[Edge], list[str]]:
-    """Read edges and their assignment off a stack of faces, bottom to top.
+def creases_of_stack(folded: Floats, rings: Sequence[Ring] | Ragged) -> tuple[Ints, Chars]:
+    """Read edges, ``(e, 2)``, and their assignment, ``(e,)``, off a stack of faces, bottom to top.
 
     A crease is a valley exactly when the face that looks up has its neighbour above it. ``folded`` ``(v, 2)``.
     """
-    beside = {side: face for face, ring in enumerate(rings) for side in zip(ring, ring[1:] + ring[:1], strict=True)}
-    up = (signed_areas(folded, Ragged.from_rows(rings)) > 0).tolist()
-    edges, kinds = [], []
-    for (a, b), face in beside.items():
-        other = beside.get((b, a))
-        if other is None:
-            edges.append((a, b))
-            kinds.append("B")
-        elif a < b:
-            edges.append((a, b))
-            kinds.append("V" if (other > face) == up[face] else "M")
-    return edges, kinds
+    rings = rings if isinstance(rings, Ragged) else Ragged.from_rows(rings)
+    start, end = half_edges(rings)
+    face, keys, back = rings.rows, pair_keys(start, end), pair_keys(end, start)
+    order = np.argsort(keys)
+    at = np.minimum(np.searchsorted(keys, back, sorter=order), len(keys) - 1)
+    border = keys[order[at]] != back
+    valley = (face[order[at]] > face) == (signed_areas(folded, rings) > 0)[face]
+    kept = border | (start < end)
+    kinds: Chars = np.where(border, "B", np.where(valley, "V", "M"))[kept]
+    return np.stack([start, end], axis=1)[kept], kinds
 
 
 def assemble(
     flat: Floats,
     folded: Floats,
     rings: Sequence[Ring] | Ragged,
-    edges: Sequence[Edge] | Ints,
-    kinds: Sequence[str] | Chars,
+    edges: Ints,
+    kinds: Chars,
     sheet_corners: set[int],
 ) -> tuple[CreasePattern, FoldedState]:
     """Return the pattern and its folded state.
@@ -96,7 +93,6 @@ def assemble(
     face 0 is the lowest that looks up, the others follow the layer order.
     """
     rings = rings if isinstance(rings, Ragged) else Ragged.from_rows(rings)
-    edges, kinds = np.asarray(edges, dtype=np.int32).reshape(-1, 2), np.asarray(kinds, dtype="<U1")
     joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners, len(flat))
     used = np.zeros(len(flat), dtype=np.bool_)
     used[joined[:, 0]] = used[joined[:, 1]] = True

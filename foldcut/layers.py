@@ -14,6 +14,7 @@ that looks up has its neighbour above it.
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -45,15 +46,18 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
 
 def _stacked(molecules: Molecules, assignment: Assignment) -> Ragged:
     """The outlines of the faces from bottom to top."""
-    inside, outside = _walks(molecules, assignment)
-    face, shared = _faces(molecules, molecules.creases[assignment.crease_assignment == "F"])
-    order = _merged(face[inside], face[outside[::-1]], shared)[::-1]
+    inside, outside = walks(molecules, assignment.entry_side, assignment.parent, assignment.roots)
+    face, shared = join_facets(molecules, molecules.creases[assignment.crease_assignment == "F"])
+    order = merge_layers(face[inside], face[outside[::-1]], shared)[::-1]
     del inside, outside
-    return _rings(molecules.facets, face, shared, order)
+    return face_outlines(molecules.facets, face, shared, order)
 
 
-def _walks(molecules: Molecules, assignment: Assignment) -> list[Ints]:
-    """The facets of either face of the plane, top to bottom: see ``walk``.
+def walks(molecules: Molecules, entry_side: Numbers, parent: Ints, roots: Iterable[int]) -> list[Ints]:
+    """Return the facets of each face of the plane, top to bottom: preorder of T_M from each of its ``roots``.
+
+    ``entry_side`` ``(m,)``: the side through which a molecule is entered; from it on its corners are walked
+    counter-clockwise. ``parent`` ``(m,)``: its parent, -1 at roots.
 
     A corner's facets are followed by those of the next corner of its molecule, or by the first of the molecule across
     the side between them; those of a molecule's last corner, where it was entered, by the corner after that side in
@@ -63,32 +67,41 @@ def _walks(molecules: Molecules, assignment: Assignment) -> list[Ints]:
     first = feet.offsets[:-1].astype(np.int64)
     following = np.arange(1, len(feet.values) + 1)
     following[feet.offsets[1:] - 1] = first
-    entry = first + assignment.entry_side
+    entry = first + entry_side
     begin = following[entry]
-    child = np.flatnonzero(assignment.parent >= 0)
+    child = np.flatnonzero(parent >= 0)
     above = opposite_sides(feet.values)[entry[child]]
     after = following.copy()
     after[entry] = -1
     after[entry[child]] = following[above]
     after[above] = begin[child]
     follow: list[int] = after.tolist()
-    own = molecules.facet_molecule >= 0
-    count = np.bincount(first[molecules.facet_molecule[own]] + molecules.facet_corner[own], minlength=len(feet.values))
-    start = np.cumsum(count) - count
-    walks = []
-    for root in assignment.roots:
+    start, count = facets_at_places(molecules)
+    found = []
+    for root in roots:
         places = []
         place = int(begin[root])
         while place >= 0:
             places.append(place)
             place = follow[place]
         at = np.array(places)
-        walks.append(runs(start[at], count[at]).astype(np.int32))
-    return walks
+        found.append(runs(start[at], count[at]).astype(np.int32))
+    return found
 
 
-def _faces(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
-    """The face of every facet, joined across sides that are not folded: its first facet; and which are joined."""
+def facets_at_places(molecules: Molecules) -> tuple[Numbers, Numbers]:
+    """Return the first facet at each corner of each molecule, and how many follow each other there, as ``corners``."""
+    own = molecules.facet_molecule >= 0
+    places = molecules.feet.offsets[:-1].astype(np.int64)[molecules.facet_molecule[own]] + molecules.facet_corner[own]
+    count = np.bincount(places, minlength=len(molecules.feet.values))
+    return np.cumsum(count) - count, count
+
+
+def join_facets(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
+    """Return the face of every facet, joined across sides that are not folded, ``(n, 2)``: its first facet.
+
+    And which facets name a face of several.
+    """
     on_side = np.zeros(len(molecules.vertices), dtype=np.bool_)
     on_side[unfolded] = True
     start, end = half_edges(molecules.facets)
@@ -115,7 +128,7 @@ def _faces(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
     return face, shared
 
 
-def _merged(inside: Ints, outside: Ints, shared: Bools) -> Ints:
+def merge_layers(inside: Ints, outside: Ints, shared: Bools) -> Ints:
     """Merge two stacks that have the shared faces in the same order: ``faces.merge_stacks`` on arrays."""
     in_both, out_both = shared[inside], shared[outside]
     same = np.array_equal(inside[in_both], outside[out_both])
@@ -131,8 +144,8 @@ def _merged(inside: Ints, outside: Ints, shared: Bools) -> Ints:
     return faces
 
 
-def _rings(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
-    """The outlines of faces in an order: a facet's own, or that of the facets that are joined."""
+def face_outlines(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
+    """Return the outlines of faces in an order: a facet's own, or that of the facets that are joined."""
     joined = _joined(facets, face, shared)
     if joined is None:
         members = defaultdict(list)
@@ -186,53 +199,6 @@ def _repeats(rows: Ints) -> bool:
     """Whether a row has a number, not -1, twice."""
     ordered = np.sort(rows, axis=1)
     return bool(((ordered[:, 1:] == ordered[:, :-1]) & (ordered[:, 1:] >= 0)).any())
-
-
-def walk(molecules: Molecules, entry: list[int], parent: list[int], root: int) -> list[int]:
-    """The facets of one face of the plane, top to bottom: preorder of T_M, from each entry side counter-clockwise."""
-    around: dict[tuple[int, int], list[int]] = defaultdict(list)
-    for facet, place in enumerate(zip(molecules.facet_molecule.tolist(), molecules.facet_corner.tolist(), strict=True)):
-        around[place].append(facet)
-    feet = molecules.feet.to_lists()
-    child: dict[tuple[int, int], int] = {}
-    for number, above in enumerate(parent):
-        if above >= 0:
-            child[above, feet[above].index(feet[number][entry[number]])] = number
-    order: list[int] = []
-    stack: list[tuple[int, int]] = [(root, 0)]  # molecule, corners walked
-    while stack:
-        number, walked = stack.pop()
-        sides = len(feet[number])
-        if walked == sides:
-            continue
-        corner = (entry[number] + 1 + walked) % sides
-        order += around[number, corner]
-        stack.append((number, walked + 1))
-        if (number, corner) in child and walked + 1 < sides:
-            stack.append((child[number, corner], 0))
-    return order
-
-
-def join_unfolded(molecules: Molecules, sides: Ints) -> tuple[dict[int, list[int]], list[int]]:
-    """Facets joined across sides that are not folded, ``(n, 2)``: facets by face, and the face of each facet."""
-    unfolded = {frozenset(pair) for pair in sides.tolist()}
-    face_of = list(range(len(molecules.facets)))
-
-    def face(facet: int) -> int:
-        while face_of[facet] != facet:
-            facet = face_of[facet]
-        return facet
-
-    owner: dict[frozenset[int], int] = {}
-    for facet, ring in enumerate(molecules.facets.to_lists()):
-        for pair in zip(ring, ring[1:] + ring[:1], strict=True):
-            side = frozenset(pair)
-            if side in unfolded:
-                face_of[face(facet)] = face(owner.setdefault(side, facet))
-    joined: dict[int, list[int]] = defaultdict(list)
-    for facet in range(len(face_of)):
-        joined[face(facet)].append(facet)
-    return joined, [face(facet) for facet in range(len(face_of))]
 
 
 def sheet_corners(molecules: Molecules) -> set[int]:

@@ -17,6 +17,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain as chained
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
 Chain = list[int]
 Leaf = tuple[int, int]
+Places = dict[int, list[tuple[int, int]]]  # by disk the visits to it: chain, position
 TURN = 2 * math.pi
 # A disk that nearly touches another, by this part of the smaller one, makes creases far too short: take another disk.
 NEARLY = 1e-3
@@ -128,6 +130,7 @@ class _Filler:
         self.rolled: dict[Leaf, _Candidate | None] = {}  # by leaf, until a disk is placed in its way
         self.many_rolled = _ManyRolled()  # the same where code is compiled
         self.ears: set[Leaf] = set()  # leaves whose disk would not help; this lasts as long as the disk
+        self.lonely: set[Leaf] = set()  # leaves whose disk touches one chain only, until a new disk touches it
         self.centres = np.concatenate([boundary.centres, np.empty((self.count + 16, 2))])
         self.radii = np.concatenate([boundary.radii, np.empty(self.count + 16)])
 
@@ -190,11 +193,17 @@ class _Filler:
         one, other = disks[left], disks[right]
         across = ~np.isin(_pair_keys(one, other), _pair_keys(disks, following))
         gaps = [chains]
+        members = [set(disks.tolist())]  # of each gap
         for a, b in zip(one[across].tolist(), other[across].tolist(), strict=True):
             for number, gap in enumerate(gaps):
+                if a not in members[number] or b not in members[number]:
+                    continue
                 visit_a, visit_b = self._visit(gap, a, self.centres[b]), self._visit(gap, b, self.centres[a])
                 if visit_a is not None and visit_b is not None:
-                    gaps[number : number + 1] = self._add_edge(gap, visit_a, visit_b)
+                    parts = self._add_edge(gap, visit_a, visit_b)
+                    gaps[number : number + 1] = parts
+                    if len(parts) > 1:  # else the disks are the same
+                        members[number : number + 1] = [set(chained.from_iterable(part)) for part in parts]
                     break
         return gaps
 
@@ -215,33 +224,40 @@ class _Filler:
         if not others:
             return gaps
         areas = [signed_area(self.centres[part] - self.centres[part[0]]) for part in parts]
-        around = gaps[areas.index(min(areas))]
-        for chain in others:
-            inside = (
-                gap
-                for gap, area in zip(gaps, areas, strict=True)
-                if area > 0 and contains_point(self.centres[gap[0]], self.centres[chain[0]])
-            )
-            next(inside, around).append(chain)
+        rest = areas.index(min(areas))
+        starts = self.centres[[chain[0] for chain in others]]
+        place = np.full(len(others), rest)
+        for number, part in enumerate(parts):
+            if number != rest and areas[number] > 0:
+                polygon = self.centres[part]
+                near = ((starts >= polygon.min(axis=0)) & (starts <= polygon.max(axis=0))).all(axis=1)
+                for at in np.flatnonzero(near & (place == rest)):
+                    if contains_point(polygon, starts[at]):
+                        place[at] = number
+        for number, chain in zip(place.tolist(), others, strict=True):
+            gaps[number].append(chain)
         return gaps
 
-    def _visit(self, gap: list[Chain], disk: int, toward: Floats) -> tuple[int, int] | None:
-        """Find the visit to ``disk`` whose sector of the gap looks toward a point; None if there is none."""
+    def _visit(
+        self, gap: list[Chain], disk: int, toward: Floats, places: Places | None = None
+    ) -> tuple[int, int] | None:
+        """Find the visit to ``disk`` whose sector of the gap looks toward a point; None if there is none.
+
+        ``places`` are those of all disks of the gap, if they are known.
+        """
         best: tuple[float, tuple[int, int]] | None = None
         x, y = self.centres[disk].tolist()
         to_x, to_y = toward.tolist()
-        for number, chain in enumerate(gap):
-            position = -1
-            for _ in range(chain.count(disk)):
-                position = chain.index(disk, position + 1)
-                start_x, start_y = self.centres[chain[(position + 1) % len(chain)]].tolist()
-                end_x, end_y = self.centres[chain[position - 1]].tolist()
-                start = start_x - x, start_y - y
-                turn = _angle(start, (to_x - x, to_y - y))
-                excess = turn - (_angle(start, (end_x - x, end_y - y)) or TURN)
-                outside = 0.0 if excess <= 0 else min(excess, TURN - turn)
-                if best is None or outside < best[0]:
-                    best = (outside, (number, position))
+        for number, position in _places(gap, disk) if places is None else places.get(disk, ()):
+            chain = gap[number]
+            start_x, start_y = self.centres[chain[(position + 1) % len(chain)]].tolist()
+            end_x, end_y = self.centres[chain[position - 1]].tolist()
+            start = start_x - x, start_y - y
+            turn = _angle(start, (to_x - x, to_y - y))
+            excess = turn - (_angle(start, (end_x - x, end_y - y)) or TURN)
+            outside = 0.0 if excess <= 0 else min(excess, TURN - turn)
+            if best is None or outside < best[0]:
+                best = (outside, (number, position))
         return best[1] if best and best[0] < 1e-6 else None
 
     # --- dividing one gap
@@ -256,23 +272,39 @@ class _Filler:
 
     def _best_leaf(self, gap: list[Chain], disks: Ints) -> _Placement | None:
         """Return the largest disk rolled in from a leaf that merges chains or divides the only one."""
+        places = _places_of_disks(gap) if len(gap) > 1 else None
+        if places is not None:
+            for candidate, leaf in self._rolled(gap, disks, {*self.ears, *self.lonely}):
+                placement = self._tried(gap, disks, candidate, leaf, places)
+                if placement is not None and not placement.nearly and leaf not in self.lonely:
+                    return placement
         second_best = None
-        rolled = self._roll_all(self.compiled, gap) if self.compiled else self._roll_each(gap, disks)
-        for candidate, leaf in rolled:
-            placement = self._try(gap, disks, candidate)
-            if placement is None:
-                self.ears.add(leaf)
-            elif not placement.nearly and (len(gap) == 1 or len({number for number, _ in placement.visits}) > 1):
+        for candidate, leaf in self._rolled(gap, disks, self.ears):
+            placement = self._tried(gap, disks, candidate, leaf, places)
+            if placement is not None and not placement.nearly and len(gap) == 1:
                 return placement
-            else:
-                second_best = second_best or placement
+            second_best = second_best or placement
         return second_best
 
-    def _roll_each(self, gap: list[Chain], disks: Ints) -> Iterator[tuple[_Candidate, Leaf]]:
-        """Yield the leaves' disks that are no ears, the largest first; those not known yet are rolled."""
+    def _tried(
+        self, gap: list[Chain], disks: Ints, candidate: _Candidate, leaf: Leaf, places: Places | None
+    ) -> _Placement | None:
+        """Try a leaf's disk and note what will not change."""
+        placement = self._try(gap, disks, candidate, places)
+        if placement is None:
+            self.ears.add(leaf)
+        elif len({number for number, _ in placement.visits}) == 1:
+            self.lonely.add(leaf)
+        return placement
+
+    def _rolled(self, gap: list[Chain], disks: Ints, without: set[Leaf]) -> Iterator[tuple[_Candidate, Leaf]]:
+        """Yield the disks of the leaves but for some, the largest first; those not known yet are rolled."""
+        return self._roll_all(self.compiled, gap, without) if self.compiled else self._roll_each(gap, disks, without)
+
+    def _roll_each(self, gap: list[Chain], disks: Ints, without: set[Leaf]) -> Iterator[tuple[_Candidate, Leaf]]:
         rolled: list[tuple[_Candidate, Leaf]] = []
         for leaf in _leaves(gap):
-            if leaf in self.ears:
+            if leaf in without:
                 continue
             if leaf not in self.rolled:
                 self.rolled[leaf] = self._roll(*leaf, disks)
@@ -281,14 +313,14 @@ class _Filler:
                 rolled.append((candidate, leaf))
         return _largest_first(rolled)
 
-    def _roll_all(self, filler: GapFiller, gap: list[Chain]) -> Iterator[tuple[_Candidate, Leaf]]:
+    def _roll_all(self, filler: GapFiller, gap: list[Chain], without: set[Leaf]) -> Iterator[tuple[_Candidate, Leaf]]:
         """Do the same by compiled code and arrays."""
         known, leaves = self.many_rolled, _leaf_numbers(gap)
         new = leaves[known.rows(leaves) < 0]
         filler.add(self.centres, self.radii, self.count)
         known.add(new, *filler.roll(_pairs(new).astype(np.int32)))
-        ears = np.fromiter((_number(*leaf) for leaf in self.ears), dtype=np.int64)
-        rows = known.rows(leaves[~np.isin(leaves, ears)])
+        left_out = np.fromiter((_number(*leaf) for leaf in without), dtype=np.int64)
+        rows = known.rows(leaves[~np.isin(leaves, left_out)])
         return known.largest_first(rows[known.radii[rows] > 0])
 
     def _forget_blocked(self, gap: list[Chain], disk: int) -> None:
@@ -297,23 +329,26 @@ class _Filler:
             known = self.many_rolled
             rows = known.rows(_leaf_numbers(gap))
             rows = rows[(rows >= 0) & (known.radii[rows] > 0)]
-            blocked = rows[self._overlaps(disk, known.centres[rows], known.radii[rows])]
-            self.ears.difference_update(map(tuple, _pairs(known.leaves[blocked]).tolist()))
-            known.drop(blocked)
+            blocked, touched = self._overlaps(disk, known.centres[rows], known.radii[rows])
+            self.ears.difference_update(map(tuple, _pairs(known.leaves[rows[blocked]]).tolist()))
+            self.lonely.difference_update(map(tuple, _pairs(known.leaves[rows[touched]]).tolist()))
+            known.drop(rows[blocked])
             return
         leaves = [leaf for leaf in _leaves(gap) if self.rolled.get(leaf)]
         rolled = [candidate for leaf in leaves if (candidate := self.rolled[leaf])]
         disks = np.array(rolled).reshape(-1, 3)
-        for k in np.flatnonzero(self._overlaps(disk, disks[:, :2], disks[:, 2])):
+        blocked, touched = self._overlaps(disk, disks[:, :2], disks[:, 2])
+        for k in np.flatnonzero(blocked):
             del self.rolled[leaves[k]]
             self.ears.discard(leaves[k])
+        self.lonely.difference_update(leaves[k] for k in np.flatnonzero(touched))
 
-    def _overlaps(self, disk: int, centres: Floats, radii: Floats) -> Bools:
-        """Whether disks overlap a disk that is there."""
+    def _overlaps(self, disk: int, centres: Floats, radii: Floats) -> tuple[Bools, Bools]:
+        """Whether disks overlap a disk that is there, and whether they do or touch it."""
         x, y = centres[:, 0] - self.centres[disk, 0], centres[:, 1] - self.centres[disk, 1]
         slack = np.sqrt(x * x + y * y) - radii - self.radii[disk]
-        overlap: Bools = slack < -self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
-        return overlap
+        allowed = self.tolerance.touching(radii, np.full(len(radii), self.radii[disk]))
+        return slack < -allowed, slack <= allowed
 
     def _roll(self, i: int, j: int, disks: Ints) -> _Candidate | None:
         """Return the largest disk left of i -> j that touches both and overlaps none of ``disks``.
@@ -401,7 +436,9 @@ class _Filler:
             reach = np.concatenate([(-half_linear + root) / square, (-half_linear - root) / square])
             return a + np.tile(p, (2, 1)) + np.tile(q, (2, 1)) * reach[:, None], reach - r_a
 
-    def _try(self, gap: list[Chain], disks: Ints, candidate: _Candidate) -> _Placement | None:
+    def _try(
+        self, gap: list[Chain], disks: Ints, candidate: _Candidate, places: Places | None = None
+    ) -> _Placement | None:
         """Return where ``candidate`` touches the gap if it is free and leaves smaller gaps, else None."""
         centre, radius = np.array(candidate[:2]), candidate.radius
         x, y = self.centres[disks, 0] - centre[0], self.centres[disks, 1] - centre[1]
@@ -410,7 +447,7 @@ class _Filler:
         allowed = self.tolerance.touching(radii, np.full(len(disks), radius))
         if (slack < -allowed).any():
             return None
-        visits = [self._visit(gap, int(disk), centre) for disk in disks[slack <= allowed]]
+        visits = [self._visit(gap, int(disk), centre, places) for disk in disks[slack <= allowed]]
         seen = [visit for visit in visits if visit is not None]
         if len(seen) < 3 or len(seen) < len(visits):
             return None
@@ -587,6 +624,24 @@ def _largest_first(found: list[tuple[_Candidate, Leaf]]) -> Iterator[tuple[_Cand
 def _leaves(gap: list[Chain]) -> list[Leaf]:
     """The pairs of consecutive visits of all chains; a disk by itself has none."""
     return [leaf for chain in gap if len(chain) > 1 for leaf in zip(chain, chain[1:] + chain[:1], strict=True)]
+
+
+def _places(gap: list[Chain], disk: int) -> Iterator[tuple[int, int]]:
+    """The visits to a disk."""
+    for number, chain in enumerate(gap):
+        position = -1
+        for _ in range(chain.count(disk)):
+            position = chain.index(disk, position + 1)
+            yield number, position
+
+
+def _places_of_disks(gap: list[Chain]) -> Places:
+    """The visits to each disk of a gap."""
+    places: Places = {}
+    for number, chain in enumerate(gap):
+        for position, disk in enumerate(chain):
+            places.setdefault(disk, []).append((number, position))
+    return places
 
 
 def _number(i: int, j: int) -> int:

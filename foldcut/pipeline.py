@@ -246,7 +246,8 @@ def fold(
     stages.up_to(1.0)
     stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
-        findings = verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
+        verified = isinstance(made.stages, Gated)  # by itself: it takes the first pattern that is valid
+        findings = [] if verified else verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
     if not findings:
         least = MIN_CREASE_MM[made.method] if min_crease is None else min_crease
         _require_length(made, least, {attempt.method for attempt in trials.attempts})
@@ -355,6 +356,7 @@ class _Trials:
         self.fold_skeletal = partial(
             fold_skeletal, ribbon=self.free, near=adjust, effort=effort, seconds=seconds, progress=stages.tell
         )
+        self.fold_gated = partial(fold_gated, effort=effort, seconds=seconds)
         self.attempts: list[Attempt] = []
 
     def run(self, method: str, laid: _Laid, lay: Callable[[float], _Laid]) -> _Made:
@@ -484,7 +486,7 @@ class _Trials:
     def _gate(self, laid: _Laid) -> _Made:
         ribbon = default_ribbon(laid.shape, laid.sheet) if self.ribbon is None else self.ribbon
         with self.stages("gates"):
-            made = fold_gated(laid.shape, laid.sheet, ribbon)
+            made = self.fold_gated(laid.shape, laid.sheet, ribbon)
         return _Made("gate", made, laid, ribbon, crease_numbers(made.creases).lines)
 
     def _paper(self, laid: _Laid) -> _Made:

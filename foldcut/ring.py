@@ -23,7 +23,7 @@ import shapely
 
 from foldcut.boundary import BoundaryDisks, Limit
 from foldcut.errors import UnfoldableError
-from foldcut.model import Floats, Ragged, Shape, Sheet, index_array
+from foldcut.model import Floats, Numbers, Ragged, Shape, Sheet, index_array
 from foldcut.plane import left_normal
 
 # The petals' radii relative to the ring's: in the collar, and on the main side, where molecules must be lower.
@@ -132,32 +132,40 @@ def _ring(
 
 
 def _equal_sides(points: Floats) -> Floats:
-    """Move the corners of a polygon as little as possible so that all its sides are equal."""
+    """Move the corners of a polygon as little as possible so that all its sides are equal.
+
+    Each step of Newton's method is the shortest, ``rows.T @ solve(rows @ rows.T, off)``, with a row for each side: its
+    two corners, and the common length.
+    """
     count = len(points)
+    off = math.inf
     for _ in range(20):
         sides = np.roll(points, -1, axis=0) - points
         lengths = np.hypot(*sides.T)
         unit = sides / lengths[:, None]
-        rows = np.zeros((count, 2 * count + 1))
-        for k in range(count):
-            after = (k + 1) % count
-            rows[k, 2 * k : 2 * k + 2], rows[k, 2 * after : 2 * after + 2] = -unit[k], unit[k]
-        rows[:, -1] = -1
         mean = lengths.mean()
-        step, *_ = np.linalg.lstsq(rows, mean - lengths, rcond=None)
-        points = points + step[:-1].reshape(-1, 2)
-        if np.abs(mean - lengths).max() < 1e-14 * mean:
+        before, off = off, float(np.abs(mean - lengths).max())
+        if off < 1e-14 * mean or off >= before:  # no more than rounding
             break
+        products = np.ones((count, count)) + 2 * np.eye(count)
+        side = np.arange(count)
+        products[side, side - 1] -= (unit * np.roll(unit, 1, axis=0)).sum(axis=1)
+        products[side - 1, side] = products[side, side - 1]
+        share = np.linalg.solve(products, mean - lengths)[:, None] * unit
+        points = points + np.roll(share, 1, axis=0) - share
     return points
 
 
 def small_at_gates(rings: list[Ring]) -> Limit:
     """Return the limit that keeps boundary disks off the rings' petals, and small near the ends of the corridors."""
+    lines = [shapely.LinearRing(ring.centres) for ring in rings]
+    shapely.prepare(lines)
 
     def limit(centres: Floats, radii: Floats) -> Floats:
         largest = np.full(len(centres), np.inf)
-        for ring in rings:
-            away = shapely.distance(shapely.points(centres), shapely.LinearRing(ring.centres))
+        points = shapely.points(centres)
+        for ring, line in zip(rings, lines, strict=True):
+            away = shapely.distance(line, points)
             largest = np.minimum(largest, away - PETAL_REACH * ring.radius)
             for end in ring.ends:
                 near = np.hypot(*(centres - end).T) - radii < NEAR * ring.radius
@@ -227,8 +235,9 @@ class _Divider:
         places = ring + along / 2 + left_normal(unit) * radius * math.sqrt(share * (share + 2))
         petals = [self._add(place, size) for place in places]
         chain: list[int] = []
+        fans = _fans(ring, radius, places, size)
         for k, disk in enumerate(disks):
-            fan = [petals[k - 1], *self._fan(ring[k], radius, places[k - 1], places[k], size), petals[k]]
+            fan = [petals[k - 1], *(self._add(centre, its_radius) for centre, its_radius in fans[k]), petals[k]]
             chain += fan[:-1]
             for one, other in pairwise(fan):
                 self._molecule([disk, other, one], part)
@@ -240,29 +249,11 @@ class _Divider:
         self.molecules.append(disks)
         self.parts.append(part)
 
-    def _fan(self, centre: Floats, radius: float, first: Floats, last: Floats, size: float) -> list[int]:
-        """Equal disks around a ring disk, clockwise from one petal to the next."""
-        start, end = (math.atan2(*(point - centre)[::-1]) for point in (first, last))
-        turn = (start - end) % (2 * math.pi)
-        count = 1
-        while _fan_angle(radius, size, size, count) < turn:
-            count += 1
-        low, high = 0.0, size
-        for _ in range(100):
-            middle = (low + high) / 2
-            low, high = (middle, high) if _fan_angle(radius, size, middle, count) < turn else (low, middle)
-        disks = []
-        angle = start - _angle_between(radius, size, high)
-        for _ in range(count):
-            reach = radius + high
-            disks.append(self._add(centre + reach * np.array([math.cos(angle), math.sin(angle)]), high))
-            angle -= _angle_between(radius, high, high)
-        return disks
-
     def _corridor(self, ring: Ring, disks: list[int], part: int, end: Floats) -> None:
         """Lay a hexagonal strip from the ring's first disk to a loop, as far as it is free."""
         small = SMALL * ring.radius
-        own = {disk for triangle in self.molecules for disk in triangle if set(triangle) & set(disks)}
+        ring_disks = set(disks)
+        own = {disk for triangle in self.molecules for disk in triangle if not ring_disks.isdisjoint(triangle)}
         mine = {disk for chain, its in zip(self.chains, self.chain_part, strict=True) if its == part for disk in chain}
         taken = sorted(mine.union(disks))
         centres, radii = np.array([self.centres[d] for d in taken]), np.array([self.radii[d] for d in taken])
@@ -292,13 +283,33 @@ def _strip(start: Floats, end: Floats, radius: float) -> Iterator[Floats]:
                 yield start + along * x + left_normal(along) * (row * math.sqrt(3) * radius)
 
 
-def _fan_angle(radius: float, petal: float, size: float, count: int) -> float:
+def _fans(ring: Floats, radius: float, petals: Floats, size: float) -> list[list[tuple[Floats, float]]]:
+    """Equal disks around each ring disk, clockwise from the petal before it to its own: their centres and radii."""
+    to_first, to_last = np.roll(petals, 1, axis=0) - ring, petals - ring
+    start = np.arctan2(to_first[:, 1], to_first[:, 0])
+    turn = (start - np.arctan2(to_last[:, 1], to_last[:, 0])) % (2 * np.pi)
+    count = np.ones(len(ring), dtype=np.int64)
+    while (few := _fan_angle(radius, size, size, count) < turn).any():
+        count[few] += 1
+    low, high = np.zeros(len(ring)), np.full(len(ring), size)
+    for _ in range(100):
+        middle = (low + high) / 2
+        small = _fan_angle(radius, size, middle, count) < turn
+        low, high = np.where(small, middle, low), np.where(small, high, middle)
+    first, step = start - _angle_between(radius, size, high), _angle_between(radius, high, high)
+    fans = []
+    for k, (centre, its_radius) in enumerate(zip(ring, high.tolist(), strict=True)):
+        angles = first[k] - step[k] * np.arange(count[k])
+        centres = centre + (radius + its_radius) * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        fans.append([(one, its_radius) for one in centres])
+    return fans
+
+
+def _fan_angle(radius: float, petal: float, size: float | Floats, count: Numbers) -> Floats:
     return 2 * _angle_between(radius, petal, size) + (count - 1) * _angle_between(radius, size, size)
 
 
-def _angle_between(radius: float, one: float, other: float) -> float:
+def _angle_between(radius: float, one: float | Floats, other: float | Floats) -> Floats:
     """The angle, at a disk, between two that touch it and each other."""
-    if one * other == 0:
-        return 0.0
     cosine = 1 - 2 * one * other / ((radius + one) * (radius + other))
-    return math.acos(max(-1.0, cosine))
+    return np.asarray(np.arccos(np.maximum(-1.0, cosine)))

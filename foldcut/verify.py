@@ -112,26 +112,21 @@ def _findings(pattern: CreasePattern, layers: Ints | None, shape: Shape | None) 
     coarse, *finer = (share * diagonal for share in COINCIDENT)
     lengths, loose = edge_lengths(pattern), _check_edges(pattern)
 
-    def found_within(tolerance: float, faces: tuple[Bools, bool] | None = None) -> list[Finding]:
-        return _short_edges(pattern, lengths, tolerance) + loose or _verify_within(
-            tolerance, pattern, layers, shape, faces or _look_at_faces(pattern, tolerance)
-        )
+    def found_within(tolerance: float, *, places: bool) -> list[Finding]:
+        findings = _short_edges(pattern, lengths, tolerance) + loose
+        return findings or _verify_within(tolerance, pattern, layers, shape, places=places)
 
-    faces = None if loose or (lengths <= coarse).any() else _look_at_faces(pattern, coarse)
-    if faces is not None and not faces[1]:
-        findings = found_within(coarse, faces)
-        return findings if findings and all(map(found_within, finer)) else []
-    # something is too near for the coarse tolerance: where that is takes long to say, and often nobody needs to know
-    return found_within(coarse, faces) if loose or all(map(found_within, finer)) else []
+    findings = found_within(coarse, places=True)
+    return findings if findings and all(found_within(tolerance, places=False) for tolerance in finer) else []
 
 
 def _verify_within(
-    tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None, faces: tuple[Bools, bool]
+    tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None, *, places: bool
 ) -> list[Finding]:
-    """Verify with one tolerance, in mm; ``faces``: what ``_look_at_faces`` has seen."""
+    """Verify with one tolerance, in mm; without ``places`` crossings that come of something else are not looked for."""
     sides = edge_sides(pattern)
     faces_of_edges = faces_of_sides(pattern, sides)
-    findings = _check_planar(pattern, sides, faces_of_edges, tolerance, *faces)
+    findings = _check_planar(pattern, sides, faces_of_edges, tolerance, places=places)
     if findings:
         return findings
     del sides
@@ -187,7 +182,7 @@ def _check_arrays(pattern: CreasePattern) -> list[Finding]:
 
 
 def _check_planar(
-    pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float, convex: Bools, close: bool
+    pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float, *, places: bool
 ) -> list[Finding]:
     """Find whatever keeps the faces from tiling a sheet with one simple outline, edge to edge.
 
@@ -200,9 +195,14 @@ def _check_planar(
     No vertex may come within the tolerance of an edge, either. The way from one that does leaves it through a face, or
     along an edge, which is longer; so it comes within the tolerance of an edge of that face, and only these are asked.
     """
+    convex, close = _look_at_faces(pattern, tolerance)
     findings = [*_check_face_outlines(pattern, convex), *_check_sides(pattern, sides, faces_of_edges)]
-    if findings or close:
-        return [*findings, *_check_crossings(pattern, tolerance)]
+    if not findings and close:
+        findings = _vertices_on_edges(pattern, tolerance)
+        if findings:
+            return findings
+    if findings:
+        return [*findings, *_check_crossings(pattern, tolerance)] if places else findings
     findings = _check_outline(pattern, sides)
     return findings and (_check_crossings(pattern, tolerance) or findings)
 
@@ -380,13 +380,19 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
         _finding("planar", f"edges {a} and {b} cross; divide both there", place)
         for a, b, place in zip(one.tolist(), other.tolist(), places, strict=True)
     ]
+    return [*findings, *_vertices_on_edges(pattern, tolerance, tree)]
+
+
+def _vertices_on_edges(pattern: CreasePattern, tolerance: float, tree: shapely.STRtree | None = None) -> list[Finding]:
+    """Find vertices that lie on an edge without being an end of it; ``tree`` has the edges."""
+    coords, edges = pattern.vertices_coords, pattern.edges_vertices
+    tree = tree or shapely.STRtree(shapely.linestrings(coords[edges]))
     vertex, edge = tree.query(shapely.points(coords), predicate="dwithin", distance=tolerance)
     apart = (edges[edge] != vertex[:, None]).all(axis=1)
-    findings += [
+    return [
         _finding("planar", f"vertex {v} lies on edge {e}; divide the edge there", coords[v])
         for v, e in zip(vertex[apart].tolist(), edge[apart].tolist(), strict=True)
     ]
-    return findings
 
 
 def _check_outline(pattern: CreasePattern, sides: Numbers) -> list[Finding]:

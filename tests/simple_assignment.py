@@ -22,7 +22,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from foldcut.assignment import Assignment, ribbon_partners
+from foldcut.assignment import Assignment
 from foldcut.errors import UnfoldableError
 from foldcut.model import Chars, index_array
 from foldcut.molecules import Kind, Molecules
@@ -67,6 +67,11 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
         (order[0], order[1]),
         index_array(corner_tree),
     )
+
+
+def ribbon_partners(molecules: Molecules) -> dict[int, int]:
+    """Vertices on the left border of the ribbon to their like on the right one."""
+    return dict(molecules.creases[molecules.crease_kind == Kind.RIBBON].tolist())
 
 
 def _right_feet(molecules: Molecules, loop_of_foot: dict[int, int]) -> dict[int, int]:

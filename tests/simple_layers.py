@@ -8,11 +8,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from foldcut.assignment import Assignment
-from foldcut.faces import Edge, Ring, merge_stacks, outlines
-from foldcut.layers import join_unfolded, sheet_corners, walk
+from foldcut.faces import Ring, merge_stacks, outlines
+from foldcut.layers import sheet_corners
 from foldcut.model import CreasePattern, Floats, FoldedState, Ints, Ragged, index_array, points_array
 from foldcut.molecules import Molecules
 from foldcut.plane import signed_area
+
+Edge = tuple[int, int]
 
 
 def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePattern, FoldedState]:
@@ -93,3 +95,50 @@ def _dissolve_straight(
         joined.append((start, vertex))
         types.append(kinds[first])
     return joined, types, straight
+
+
+def walk(molecules: Molecules, entry: list[int], parent: list[int], root: int) -> list[int]:
+    """The facets of one face of the plane, top to bottom: preorder of T_M, from each entry side counter-clockwise."""
+    around: dict[tuple[int, int], list[int]] = defaultdict(list)
+    for facet, place in enumerate(zip(molecules.facet_molecule.tolist(), molecules.facet_corner.tolist(), strict=True)):
+        around[place].append(facet)
+    feet = molecules.feet.to_lists()
+    child: dict[tuple[int, int], int] = {}
+    for number, above in enumerate(parent):
+        if above >= 0:
+            child[above, feet[above].index(feet[number][entry[number]])] = number
+    order: list[int] = []
+    stack: list[tuple[int, int]] = [(root, 0)]  # molecule, corners walked
+    while stack:
+        number, walked = stack.pop()
+        sides = len(feet[number])
+        if walked == sides:
+            continue
+        corner = (entry[number] + 1 + walked) % sides
+        order += around[number, corner]
+        stack.append((number, walked + 1))
+        if (number, corner) in child and walked + 1 < sides:
+            stack.append((child[number, corner], 0))
+    return order
+
+
+def join_unfolded(molecules: Molecules, sides: Ints) -> tuple[dict[int, list[int]], list[int]]:
+    """Facets joined across sides that are not folded, ``(n, 2)``: facets by face, and the face of each facet."""
+    unfolded = {frozenset(pair) for pair in sides.tolist()}
+    face_of = list(range(len(molecules.facets)))
+
+    def face(facet: int) -> int:
+        while face_of[facet] != facet:
+            facet = face_of[facet]
+        return facet
+
+    owner: dict[frozenset[int], int] = {}
+    for facet, ring in enumerate(molecules.facets.to_lists()):
+        for pair in zip(ring, ring[1:] + ring[:1], strict=True):
+            side = frozenset(pair)
+            if side in unfolded:
+                face_of[face(facet)] = face(owner.setdefault(side, facet))
+    joined: dict[int, list[int]] = defaultdict(list)
+    for facet in range(len(face_of)):
+        joined[face(facet)].append(facet)
+    return joined, [face(facet) for facet in range(len(face_of))]
