@@ -210,6 +210,37 @@ def test_overlaps_do_not_depend_on_how_the_work_is_cut_up(monkeypatch: pytest.Mo
     assert whole.tolist() == parts.tolist()
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_faces_at_a_glance_are_never_more_than_there_are(seed: int) -> None:
+    pattern = stack_of_polygons(seed, 60)
+    found = overlapping_faces(pattern)
+    assert found is not None
+    again = overlapping_faces(pattern, len(found))
+    assert again is not None
+    assert again.tolist() == found.tolist()
+    assert overlapping_faces(pattern, len(found) - 1) is None
+
+
+def test_too_many_overlaps_are_seen_without_comparing_faces(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("foldcut.exporters.fold._wholly_outside", None)
+    assert overlapping_faces(letter_fold(), 2) is None
+
+
+def test_fold_files_are_what_the_json_module_writes(monkeypatch: pytest.MonkeyPatch) -> None:
+    pattern = fold(sample_path("square"), "a4", method="paper", min_crease=0).folded_pattern
+    monkeypatch.setattr("foldcut.exporters.fold.ROWS", 3)
+    data = export(pattern, ".fold")
+    document = json.loads(data)
+    lines = (f"{json.dumps(key)}: {json.dumps(value, separators=(',', ':'))}" for key, value in document.items())
+    assert data.decode() == "{\n" + ",\n".join(lines) + "\n}\n"
+    creases = pattern.creases
+    assert document["vertices_coords"] == creases.vertices_coords.tolist()
+    assert document["edges_vertices"] == creases.edges_vertices.tolist()
+    assert document["edges_assignment"] == creases.edges_assignment.tolist()
+    assert document["faces_vertices"] == creases.faces_vertices.to_lists()
+    assert len({len(ring) for ring in document["faces_vertices"]}) > 1
+
+
 def test_ordering_900_faces_takes_no_noticeable_time() -> None:
     pattern = stack_of_polygons(1, 900)
     start = time.perf_counter()
