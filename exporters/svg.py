@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import unicodedata
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,10 +35,11 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     drawing.set_desc(title=printable(pattern.title) or "foldcut")
     inkscape = Inkscape(drawing)
 
+    paths_of: dict[str, Iterable[str]] = {}
+
     def layer(label: str, colour: str, width: float, paths: Iterable[str]) -> Any:
+        paths_of[label.lower()] = paths
         group = inkscape.layer(label=label, id=label.lower(), fill="none", stroke=colour, stroke_width=number(width))
-        for data in paths:
-            group.add(drawing.path(d=data))
         return drawing.add(group)
 
     creases = pattern.creases
@@ -63,10 +64,26 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
         place = (number(x), number(y))
         group.add(drawing.text(text, insert=place, fill=look.legend_colour, stroke="none", **legend.font))
 
+    return with_paths(drawing, paths_of)
+
+
+def with_paths(drawing: Any, paths_of: Mapping[str, Iterable[str]]) -> bytes:
+    """Return the file of an svgwrite drawing whose layers, by id, get paths of this data before what is in them.
+
+    An element for each path would take most of the time, and of the memory.
+    """
     root = drawing.get_xml()
+    paths = {name: [f'\n  <path d="{data}" />' for data in some] for name, some in paths_of.items()}
+    ends = {}
+    for group in root:
+        name = group.get("id")
+        if paths.get(name):
+            group.text = f"\x00{name}\x00"  # nothing that is printable
+            ends[name] = "\n  " if len(group) else "\n "
     ET.indent(root, " ")
-    text = ET.tostring(root, encoding="unicode")
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode()
+    parts = ET.tostring(root, encoding="unicode").split("\x00")
+    parts[1::2] = ["".join([*paths[name], ends[name]]) for name in parts[1::2]]
+    return "".join(['<?xml version="1.0" encoding="utf-8"?>\n', *parts, "\n"]).encode()
 
 
 def _flip(points: Floats, sheet: Sheet) -> Floats:

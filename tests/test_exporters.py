@@ -8,7 +8,9 @@ import itertools
 import json
 import re
 import time
+import tracemalloc
 import xml.etree.ElementTree as ET
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -83,6 +85,32 @@ def test_a_picture_has_the_words_of_the_legend() -> None:
         return int((pixels < 200).sum())
 
     assert ink("WWWWWWWW") > ink("W") > ink("")
+
+
+@pytest.mark.parametrize(("suffix", "most"), [(".fold", 6), (".svg", 12), (".opx", 6)])
+def test_a_file_of_many_creases_takes_a_few_times_its_size_in_memory(suffix: str, most: float) -> None:
+    # measured 3 to 7 times; with an object for each number or element 9 to 45 times
+    pattern = many_creases()
+    export(letter_fold(), suffix)
+    tracemalloc.start()
+    data = export(pattern, suffix)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < most * len(data)
+
+
+@cache
+def many_creases() -> FoldedPattern:
+    """Return a sheet of 4,000 narrow strips, folded to and fro."""
+    strips = 4_000
+    x = np.arange(strips + 1) / 7
+    flat = np.stack([np.column_stack([x, 0 * x]), np.column_stack([x, 0 * x + 2])], axis=1).reshape(-1, 2)
+    folded = np.column_stack([np.arange(len(flat)) // 2 % 2 / 7, flat[:, 1]])
+    rows = 2 * np.arange(strips)
+    edges = [(0, 1, "B"), *((a, a + 2, "B") for low in rows.tolist() for a in (low, low + 1))]
+    edges += [(a, a + 1, "MV"[a // 2 % 2]) for a in rows[1:].tolist()] + [(2 * strips, 2 * strips + 1, "B")]
+    faces = [(a, a + 2, a + 3, a + 1) for a in rows.tolist()]
+    return build_pattern(flat.tolist(), folded.tolist(), edges, faces, range(strips))
 
 
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
