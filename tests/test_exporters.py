@@ -87,7 +87,7 @@ def test_a_picture_has_the_words_of_the_legend() -> None:
     assert ink("WWWWWWWW") > ink("W") > ink("")
 
 
-@pytest.mark.parametrize(("suffix", "most"), [(".fold", 6), (".svg", 12), (".opx", 6)])
+@pytest.mark.parametrize(("suffix", "most"), [(".fold", 6), (".svg", 8), (".opx", 6)])
 def test_a_file_of_many_creases_takes_a_few_times_its_size_in_memory(suffix: str, most: float) -> None:
     # measured 3 to 7 times; with an object for each number or element 9 to 45 times
     pattern = many_creases()
@@ -96,7 +96,7 @@ def test_a_file_of_many_creases_takes_a_few_times_its_size_in_memory(suffix: str
     data = export(pattern, suffix)
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
-    assert peak < most * len(data)
+    assert peak < most * len(data) + 2e6 * (suffix == ".svg"), "a legend takes the same for any pattern"
 
 
 @cache
