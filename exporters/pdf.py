@@ -54,7 +54,9 @@ def export(job: Job, profile: Profile) -> bytes:
     canvas.setCreator("foldcut")
     look = profile.drawing
     strokes = [stroke for step in job.steps for stroke in step.strokes]
-    lines = np.concatenate([np.zeros((0, 2, 2)), *(np.stack([s[:-1], s[1:]], axis=1) for s in strokes)])
+    corners = np.concatenate([np.zeros((0, 2)), *strokes])
+    ends = np.cumsum([len(stroke) for stroke in strokes], dtype=np.int64)
+    lines = np.delete(np.stack([corners[:-1], corners[1:]], axis=1), ends[:-1] - 1, axis=0)
     for tile in tiles(job, profile):
         canvas.setPageSize((tile.width * mm, tile.height * mm))
         canvas.saveState()
@@ -62,15 +64,16 @@ def export(job: Job, profile: Profile) -> bytes:
             clip = canvas.beginPath()
             clip.rect(tile.inset * mm, tile.inset * mm, tile.clear_width * mm, tile.clear_height * mm)
             canvas.clipPath(clip, stroke=0)
+        points, end = ((corners - (tile.x, tile.y)) * mm).tolist(), 0
         for number, step in enumerate(job.steps):
             canvas._code.append(f"/OC /L{number} BDC")
             canvas.setStrokeColor(step.operation.colour)
             canvas.setLineWidth(look.crease_stroke_mm * mm)
             for stroke in step.strokes:
                 path = canvas.beginPath()
-                points = [((x - tile.x) * mm, (y - tile.y) * mm) for x, y in stroke.tolist()]
-                path.moveTo(*points[0])
-                for point in points[1:]:
+                start, end = end, end + len(stroke)
+                path.moveTo(*points[start])
+                for point in points[start + 1 : end]:
                     path.lineTo(*point)
                 canvas.drawPath(path)
             canvas._code.append("EMC")
