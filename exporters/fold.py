@@ -13,7 +13,9 @@ the cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded fi
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from importlib.metadata import version
+from typing import Any
 
 import mapbox_earcut
 import numpy as np
@@ -29,12 +31,15 @@ OVERLAP_TOLERANCE = 1e-9
 """Folded faces that overlap by less than this part of the sheet's diagonal only touch."""
 CHUNK = 128
 """Faces compared with all others at once: few enough for the processor's cache."""
+PROBES = 16
+"""Places where faces are counted, to see soon that there are too many pairs of them."""
+ROWS = 8192
+"""Rows of an array written at once: more would take memory, fewer time."""
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     """Return ``pattern`` as a FOLD file; nothing in it depends on the profile."""
     creases = pattern.creases
-    assignment = creases.edges_assignment.tolist()
     orders, adjacent_only = face_orders(pattern)
     fold: dict[str, object] = {
         "file_spec": 1.2,
@@ -43,24 +48,24 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
         "file_classes": ["singleModel"],
         "frame_classes": ["creasePattern"],
         "frame_unit": "mm",
-        "vertices_coords": creases.vertices_coords.tolist(),
-        "edges_vertices": creases.edges_vertices.tolist(),
-        "edges_assignment": assignment,
-        "edges_foldAngle": [FOLD_ANGLES.get(letter, 0) for letter in assignment],
-        "faces_vertices": creases.faces_vertices.to_lists(),
+        "vertices_coords": creases.vertices_coords,
+        "edges_vertices": creases.edges_vertices,
+        "edges_assignment": creases.edges_assignment,
+        "edges_foldAngle": _fold_angles(creases.edges_assignment),
+        "faces_vertices": creases.faces_vertices,
         "faceOrders": orders,
         "file_frames": [
             {
                 "frame_classes": ["foldedForm"],
                 "frame_parent": 0,
                 "frame_inherit": True,
-                "vertices_coords": pattern.folded.vertices_coords.tolist(),
+                "vertices_coords": pattern.folded.vertices_coords,
             }
         ],
-        "foldcut:placement": pattern.placement.matrix.tolist(),
-        "foldcut:layers": pattern.folded.layers.tolist(),
-        "foldcut:shape": [loop.tolist() for loop in pattern.shape.loops],
-        "foldcut:firstFolds": [line.tolist() for line in pattern.first_folds],
+        "foldcut:placement": pattern.placement.matrix,
+        "foldcut:layers": pattern.folded.layers,
+        "foldcut:shape": list(pattern.shape.loops),
+        "foldcut:firstFolds": list(pattern.first_folds),
     }
     if adjacent_only:
         fold["foldcut:faceOrders"] = "adjacent"
@@ -99,6 +104,8 @@ def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> I
     points = pattern.folded.vertices_coords
     tolerance = OVERLAP_TOLERANCE * pattern.sheet.diagonal
     faces = pattern.creases.faces_vertices
+    if _surely_more(points, faces, tolerance, most):
+        return None
     pieces, faces_of_pieces = _convex_pieces(points, faces)
     sides = _inward_sides(points, pieces)
     found = [np.empty(0, dtype=np.int64)]
@@ -112,6 +119,28 @@ def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> I
         if sum(map(len, found)) > most:
             return None
     return np.column_stack(np.divmod(_distinct(np.concatenate(found)), len(faces))).astype(np.int32)
+
+
+def _surely_more(points: Floats, faces: Ragged, tolerance: float, most: int) -> bool:
+    """Return whether more than ``most`` pairs overlap for sure: of the convex faces well around one place, each two."""
+    if len(faces) * (len(faces) - 1) // 2 <= most:
+        return False
+    starts, following = faces.offsets[:-1], _next_in_row(faces)
+    corner = points[faces.values]
+    side = corner[following] - corner
+    length = np.hypot(side[:, 0], side[:, 1])
+    turned = np.sign(_doubled_areas(points, faces))
+    convex = np.ones(len(faces), dtype=bool)
+    convex[list(_faces_with_bends(points, faces))] = False
+    # a side without length is no nearer to a place than the others are
+    normal = side[:, ::-1] * (-1, 1) * (turned[faces.rows] / np.where(length > 0, length, 1.0))[:, None]
+    for face in np.flatnonzero(convex)[:: max(1, np.count_nonzero(convex) // PROBES)]:
+        place = corner[starts[face] : faces.offsets[face + 1]].mean(axis=0)
+        inward = np.where(length > 0, np.sum((place - corner) * normal, axis=1), np.inf)
+        around = np.count_nonzero(convex & (np.minimum.reduceat(inward, starts) > 10 * tolerance))
+        if around * (around - 1) // 2 > most:
+            return True
+    return False
 
 
 def _distinct(keys: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -179,11 +208,12 @@ def _faces_with_bends(points: Floats, faces: Ragged) -> set[int]:
 
 def _faces_across_creases(faces: Ragged) -> Ints:
     """Return the pairs of faces that share an edge, ``(m, 2)`` with f < g."""
-    ends = np.sort(np.column_stack([faces.values, faces.values[_next_in_row(faces)]]), axis=1)
-    order = np.lexsort((faces.rows, ends[:, 1], ends[:, 0]))
-    shared = np.flatnonzero((ends[order[1:]] == ends[order[:-1]]).all(axis=1))
-    pairs = np.column_stack([faces.rows[order[shared]], faces.rows[order[shared + 1]]])
-    return np.unique(pairs, axis=0).astype(np.int32)
+    one, other = faces.values.astype(np.int64), faces.values[_next_in_row(faces)]
+    ends = np.minimum(one, other) * (int(faces.values.max(initial=0)) + 1) + np.maximum(one, other)
+    order = np.argsort(ends, kind="stable")
+    shared = np.flatnonzero(np.diff(ends[order]) == 0)
+    f, g = (faces.rows[order[shared + n]].astype(np.int64) for n in (0, 1))
+    return np.column_stack(np.divmod(_distinct(f * len(faces) + g), len(faces))).astype(np.int32)
 
 
 def _next_in_row(rows: Ragged) -> Ints:
@@ -205,16 +235,54 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
 
 
+def _fold_angles(assignment: NDArray[np.str_]) -> Ints:
+    """Return the fold angle of every edge in degrees, ``(n,)``."""
+    angles = np.zeros(len(assignment), dtype=np.int32)
+    for letter, angle in FOLD_ANGLES.items():
+        angles[assignment == letter] = angle
+    return angles
+
+
 def _to_json(fold: dict[str, object]) -> bytes:
     """Return compact JSON with one top-level key per line; a number that JSON cannot hold is an error."""
-    lines = [f"{json.dumps(key)}: {_to_text(value)}" for key, value in fold.items()]
-    return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+    lines = []
+    for key, value in fold.items():
+        lines.append(f"{json.dumps(key)}: ".encode() + b"".join(part.encode() for part in _parts(value)))
+    return b"{\n" + b",\n".join(lines) + b"\n}\n"
 
 
-def _to_text(value: object) -> str:
-    """Return one value as JSON."""
-    if isinstance(value, np.ndarray):
-        # Rows of integers, up to millions of them: json.dumps would take most of the time of the export.
-        row = f"[{','.join(['%d'] * value.shape[1])}]"
-        return f"[{','.join([row] * len(value))}]" % tuple(value.ravel().tolist())
-    return json.dumps(value, separators=(",", ":"), allow_nan=False)
+def _parts(value: object) -> Iterator[str]:
+    """Yield one value as JSON, in parts; ``json.dumps`` of millions of lists would take time and memory."""
+    if isinstance(value, np.ndarray | Ragged):
+        yield "["
+        for low in range(0, len(value), ROWS):
+            yield "," * (low > 0) + _rows(value, low, min(low + ROWS, len(value)))
+        yield "]"
+    elif isinstance(value, dict):
+        for number, (key, item) in enumerate(value.items()):
+            yield f"{',' if number else '{'}{json.dumps(key)}:"
+            yield from _parts(item)
+        yield "}" if value else "{}"
+    elif isinstance(value, list):
+        yield "["
+        for number, item in enumerate(value):
+            yield "," * (number > 0)
+            yield from _parts(item)
+        yield "]"
+    else:
+        yield json.dumps(value, allow_nan=False)
+
+
+def _rows(array: NDArray[Any] | Ragged, low: int, high: int) -> str:
+    """Return some rows as JSON, with commas between them."""
+    if isinstance(array, Ragged):
+        lengths = array.lengths[low:high].tolist()
+        rows = {length: f"[{','.join(['%d'] * length)}]" for length in set(lengths)}
+        values = array.values[array.offsets[low] : array.offsets[high]]
+        return ",".join([rows[length] for length in lengths]) % tuple(values.tolist())
+    values = array[low:high]
+    if values.dtype.kind == "f" and not np.isfinite(values).all():
+        raise ValueError("JSON has no numbers for infinity and NaN")
+    one = {"f": "%r", "i": "%d", "U": '"%s"'}[values.dtype.kind]
+    row = one if values.ndim == 1 else f"[{','.join([one] * values.shape[1])}]"
+    return ",".join([row] * len(values)) % tuple(values.ravel().tolist())

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from foldcut.job import Job, JobError, Step
 from foldcut.profiles import Gcode, Profile
 
@@ -70,8 +68,9 @@ def _pen(job: Job, code: Gcode) -> Iterator[str]:
 
 def _strokes(job: Job, step: Step) -> Iterator[tuple[str, list[str]]]:
     """Yield where each stroke begins, and its other points."""
+    right, up = job.at
     for stroke in step.strokes:
-        first, *rest = (f"X{number(x)} Y{number(y)}" for x, y in (stroke + np.array(job.at)).tolist())
+        first, *rest = (f"X{number(x + right)} Y{number(y + up)}" for x, y in stroke.tolist())
         yield first, rest
 
 

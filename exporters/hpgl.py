@@ -37,13 +37,17 @@ def export(job: Job, profile: Profile) -> bytes:
         if step.setting is not None:
             lines.append(f"VS{max(1, round(step.setting.speed_mm_s / 10))};")  # cm/s
         passes = step.setting.passes if step.setting is not None else 1
+        if not step.strokes:
+            continue
+        points = np.concatenate(step.strokes) + np.array(job.at)
+        if (points < -1e-6).any() or (points > reach + 1e-6).any():
+            x, y = points[int(np.argmax(np.abs(points - reach / 2).max(axis=1)))]
+            raise JobError(f"({x:.2f}, {y:.2f}) mm is beyond the machine's {reach[0]:g} x {reach[1]:g} mm")
+        units = np.rint(points / unit).astype(int).tolist()
+        end = 0
         for stroke in step.strokes:
-            points = stroke + np.array(job.at)
-            if (points < -1e-6).any() or (points > reach + 1e-6).any():
-                x, y = points[int(np.argmax(np.abs(points - reach / 2).max(axis=1)))]
-                raise JobError(f"({x:.2f}, {y:.2f}) mm is beyond the machine's {reach[0]:g} x {reach[1]:g} mm")
-            units = np.rint(points / unit).astype(int).tolist()
-            lines += _stroke(units) * passes
+            start, end = end, end + len(stroke)
+            lines += _stroke(units[start:end]) * passes
     lines += ["PU;", "SP0;"]
     return ("\n".join(lines) + "\n").encode("ascii")
 

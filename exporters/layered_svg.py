@@ -7,15 +7,15 @@ their names, LightBurn, Glowforge, xTool and Cricut go by the colours.
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator
 
 import svgwrite
 from svgwrite.extensions import Inkscape
 
-from foldcut.job import Job
+from foldcut.job import Job, Step
 from foldcut.profiles import Profile
 
-from .svg import path_data
+from .svg import path_data, with_paths
 from .text import number, printable
 
 
@@ -29,21 +29,25 @@ def export(job: Job, profile: Profile) -> bytes:
     )
     drawing.set_desc(title=printable(job.title) or "foldcut")
     inkscape = Inkscape(drawing)
+    paths_of: dict[str, Iterable[str]] = {}
     for count, step in enumerate(job.steps, 1):
         operation = step.operation
+        name = f"step-{count}-{step.role}"
         group = inkscape.layer(
             label=operation.layer,
-            id=f"step-{count}-{step.role}",
+            id=name,
             fill="none",
             stroke=operation.colour,
             stroke_width=number(profile.drawing.crease_stroke_mm),
         )
-        for stroke in step.strokes:
-            closed = len(stroke) > 2 and bool((stroke[0] == stroke[-1]).all())
-            points = [(x, height - y) for x, y in (stroke[:-1] if closed else stroke).tolist()]
-            group.add(drawing.path(d=path_data(points, closed=closed)))
         drawing.add(group)
-    root = drawing.get_xml()
-    ET.indent(root, " ")
-    text = ET.tostring(root, encoding="unicode")
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode()
+        paths_of[name] = _paths(step, height)
+    return with_paths(drawing, paths_of)
+
+
+def _paths(step: Step, height: float) -> Iterator[str]:
+    """Yield the path data of a step's strokes."""
+    for stroke in step.strokes:
+        closed = len(stroke) > 2 and bool((stroke[0] == stroke[-1]).all())
+        points = [(x, height - y) for x, y in (stroke[:-1] if closed else stroke).tolist()]
+        yield path_data(points, closed=closed)

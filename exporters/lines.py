@@ -20,6 +20,21 @@ from .text import printable
 
 STROKES = {"B": "#000000", "M": "#ff0000", "V": "#0000ff"}
 TYPES = {"B": 1, "M": 2, "V": 3}
+BLOCK = 8192
+"""Edges that are turned into Python's numbers at once."""
+
+
+def _property(name: str, kind: str, form: str) -> str:
+    """Return one property of an edge as an .opx file has it."""
+    return f'      <void property="{name}">\n       <{kind}>{form}</{kind}>\n      </void>\n'
+
+
+OPX_EDGE = (
+    '    <void index="%d">\n     <object class="oripa.OriLineProxy">\n'
+    + _property("type", "int", "%d")
+    + "".join(_property(name, "double", "%r") for name in ("x0", "y0", "x1", "y1"))
+    + "     </object>\n    </void>\n"
+)
 
 
 def export_svg(pattern: FoldedPattern, profile: Profile) -> bytes:
@@ -43,17 +58,12 @@ def export_cp(pattern: FoldedPattern, profile: Profile) -> bytes:
 
 def export_opx(pattern: FoldedPattern, profile: Profile) -> bytes:
     """Return the edges as an .opx file; nothing in it depends on the profile."""
-    edges = list(_edges(pattern))
     root = ET.Element("java", version="1.8.0", attrib={"class": "java.beans.XMLDecoder"})
     data = ET.SubElement(root, "object", attrib={"class": "oripa.DataSet"})
     lines = ET.SubElement(data, "void", property="lines")
-    array = ET.SubElement(lines, "array", attrib={"class": "oripa.OriLineProxy"}, length=str(len(edges)))
-    for number, (letter, *coordinates) in enumerate(edges):
-        line = ET.SubElement(ET.SubElement(array, "void", index=str(number)), "object")
-        line.set("class", "oripa.OriLineProxy")
-        ET.SubElement(ET.SubElement(line, "void", property="type"), "int").text = str(TYPES[letter])
-        for name, value in zip(("x0", "y0", "x1", "y1"), coordinates, strict=True):
-            ET.SubElement(ET.SubElement(line, "void", property=name), "double").text = repr(value)
+    count = len(pattern.creases.edges_vertices)
+    array = ET.SubElement(lines, "array", attrib={"class": "oripa.OriLineProxy"}, length=str(count))
+    array.text = "EDGES"
     for name, kind, text in (
         ("mainVersion", "int", "1"),
         ("paperSize", "double", repr(max(pattern.sheet.width, pattern.sheet.height))),
@@ -61,13 +71,18 @@ def export_opx(pattern: FoldedPattern, profile: Profile) -> bytes:
     ):
         ET.SubElement(ET.SubElement(data, "void", property=name), kind).text = text
     ET.indent(root, " ")
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root) + b"\n"
+    # an element for each of a million numbers would take a gigabyte
+    edges = "".join(OPX_EDGE % (number, TYPES[letter], *ends) for number, (letter, *ends) in enumerate(_edges(pattern)))
+    head, end = ET.tostring(root).split(b"EDGES", 1)
+    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + head + f"\n{edges}   ".encode() + end + b"\n"
 
 
 def _edges(pattern: FoldedPattern) -> Iterator[tuple[str, float, float, float, float]]:
     """Yield assignment and ends of all edges, y down."""
     creases = pattern.creases
     points = creases.vertices_coords * (1, -1) + (0, pattern.sheet.height)
-    for (a, b), letter in zip(creases.edges_vertices.tolist(), creases.edges_assignment.tolist(), strict=True):
-        (x1, y1), (x2, y2) = points[a].tolist(), points[b].tolist()
-        yield letter, x1, y1, x2, y2
+    for low in range(0, len(creases.edges_vertices), BLOCK):
+        some = slice(low, low + BLOCK)
+        ends = points[creases.edges_vertices[some]].reshape(-1, 4).tolist()
+        for letter, (a, b, c, d) in zip(creases.edges_assignment[some].tolist(), ends, strict=True):
+            yield letter, a, b, c, d

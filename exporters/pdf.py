@@ -18,11 +18,15 @@ import numpy as np
 import pikepdf
 from pikepdf import Array, Dictionary, Name, String
 from reportlab.lib.units import mm
+from reportlab.pdfbase.pdfmetrics import stringWidth
 from reportlab.pdfgen.canvas import Canvas
 
 from foldcut.job import Job, JobError, mountain_pieces, valley_pieces
+from foldcut.model import Floats
 from foldcut.profiles import Profile, Role
 
+from .legend import BACKING, Ground
+from .svg import DESCENT, shortened
 from .text import printable
 
 MEANING: dict[Role, str] = {
@@ -32,6 +36,7 @@ MEANING: dict[Role, str] = {
     "cut": "the sheet's edge",
 }
 LEGEND = "Legend"
+FONT = "Helvetica"
 RULER_MM = 100.0
 CROSS_MM = 4.0
 
@@ -48,6 +53,10 @@ def export(job: Job, profile: Profile) -> bytes:
     canvas.setTitle(printable(job.title) or "foldcut")
     canvas.setCreator("foldcut")
     look = profile.drawing
+    strokes = [stroke for step in job.steps for stroke in step.strokes]
+    corners = np.concatenate([np.zeros((0, 2)), *strokes])
+    ends = np.cumsum([len(stroke) for stroke in strokes], dtype=np.int64)
+    lines = np.delete(np.stack([corners[:-1], corners[1:]], axis=1), ends[:-1] - 1, axis=0)
     for tile in tiles(job, profile):
         canvas.setPageSize((tile.width * mm, tile.height * mm))
         canvas.saveState()
@@ -55,22 +64,29 @@ def export(job: Job, profile: Profile) -> bytes:
             clip = canvas.beginPath()
             clip.rect(tile.inset * mm, tile.inset * mm, tile.clear_width * mm, tile.clear_height * mm)
             canvas.clipPath(clip, stroke=0)
+        points, end = ((corners - (tile.x, tile.y)) * mm).tolist(), 0
         for number, step in enumerate(job.steps):
             canvas._code.append(f"/OC /L{number} BDC")
             canvas.setStrokeColor(step.operation.colour)
             canvas.setLineWidth(look.crease_stroke_mm * mm)
             for stroke in step.strokes:
                 path = canvas.beginPath()
-                points = [((x - tile.x) * mm, (y - tile.y) * mm) for x, y in stroke.tolist()]
-                path.moveTo(*points[0])
-                for point in points[1:]:
+                start, end = end, end + len(stroke)
+                path.moveTo(*points[start])
+                for point in points[start + 1 : end]:
                     path.lineTo(*point)
                 canvas.drawPath(path)
             canvas._code.append("EMC")
         canvas.restoreState()
-        _furniture(canvas, tile, profile)
+        ground = Ground(tile.width, tile.height, profile.page.margin_mm + 2)
+        ground.add_lines(lines - (tile.x, tile.y))
+        crosses = _crosses(tile, profile.page.overlap_mm) if tile.tiled else np.zeros((0, 2, 2))
+        for cross in crosses:
+            x, y = (cross.mean(axis=0) - CROSS_MM / 2).tolist()
+            ground.fill(x, y, CROSS_MM, CROSS_MM)
+        _furniture(canvas, tile, profile, ground, crosses)
         canvas._code.append(f"/OC /L{len(job.steps)} BDC")
-        _legend(canvas, job, profile)
+        _legend(canvas, job, profile, ground)
         canvas._code.append("EMC")
         canvas.showPage()
     canvas.save()
@@ -137,59 +153,91 @@ def tiles(job: Job, profile: Profile) -> Iterator[Tile]:
             yield Tile(w, h, x - inset, y - inset, inset, row, column, rows * columns)
 
 
-def _legend(canvas: Canvas, job: Job, profile: Profile) -> None:
-    """Draw the title and a line for each operation, in its dashes and colour, above the ruler."""
-    look, page = profile.drawing, profile.page
-    assert page is not None
+def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
+    """Draw the title and a line for each operation, in its dashes and colour, where the fewest lines are under them."""
+    look = profile.drawing
+    size, indent, row = look.text_mm, look.sample_mm + 2, 1.6 * look.text_mm
     sample = np.array([[0.0, 0.0], [look.sample_mm, 0.0]])
     pieces = {"mountain": mountain_pieces(sample, look), "valley": valley_pieces(sample, look)}
-    x, y = page.margin_mm + 2, page.margin_mm + 2 + 3 * look.text_mm
-    canvas.setFont("Helvetica", look.text_mm * mm)
-    canvas.setFillColor(look.legend_colour)
     roles = Counter(step.role for step in job.steps)
-    for step in reversed(job.steps):
-        alone = roles[step.role] == 1  # on a test card each row has an operation of its own
+    # on a test card each row has an operation of its own
+    words = [MEANING[s.role] if roles[s.role] == 1 else printable(s.operation.layer) for s in job.steps]
+    title = shortened(printable(job.title), float(ground.room[0]) / size)
+    widths = [*(indent + _width(text, size) for text in words), _width(title, size)]
+    place = ground.place([(max(widths), row * len(widths))], size / 2)
+    canvas.setFont(FONT, size * mm)
+    rows = [*zip(job.steps, words, strict=True)][::-1]
+    x, y = place.x, place.y
+    for (step, text), width in zip([*rows, (None, title)], [*widths[-2::-1], widths[-1]], strict=True):
+        if ground.lines_under(x, y, width, row):
+            _backing(canvas, x, y, width, row)
+        canvas.setFillColor(look.legend_colour)
+        base = y + DESCENT * size
+        if step is None:
+            canvas.drawString(x * mm, base * mm, text)
+            continue
         canvas.setStrokeColor(step.operation.colour)
         canvas.setLineWidth(look.crease_stroke_mm * mm)
-        for start, end in (pieces.get(step.role, sample[None]) if alone else sample[None]).tolist():
-            height = y + 0.35 * look.text_mm
+        dashes = pieces.get(step.role, sample[None]) if roles[step.role] == 1 else sample[None]
+        for start, end in dashes.tolist():
+            height = base + 0.35 * size
             canvas.line((x + start[0]) * mm, height * mm, (x + end[0]) * mm, height * mm)
-        canvas.drawString(
-            (x + look.sample_mm + 2) * mm, y * mm, MEANING[step.role] if alone else printable(step.operation.layer)
-        )
-        y += 1.6 * look.text_mm
-    canvas.drawString(x * mm, y * mm, printable(job.title))
+        canvas.drawString((x + indent) * mm, base * mm, text)
+        y += row
 
 
-def _furniture(canvas: Canvas, tile: Tile, profile: Profile) -> None:
+def _backing(canvas: Canvas, x: float, y: float, width: float, height: float) -> None:
+    """Lay white behind words, through which lines are still seen."""
+    canvas.saveState()
+    canvas.setFillColor("#ffffff", alpha=BACKING)
+    canvas.rect(x * mm, y * mm, width * mm, height * mm, stroke=0, fill=1)
+    canvas.restoreState()
+
+
+def _width(text: str, size: float) -> float:
+    """Return how wide a text is, in mm."""
+    return float(stringWidth(text, FONT, size))
+
+
+def _furniture(canvas: Canvas, tile: Tile, profile: Profile, ground: Ground, crosses: Floats) -> None:
     """Draw the ruler, the page's name, and crosses where pages overlap."""
-    look, page = profile.drawing, profile.page
-    assert page is not None
+    look = profile.drawing
     canvas.setStrokeColor(look.legend_colour)
-    canvas.setFillColor(look.legend_colour)
     canvas.setLineWidth(look.legend_stroke_mm * mm)
-    x, y = page.margin_mm + 2, page.margin_mm + 2
-    length = min(RULER_MM, 10 * math.floor((tile.width - 2 * x) / 10))
+    size = look.text_mm
+    length = min(RULER_MM, 10 * math.floor((tile.width - 2 * ground.inset) / 10))
+    name = f"  row {tile.row + 1}, column {tile.column + 1} of {tile.count} pages" if tile.tiled else ""
+    words = f"{length:g} mm{name}"
+    place = ground.place([(length + 2 + _width(words, size), (1 + DESCENT) * size)], size / 2)
+    if ground.lines_under(place.x + length, place.y, place.width - length, place.height):
+        _backing(canvas, place.x + length + 1, place.y, place.width - length, place.height)
+    ground.fill(place.x, place.y, place.width, place.height)
+    x, y = place.x, place.y + DESCENT * size
     ruler = canvas.beginPath()
     ruler.moveTo(x * mm, y * mm)
     ruler.lineTo((x + length) * mm, y * mm)
     for n in range(round(length / 10) + 1):
         ruler.moveTo((x + 10 * n) * mm, y * mm)
-        ruler.lineTo((x + 10 * n) * mm, (y + look.text_mm) * mm)
+        ruler.lineTo((x + 10 * n) * mm, (y + size) * mm)
     canvas.drawPath(ruler)
-    canvas.setFont("Helvetica", look.text_mm * mm)
-    name = f"  row {tile.row + 1}, column {tile.column + 1} of {tile.count} pages" if tile.tiled else ""
-    canvas.drawString((x + length + 2) * mm, y * mm, f"{length:g} mm{name}")
-    if not tile.tiled:
-        return
-    crosses = canvas.beginPath()
-    half = page.overlap_mm / 2
-    for cx in (tile.inset + half, tile.width - tile.inset - half):
-        for cy in (tile.inset + half, tile.height - tile.inset - half):
+    canvas.setFillColor(look.legend_colour)
+    canvas.setFont(FONT, size * mm)
+    canvas.drawString((x + length + 2) * mm, y * mm, words)
+    marks = canvas.beginPath()
+    for start, end in (crosses * mm).tolist():
+        marks.moveTo(*start)
+        marks.lineTo(*end)
+    canvas.drawPath(marks)
+
+
+def _crosses(tile: Tile, overlap: float) -> Floats:
+    """Return the lines of the crosses where pages overlap, ``(8, 2, 2)``."""
+    lines = []
+    for x in (tile.inset + overlap / 2, tile.width - tile.inset - overlap / 2):
+        for y in (tile.inset + overlap / 2, tile.height - tile.inset - overlap / 2):
             for dx, dy in ((CROSS_MM / 2, 0.0), (0.0, CROSS_MM / 2)):
-                crosses.moveTo((cx - dx) * mm, (cy - dy) * mm)
-                crosses.lineTo((cx + dx) * mm, (cy + dy) * mm)
-    canvas.drawPath(crosses)
+                lines.append([(x - dx, y - dy), (x + dx, y + dy)])
+    return np.array(lines)
 
 
 def _with_layers(data: bytes, names: list[str]) -> bytes:

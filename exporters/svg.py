@@ -10,18 +10,21 @@ from __future__ import annotations
 
 import unicodedata
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 import svgwrite
 from svgwrite.extensions import Inkscape
 
+from foldcut.cutline import contains
 from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern, Sheet
 from foldcut.profiles import Drawing, Profile
 
+from .legend import BACKING, Corner, Ground
 from .text import number, printable
 
 
@@ -35,10 +38,11 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     drawing.set_desc(title=printable(pattern.title) or "foldcut")
     inkscape = Inkscape(drawing)
 
+    paths_of: dict[str, Iterable[str]] = {}
+
     def layer(label: str, colour: str, width: float, paths: Iterable[str]) -> Any:
+        paths_of[label.lower()] = paths
         group = inkscape.layer(label=label, id=label.lower(), fill="none", stroke=colour, stroke_width=number(width))
-        for data in paths:
-            group.add(drawing.path(d=data))
         return drawing.add(group)
 
     creases = pattern.creases
@@ -57,16 +61,38 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     layer("Mountain", look.mountain_colour, width, mountain_paths)
     layer("Cut", look.border_colour, look.border_stroke_mm, [_closed(_flip(sheet.corners, sheet))])
 
-    legend = _legend(pattern.title, sheet, look, first_fold=bool(pattern.first_folds))
-    group = layer("Legend", look.legend_colour, look.legend_stroke_mm, legend.paths)
+    legend, (left, low), backings = _placed_legend(pattern, look)
+    group = layer("Legend", look.legend_colour, look.legend_stroke_mm, [])
+    for x, y, width, height in backings:
+        place, size = (number(x), number(sheet.height - y - height)), (number(width), number(height))
+        group.add(drawing.rect(insert=place, size=size, fill="#ffffff", fill_opacity=BACKING, stroke="none"))
+    for strokes in legend.strokes:
+        group.add(drawing.path(d=_segments((strokes + np.array([left, low])) * (1, -1) + (0, sheet.height))))
+    font = {"font_family": "sans-serif", "font_size": number(legend.size)}
     for text, x, y in legend.texts:
-        place = (number(x), number(y))
-        group.add(drawing.text(text, insert=place, fill=look.legend_colour, stroke="none", **legend.font))
+        place = (number(left + x), number(sheet.height - low - y))
+        group.add(drawing.text(text, insert=place, fill=look.legend_colour, stroke="none", **font))
 
+    return with_paths(drawing, paths_of)
+
+
+def with_paths(drawing: Any, paths_of: Mapping[str, Iterable[str]]) -> bytes:
+    """Return the file of an svgwrite drawing whose layers, by id, get paths of this data before what is in them.
+
+    An element for each path would take most of the time, and of the memory.
+    """
     root = drawing.get_xml()
+    paths = {name: [f'\n  <path d="{data}" />' for data in some] for name, some in paths_of.items()}
+    ends = {}
+    for group in root:
+        name = group.get("id")
+        if paths.get(name):
+            group.text = f"\x00{name}\x00"  # nothing that is printable
+            ends[name] = "\n  " if len(group) else "\n "
     ET.indent(root, " ")
-    text = ET.tostring(root, encoding="unicode")
-    return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode()
+    parts = ET.tostring(root, encoding="unicode").split("\x00")
+    parts[1::2] = ["".join([*paths[name], ends[name]]) for name in parts[1::2]]
+    return "".join(['<?xml version="1.0" encoding="utf-8"?>\n', *parts, "\n"]).encode()
 
 
 def _flip(points: Floats, sheet: Sheet) -> Floats:
@@ -77,22 +103,70 @@ def _flip(points: Floats, sheet: Sheet) -> Floats:
 # Text of the legend. Letters of common sans-serif fonts are 0.5 to 0.6 of the size wide on average.
 LETTER_WIDTH = 0.6
 LINE_HEIGHT = 1.6
+DESCENT = 0.3
 
 WIDE, PALE = 8.0, 0.25
 """How many times as wide as a crease the line of the first fold is, and its opacity."""
 
 
+AWAY, OUTLINE = 0.5, 4
+"""How far a legend keeps from lines, where it can, in sizes of its text; how many creases the outline counts as."""
+
+
 @dataclass(frozen=True)
 class _Legend:
-    """What the legend draws: path data, texts with their left baseline ends, and the font of the texts."""
+    """What a legend draws, y up, (0, 0) its lower left corner.
 
-    paths: list[str]
+    Strokes, ``(n, 2, 2)`` each; texts with the left ends of their baselines; ``boxes``, what of it has to be read,
+    ``(x, y, width, height)``.
+    """
+
+    size: float
+    strokes: list[Floats]
     texts: list[tuple[str, float, float]]
-    font: dict[str, str]
+    boxes: list[tuple[float, float, float, float]]
+
+    def add(self, text: str, x: float, y: float, strokes: Floats | None = None, indent: float = 0.0) -> float:
+        """Add a text ``indent`` mm right of (x, y), and what stands there before it; returns where it ends."""
+        if strokes is not None:
+            self.strokes.append(strokes)
+        self.texts.append((text, x + indent, y))
+        width = indent + _text_width(text) * self.size
+        self.boxes.append((x, y - DESCENT * self.size, width, LINE_HEIGHT * self.size))
+        return x + width
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Its width and height in mm."""
+        return max(x + width for x, _, width, _ in self.boxes), max(y + height for _, y, _, height in self.boxes)
 
 
-def _legend(title: str, sheet: Sheet, look: Drawing, *, first_fold: bool) -> _Legend:
-    """Set the legend in rows along the bottom edge, the ruler lowest, all inside the sheet."""
+def _placed_legend(pattern: FoldedPattern, look: Drawing) -> tuple[_Legend, Corner, list[tuple[float, ...]]]:
+    """Return the legend, the place of its lower left corner on the sheet, and what of it is to be backed with white.
+
+    It lies where the fewest lines are under it; what has lines under it all the same gets a backing.
+    """
+    sheet, creases = pattern.sheet, pattern.creases
+    inset = min(look.inset_mm, 0.05 * sheet.width)
+    widest = sheet.width - 2 * inset
+    legends = [_legend(pattern, look, width, letters) for width, letters in ((widest, 99), (0.0, 99), (0.0, 28))]
+    ground = Ground(sheet.width, sheet.height, inset)
+    ground.add_lines(creases.vertices_coords[creases.edges_vertices[creases.edges_assignment != "B"]])
+    for loop in pattern.shape.loops:
+        for _ in range(OUTLINE):
+            ground.add_polyline(np.concatenate([loop, loop[:1]]))
+    for line in pattern.first_folds:
+        ground.add_polyline(line)
+    ground.set_shape(contains(pattern.shape, ground.centres()))
+    place = ground.place([legend.extent for legend in legends], AWAY * legends[0].size)
+    legend = legends[place.box]
+    boxes = [(place.x + x, place.y + y, width, height) for x, y, width, height in legend.boxes]
+    return legend, (place.x, place.y), [box for box in boxes if ground.lines_under(*box)]
+
+
+def _legend(pattern: FoldedPattern, look: Drawing, room: float, letters: int) -> _Legend:
+    """Set the legend in rows that fill ``room`` mm, the ruler lowest; texts are broken that have more ``letters``."""
+    sheet = pattern.sheet
     small = sheet.width < look.small_sheet_mm
     ruler = look.small_ruler_mm if small else look.ruler_mm
     inset = min(look.inset_mm, 0.05 * sheet.width)
@@ -104,40 +178,39 @@ def _legend(title: str, sheet: Sheet, look: Drawing, *, first_fold: bool) -> _Le
         (valley_pieces(sample_line, look), "valley: fold toward you"),
         (sample_line[None], "shape: the one straight cut, when folded flat"),
     ]
-    if first_fold:
+    if pattern.first_folds:
         edges = np.array([-0.5, 0.5]) * WIDE * look.crease_stroke_mm
         samples.append(
             (sample_line + np.stack([0 * edges, edges], axis=1)[:, None], "first: fold in half, away from you")
         )
-    legend = _Legend([], [], {"font_family": "sans-serif", "font_size": number(size)})
-    x, y, right = inset, sheet.height - inset, sheet.width - inset
-    if x + ruler + 4 * size <= sheet.width:
-        _add_ruler(legend, ruler, x, y, size)
-        x += ruler + 6 * size
-    title = shortened(printable(title), (right - inset) / size)
-    if x + _text_width(title) * size > right:
-        x, y = inset, y - 2 * LINE_HEIGHT * size
+    legend = _Legend(size, [], [], [])
+    indent = sample + 0.5 * size
+    broken = [(pieces, wrap(text, letters)) for pieces, text in samples]
+    room = max(room, indent + max(_text_width(row) for _, rows in broken for row in rows) * size)
+    x, y = 0.0, DESCENT * size
+    if inset + ruler + 4 * size <= sheet.width:
+        x = legend.add(f"{ruler:g} mm", x, y, _ruler(ruler, size) + np.array([x, y]), ruler + 0.5 * size) + 2 * size
+    title = shortened(printable(pattern.title), room / size)
+    if x and x + _text_width(title) * size > room:
+        x, y = 0.0, y + 2 * LINE_HEIGHT * size
     if title:
-        legend.texts.append((title, x, y))
-    x, y = inset, y - 2 * LINE_HEIGHT * size
-    for pieces, text in samples:
-        width = sample + (0.5 + _text_width(text)) * size
-        if x > inset and x + width > right:
-            x, y = inset, y - LINE_HEIGHT * size
-        legend.paths.append(_segments(pieces + np.array([x, y - 0.35 * size])))
-        legend.texts.append((text, x + sample + 0.5 * size, y))
-        x += width + 2 * size
+        legend.add(title, x, y)
+    x, y = 0.0, y + (2 * LINE_HEIGHT * size if legend.texts else 0.0)
+    for pieces, rows in reversed(broken):
+        width = indent + max(map(_text_width, rows)) * size
+        if x and x + width > room:
+            x, y = 0.0, y + LINE_HEIGHT * size
+        for row in rows[:0:-1]:
+            legend.add(row, x, y, indent=indent)
+            y += LINE_HEIGHT * size
+        x = legend.add(rows[0], x, y, pieces + np.array([x, y + 0.35 * size]), indent) + 2 * size
     return legend
 
 
-def _add_ruler(legend: _Legend, length: float, x: float, y: float, size: float) -> None:
-    """Add a ruler from (x, y) to the right: a tick every mm, longer at 5 and 10, and its length in words."""
-    ticks = [f"M{_point((x, y))}H{number(x + length)}"]
-    for mm in range(round(length) + 1):
-        height = size * (1.0 if mm % 10 == 0 else 0.7 if mm % 5 == 0 else 0.4)
-        ticks.append(f"M{_point((x + mm, y))}V{number(y - height)}")
-    legend.paths.append("".join(ticks))
-    legend.texts.append((f"{length:g} mm", x + length + 0.5 * size, y))
+def _ruler(length: float, size: float) -> Floats:
+    """Return the lines of a ruler from (0, 0) to the right, ``(n, 2, 2)``: a tick every mm, longer at 5 and 10."""
+    heights = [size * (1.0 if mm % 10 == 0 else 0.7 if mm % 5 == 0 else 0.4) for mm in range(round(length) + 1)]
+    return np.array([[(0, 0), (length, 0)], *([(mm, 0), (mm, height)] for mm, height in enumerate(heights))])
 
 
 def _text_width(text: str) -> float:

@@ -282,6 +282,8 @@ def mountain_pieces(line: Floats, drawing: Drawing) -> Floats:
 
 def _divided(line: Floats, lengths: Sequence[float]) -> Floats:
     """Divide a line in these proportions and return every other part, the first and the last among them."""
+    if len(lengths) == 1:  # most creases of large patterns are shorter than two dashes
+        return line[None].copy()
     ends = np.concatenate([[0.0], np.cumsum(lengths) / np.sum(lengths)])
     start, end = line
     points: Floats = start + ends[:, None] * (end - start)

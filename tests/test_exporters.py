@@ -8,7 +8,9 @@ import itertools
 import json
 import re
 import time
+import tracemalloc
 import xml.etree.ElementTree as ET
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -83,6 +85,32 @@ def test_a_picture_has_the_words_of_the_legend() -> None:
         return int((pixels < 200).sum())
 
     assert ink("WWWWWWWW") > ink("W") > ink("")
+
+
+@pytest.mark.parametrize(("suffix", "most"), [(".fold", 6), (".svg", 8), (".opx", 6)])
+def test_a_file_of_many_creases_takes_a_few_times_its_size_in_memory(suffix: str, most: float) -> None:
+    # measured 3 to 7 times; with an object for each number or element 9 to 45 times
+    pattern = many_creases()
+    export(letter_fold(), suffix)
+    tracemalloc.start()
+    data = export(pattern, suffix)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < most * len(data) + 2e6 * (suffix == ".svg"), "a legend takes the same for any pattern"
+
+
+@cache
+def many_creases() -> FoldedPattern:
+    """Return a sheet of 4,000 narrow strips, folded to and fro."""
+    strips = 4_000
+    x = np.arange(strips + 1) / 7
+    flat = np.stack([np.column_stack([x, 0 * x]), np.column_stack([x, 0 * x + 2])], axis=1).reshape(-1, 2)
+    folded = np.column_stack([np.arange(len(flat)) // 2 % 2 / 7, flat[:, 1]])
+    rows = 2 * np.arange(strips)
+    edges = [(0, 1, "B"), *((a, a + 2, "B") for low in rows.tolist() for a in (low, low + 1))]
+    edges += [(a, a + 1, "MV"[a // 2 % 2]) for a in rows[1:].tolist()] + [(2 * strips, 2 * strips + 1, "B")]
+    faces = [(a, a + 2, a + 3, a + 1) for a in rows.tolist()]
+    return build_pattern(flat.tolist(), folded.tolist(), edges, faces, range(strips))
 
 
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
@@ -208,6 +236,37 @@ def test_overlaps_do_not_depend_on_how_the_work_is_cut_up(monkeypatch: pytest.Mo
     assert whole is not None
     assert parts is not None
     assert whole.tolist() == parts.tolist()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_faces_at_a_glance_are_never_more_than_there_are(seed: int) -> None:
+    pattern = stack_of_polygons(seed, 60)
+    found = overlapping_faces(pattern)
+    assert found is not None
+    again = overlapping_faces(pattern, len(found))
+    assert again is not None
+    assert again.tolist() == found.tolist()
+    assert overlapping_faces(pattern, len(found) - 1) is None
+
+
+def test_too_many_overlaps_are_seen_without_comparing_faces(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("foldcut.exporters.fold._wholly_outside", None)
+    assert overlapping_faces(letter_fold(), 2) is None
+
+
+def test_fold_files_are_what_the_json_module_writes(monkeypatch: pytest.MonkeyPatch) -> None:
+    pattern = fold(sample_path("square"), "a4", method="paper", min_crease=0).folded_pattern
+    monkeypatch.setattr("foldcut.exporters.fold.ROWS", 3)
+    data = export(pattern, ".fold")
+    document = json.loads(data)
+    lines = (f"{json.dumps(key)}: {json.dumps(value, separators=(',', ':'))}" for key, value in document.items())
+    assert data.decode() == "{\n" + ",\n".join(lines) + "\n}\n"
+    creases = pattern.creases
+    assert document["vertices_coords"] == creases.vertices_coords.tolist()
+    assert document["edges_vertices"] == creases.edges_vertices.tolist()
+    assert document["edges_assignment"] == creases.edges_assignment.tolist()
+    assert document["faces_vertices"] == creases.faces_vertices.to_lists()
+    assert len({len(ring) for ring in document["faces_vertices"]}) > 1
 
 
 def test_ordering_900_faces_takes_no_noticeable_time() -> None:

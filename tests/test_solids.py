@@ -119,6 +119,37 @@ def test_faces_of_step_are_plane_and_share_their_sides() -> None:
         assert np.linalg.svd(corners - corners.mean(axis=0))[1][-1] < 1e-4
 
 
+def test_planes_of_faces_are_those_of_their_outer_loops() -> None:
+    square = np.array([[0, 0, 1], [9, 0, 1], [9, 9, 1], [0, 9, 1]], dtype=np.float64)
+    hole = np.array([[2, 2, 1], [2, 3, 1], [3, 3, 1], [3, 2, 1]], dtype=np.float64)
+    wall = np.array([[5, 0, 0], [5, 4, 0], [5, 4, 2]], dtype=np.float64)
+    line = np.array([[0, 0, 0], [1, 1, 1], [2, 2, 2]], dtype=np.float64)
+    points = np.concatenate([square, hole, wall, line])
+    faces = [[[4, 5, 6, 7], [0, 1, 2, 3]], [[8, 9, 10]], [[11, 12, 13]]]
+    places, normals = step.planes(points, faces)
+    assert faces[0] == [[0, 1, 2, 3], [4, 5, 6, 7]]
+    assert normals.tolist() == [[0, 0, 1], [1, 0, 0], [0, 0, 0]]
+    assert places[0].tolist() == [4.5, 4.5, 1]
+    assert step.max_off(points, faces, places, normals) == 0
+    points[6, 2] += 1e-3
+    assert step.max_off(points, faces, places, normals) == pytest.approx(1e-3)
+
+
+def test_faces_that_are_not_plane_are_made_finer_before_open_cascade_sees_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("build123d")
+    pattern = folded("star")
+    data = export(pattern, ".step", SHEET)
+    assert b"PCURVE" not in data, "planes need none"
+    built = []
+    solid = step._Builder.solid
+    monkeypatch.setattr(step._Builder, "solid", lambda self, *rest: built.append(1) or solid(self, *rest))
+    monkeypatch.setattr(step, "FLAT_MM", (1e-2, 1e-8))
+    assert export(pattern, ".step", SHEET)
+    assert len(built) == 1
+
+
 @pytest.mark.parametrize("letter", ["M", "V"])
 def test_a_groove_is_where_its_crease_is_and_as_deep(letter: str) -> None:
     pattern = book_fold(letter)
