@@ -19,7 +19,7 @@ from foldcut.faces import assemble, creases_of_stack
 from foldcut.foldability import crease_numbers
 from foldcut.methods import ADJUST_MM
 from foldcut.model import CreasePattern, FoldedState, Shape, Sheet
-from foldcut.ordersolver import layer_order
+from foldcut.ordersolver import NO_ORDER, OrderSolver, layer_order
 from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.search import FOLDABLE_MM, Rank, rank, shortest_crease
 from foldcut.verify import verify
@@ -35,6 +35,9 @@ FEWEST = 4
 PATIENCE, LEAST_PATIENCE = 3.0, 3.0
 """How many times as long choices are tried for the drawing as it is while none has an order; for how many seconds at
 least with its corners moved."""
+
+TEST = 0.3
+"""How long it takes to find out that a choice has no order for a simple reason, relative to ordering it."""
 
 LESS = 0.2
 """Corners are also moved by only so much of what is allowed: less is sometimes better."""
@@ -108,7 +111,8 @@ def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float 
     perpendiculars = _perpendiculars(tied, sheet, ribbon)
     if perpendiculars.odd:
         raise UnfoldableError("at some nodes of the straight skeleton perpendiculars begin")
-    return _ordered(tied, moved, _divided(perpendiculars, []), 0)
+    facets = _divided(perpendiculars, [])
+    return _ordered(tied, moved, facets, _conditions(facets), 0)
 
 
 def _perpendiculars(shape: Shape, sheet: Sheet, ribbon: float) -> Perpendiculars:
@@ -160,13 +164,19 @@ class _Search:
         for taken in _choices(perpendiculars):
             if self.progress is not None:
                 self.progress("layer orders", min(1.0, self.spent / self.limit))
+            if self.spent > (self.limit if self.best else patience):
+                return
             try:
                 facets = _divided(perpendiculars, taken)
                 cost = _cost(len(facets.rings))
-                if self.spent + cost > self.limit and (self.best or self.spent > patience):
+                self.spent += TEST * cost
+                conditions = _conditions(facets)
+                if not conditions.consistent:
+                    raise UnfoldableError(NO_ORDER)
+                if self.best and self.spent + cost > self.limit:
                     return
                 self.spent += cost
-                made = _ordered(shape, moved, facets, len(taken))
+                made = _ordered(shape, moved, facets, conditions, len(taken))
             except UnfoldableError as error:
                 self.problem = self.problem or str(error)
                 continue
@@ -179,8 +189,8 @@ def _rank(made: Skeletal) -> Rank:
 
 
 def _cost(facets: int) -> float:
-    """About how many seconds it takes to order so many facets."""
-    return 0.03 + (facets / 120) ** 3 / 4
+    """About how many seconds it takes to order so many facets, and to verify what that makes."""
+    return float((facets / 120) ** 1.5) / 10
 
 
 def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
@@ -213,9 +223,13 @@ def _divided(perpendiculars: Perpendiculars, taken: list[int]) -> Facets:
     return facets
 
 
-def _ordered(shape: Shape, moved: float, facets: Facets, perpendiculars: int) -> Skeletal:
+def _conditions(facets: Facets) -> OrderSolver:
+    return OrderSolver(facets.folded, facets.rings, facets.creases, facets.up)
+
+
+def _ordered(shape: Shape, moved: float, facets: Facets, conditions: OrderSolver, perpendiculars: int) -> Skeletal:
     """Find a layer order, and verify what it makes."""
-    order = layer_order(facets.folded, facets.rings, facets.creases, facets.up)
+    order = layer_order(conditions)
     rings = [facets.rings[k] for k in order]
     edges, kinds = creases_of_stack(facets.folded, rings)
     creases, folded = assemble(facets.flat, facets.folded, rings, edges, kinds, facets.sheet_corners)
