@@ -44,8 +44,9 @@ class OrderSolver:
     """The conditions on the order of folded facets.
 
     ``folded`` ``(v, 2)`` mm, ``rings`` of vertices, ``creases`` with the facets at their left and right, ``up`` whether
-    a facet shows its upper side. ``consistent``: False where the facets that creases run across alone show that there
-    is no order, which is quickly known. Raises ``UnfoldableError`` without the extra, or with too many facets.
+    a facet shows its upper side. ``contradictory``: how many pairs would have to lie both ways because of the facets
+    that creases run across alone; there is no order then, and it is quickly known.
+    Raises ``UnfoldableError`` without the extra, or with too many facets.
     """
 
     def __init__(self, folded: Floats, rings: Sequence[Ring], creases: Sequence[Crease], up: Sequence[bool]) -> None:
@@ -87,7 +88,7 @@ class OrderSolver:
         i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
         _, group = connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)), directed=False)
         straight, turned = group[:n], group[n:]
-        self.consistent = bool((straight[1:] != turned[1:]).all())
+        self.contradictory = int((straight[1:] == turned[1:]).sum())
         _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
         self.unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
 
@@ -160,7 +161,7 @@ def layer_order(conditions: OrderSolver, *, seconds: float = 20.0) -> list[int]:
     from pysat.solvers import Solver
 
     end = time.monotonic() + seconds
-    if not conditions.consistent:
+    if conditions.contradictory:
         raise UnfoldableError(NO_ORDER)
     with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
         while True:

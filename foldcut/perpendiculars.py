@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import shapely
@@ -526,6 +526,26 @@ class Perpendiculars:
             if taken or not self.odd:
                 found[frozenset(taken)] = sum(len(self.paths[k].steps) for k in taken)
         return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
+
+    def exchanges(self) -> list[frozenset[int]]:
+        """Return twos and threes of perpendiculars that may change together: each node keeps an even number of creases.
+
+        They are closed ways, all of the sheet's border being one place: those of the two or three that are folded are
+        not any more, and the others are.
+        """
+        at: dict[int, set[int]] = defaultdict(set)
+        for number, path in enumerate(self.paths):
+            at[path.start].add(number)
+            at[path.end].add(number)
+        found: set[frozenset[int]] = set()
+        for node in sorted(at.keys() - {-1}):
+            for one, other in combinations(sorted(at[node]), 2):
+                ends = [path.start + path.end - node for path in (self.paths[one], self.paths[other])]
+                if ends[0] == ends[1]:
+                    found.add(frozenset({one, other}))
+                else:
+                    found |= {frozenset({one, other, third}) for third in at[ends[0]] & at[ends[1]]}
+        return sorted((ways for ways in found if len(ways) > 1), key=sorted)
 
     def _is_even(self, taken: set[int]) -> bool:
         count = Counter(v for k in taken for v in (self.paths[k].start, self.paths[k].end) if v >= 0)

@@ -8,7 +8,7 @@ Which perpendiculars are folded is chosen in several ways, see ``perpendiculars`
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,6 +38,9 @@ least with its corners moved."""
 
 TEST = 0.3
 """How long it takes to find out that a choice has no order for a simple reason, relative to ordering it."""
+
+TYPICAL_FACETS, MOST_STEPS = 400, 20_000
+"""Patterns with too many creases cost as much as those of so many facets; so many steps are drawn for a walk."""
 
 LESS = 0.2
 """Corners are also moved by only so much of what is allowed: less is sometimes better."""
@@ -86,20 +89,23 @@ def fold_skeletal(
     search = _Search(sheet, ribbon, share * (seconds if seconds is not None else SECONDS[effort]), progress)
     patience = PATIENCE * search.limit
     adjusted = _adjusted(shape, sheet, near)
-    for number, (tied, moved) in enumerate(adjusted, start=1):
-        try:
-            search.fold(tied, moved, patience if number == len(adjusted) else max(search.limit, LEAST_PATIENCE))
-        except UnfoldableError as error:
-            search.problem = search.problem or str(error)
-        except KeyboardInterrupt:
-            if search.best is None:
-                raise
-            return replace(search.best, interrupted=True)
-        if search.best is not None and shortest_crease(search.best.creases) >= FOLDABLE_MM:
-            break
-    if search.best is None:
+    interrupted = False
+    try:
+        for number, (tied, moved) in enumerate(adjusted, start=1):
+            try:
+                search.fold(tied, moved, patience if number == len(adjusted) else max(search.limit, LEAST_PATIENCE))
+            except UnfoldableError as error:
+                search.problem = search.problem or str(error)
+            if search.best and search.best.made and shortest_crease(search.best.made.creases) >= FOLDABLE_MM:
+                break
+        search.improve()
+    except KeyboardInterrupt:
+        if search.best is None:
+            raise
+        interrupted = True
+    if search.best is None or search.best.made is None:
         raise UnfoldableError(search.problem or "no set of perpendiculars makes the creases at every node even")
-    return search.best
+    return replace(search.best.made, interrupted=interrupted)
 
 
 def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float = ADJUST_MM) -> Skeletal:
@@ -140,6 +146,33 @@ def _adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, floa
     return different
 
 
+@dataclass(frozen=True, eq=False)
+class _Drawing:
+    """A shape with its perpendiculars, of which sets are chosen; how far its corners were ``moved``."""
+
+    shape: Shape
+    moved: float
+    perpendiculars: Perpendiculars
+
+    def pieces(self, taken: Iterable[int]) -> int:
+        return sum(len(self.perpendiculars.paths[k].steps) for k in taken)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A set of perpendiculars that was tried, what it made, if anything, and how many contradictions it has."""
+
+    drawing: _Drawing
+    taken: frozenset[int]
+    made: Skeletal | None
+    contradictory: float
+
+    @property
+    def quality(self) -> tuple[float, ...]:
+        """Less is better."""
+        return (0.0, *_rank(self.made)) if self.made else (1.0, self.contradictory)
+
+
 @dataclass
 class _Search:
     """The best pattern so far, and the time spent by the model of ``_cost``."""
@@ -148,7 +181,7 @@ class _Search:
     ribbon: float
     limit: float
     progress: Callable[[str, float], None] | None
-    best: Skeletal | None = None
+    best: _Trial | None = None
     problem: str = ""
     spent: float = 0.0
 
@@ -160,28 +193,65 @@ class _Search:
         """
         if self.best is None:
             self.spent = 0.0
-        perpendiculars = _perpendiculars(shape, self.sheet, self.ribbon)
-        for taken in _choices(perpendiculars):
-            if self.progress is not None:
-                self.progress("layer orders", min(1.0, self.spent / self.limit))
-            if self.spent > (self.limit if self.best else patience):
-                return
-            try:
-                facets = _divided(perpendiculars, taken)
-                cost = _cost(len(facets.rings))
-                self.spent += TEST * cost
-                conditions = _conditions(facets)
-                if not conditions.consistent:
-                    raise UnfoldableError(NO_ORDER)
-                if self.best and self.spent + cost > self.limit:
-                    return
-                self.spent += cost
-                made = _ordered(shape, moved, facets, conditions, len(taken))
-            except UnfoldableError as error:
-                self.problem = self.problem or str(error)
+        nearest: _Trial | None = None
+        for perpendiculars, taken in _choices(lambda: _perpendiculars(shape, self.sheet, self.ribbon)):
+            if self.spent > (self.limit / 2 if self.best else self.limit):
+                break
+            trial = self.attempt(_Drawing(shape, moved, perpendiculars), frozenset(taken))
+            if nearest is None or trial.quality < nearest.quality:
+                nearest = trial
+        if self.best is None and nearest is not None:
+            self.walk(nearest, patience)
+
+    def improve(self) -> None:
+        """Look for a better pattern near to the best one."""
+        if self.best is not None:
+            self.walk(self.best, self.spent + self.limit / 2)
+
+    def walk(self, here: _Trial, end: float) -> None:
+        """Go from one set of perpendiculars to another that differs in two or three of them and is no worse.
+
+        As long as none has an order, that with no more contradictions is no worse; ends when one has. From one that has
+        an order the walk is only to those that are easier to fold. ``end`` is in seconds spent.
+        """
+        drawing, pieces, folds = here.drawing, here.drawing.pieces, here.made is not None
+        exchanges = drawing.perpendiculars.exchanges()
+        random, seen = np.random.default_rng(0), {here.taken}
+        for number in random.integers(len(exchanges), size=MOST_STEPS).tolist() if exchanges else []:
+            taken = here.taken ^ exchanges[number]
+            if taken in seen or (folds and pieces(taken) > pieces(here.taken)):
                 continue
-            if self.best is None or _rank(made) < _rank(self.best):
-                self.best = made
+            if self.spent > end:
+                break
+            seen.add(taken)
+            trial = self.attempt(drawing, taken)
+            if trial.quality <= here.quality:
+                here = trial
+            if trial.made and not folds:
+                break
+
+    def attempt(self, drawing: _Drawing, taken: frozenset[int]) -> _Trial:
+        """Try a set of perpendiculars."""
+        if self.progress is not None:
+            self.progress("layer orders", min(1.0, self.spent / self.limit))
+        made, contradictory = None, np.inf
+        try:
+            self.spent += TEST * _cost(TYPICAL_FACETS)  # should it be too large
+            facets = _divided(drawing.perpendiculars, sorted(taken))
+            cost = _cost(len(facets.rings))
+            self.spent += TEST * (cost - _cost(TYPICAL_FACETS))
+            conditions = _conditions(facets)
+            contradictory = conditions.contradictory
+            if contradictory:
+                raise UnfoldableError(NO_ORDER)
+            self.spent += cost
+            made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+        except UnfoldableError as error:
+            self.problem = self.problem or str(error)
+        trial = _Trial(drawing, taken, made, contradictory)
+        if made and (self.best is None or trial.quality < self.best.quality):
+            self.best = trial
+        return trial
 
 
 def _rank(made: Skeletal) -> Rank:
@@ -193,11 +263,12 @@ def _cost(facets: int) -> float:
     return float((facets / 120) ** 1.5) / 10
 
 
-def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
-    """Set up and yield choices of perpendiculars: the fewest, then those that fold away from a root.
+def _choices(perpendiculars_of: Callable[[], Perpendiculars]) -> Iterator[tuple[Perpendiculars, list[int]]]:
+    """Yield perpendiculars and choices of them: the fewest, then those that fold away from a root.
 
     Raises ``UnfoldableError`` where there are none, or none with few enough creases.
     """
+    perpendiculars = perpendiculars_of()
     perpendiculars.trace(perpendiculars.odd)
     perpendiculars.require_ends()
     fewest = list(perpendiculars.fewest(FEWEST))
@@ -208,10 +279,12 @@ def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
     for taken in [*fewest[:1], *rooted[:1], *fewest[1:], *rooted[1:]]:
         if tuple(taken) not in seen:
             seen.add(tuple(taken))
-            yield taken
+            yield perpendiculars, taken
     if len(perpendiculars.nodes) > len(perpendiculars.odd):
+        perpendiculars = perpendiculars_of()
         perpendiculars.trace(perpendiculars.nodes)
-        yield from perpendiculars.rooted()
+        for taken in perpendiculars.rooted():
+            yield perpendiculars, taken
 
 
 def _divided(perpendiculars: Perpendiculars, taken: list[int]) -> Facets:
