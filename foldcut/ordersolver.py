@@ -4,7 +4,8 @@ Folded facets and their creases -> a linear order from bottom to top, or ``Unfol
 
 Which of two facets is the upper one is an unknown for each pair that overlaps. A facet that a crease runs across is
 above both of the crease's facets or below both (taco-tortilla); of two creases that coincide, with their facets on one
-side, neither has just one of the other's facets between its own (taco-taco). Facets must not lie on each other in a
+side, neither has just one of the other's facets between its own (taco-taco): of four pairs an even number is true.
+Facets must not lie on each other in a
 circle: such circles are looked for in what the solver proposes, and forbidden, until there are none.
 Source: Akitaya, Demaine and Ku, "Computing Flat-Folded States", 2024 (the unknowns and the conditions).
 """
@@ -45,7 +46,8 @@ class OrderSolver:
 
     ``folded`` ``(v, 2)`` mm, ``rings`` of vertices, ``creases`` with the facets at their left and right, ``up`` whether
     a facet shows its upper side. ``contradictory``: how many pairs would have to lie both ways because of the facets
-    that creases run across alone; there is no order then, and it is quickly known.
+    that creases run across, and if there are none, how many conditions of creases that coincide contradict others; with
+    any there is no order, and that is quickly known: all these conditions are equations modulo 2.
     Raises ``UnfoldableError`` without the extra, or with too many facets.
     """
 
@@ -88,9 +90,30 @@ class OrderSolver:
         i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
         _, group = connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)), directed=False)
         straight, turned = group[:n], group[n:]
-        self.contradictory = int((straight[1:] == turned[1:]).sum())
         _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
         self.unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
+        self.contradictory = int((straight[1:] == turned[1:]).sum()), 0
+        a, b, c, d = self.coinciding.T
+        self.even: Ints = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
+        if not any(self.contradictory):
+            self.contradictory = 0, self._contradictory_equations()
+
+    def _contradictory_equations(self) -> int:
+        """How many conditions of coinciding creases contradict those before them: Gaussian elimination modulo 2."""
+        rows = np.sort(np.abs(self.even), axis=1)
+        rows = np.unique(np.column_stack([rows, (self.even < 0).sum(axis=1) % 2]), axis=0)
+        pivots: dict[int, int] = {}
+        count = 0
+        for *unknowns, odd in rows.tolist():
+            equation = odd  # bit k for unknown k, bit 0 for the right side
+            for unknown in unknowns:
+                equation ^= 1 << unknown
+            while equation > 1 and (pivot := pivots.get(equation.bit_length())):
+                equation ^= pivot
+            if equation > 1:
+                pivots[equation.bit_length()] = equation
+            count += equation == 1
+        return count
 
     def _signed(self, above: Ints, below: Ints) -> Ints:
         """The numbers of pairs, negative where the first facet is the lesser one."""
@@ -104,10 +127,8 @@ class OrderSolver:
 
     def clauses(self) -> list[list[int]]:
         """Return what is left to be kept, each a list of literals one of which is true."""
-        a, b, c, d = self.coinciding.T
-        four = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
         odd = [signs for signs in itertools.product((1, -1), repeat=4) if np.prod(signs) < 0]
-        return _different(np.concatenate([four * signs for signs in odd]))
+        return _different(np.concatenate([self.even * signs for signs in odd]))
 
     def _across(self) -> Ints:
         """Facets that creases run across, and the facets of these, ``(n, 3)``: the first is not between the others."""
@@ -161,7 +182,7 @@ def layer_order(conditions: OrderSolver, *, seconds: float = 20.0) -> list[int]:
     from pysat.solvers import Solver
 
     end = time.monotonic() + seconds
-    if conditions.contradictory:
+    if any(conditions.contradictory):
         raise UnfoldableError(NO_ORDER)
     with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
         while True:

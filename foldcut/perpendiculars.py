@@ -335,6 +335,8 @@ class Perpendiculars:
         corners = {vertex for side in skeleton.base for vertex in side}
         self.nodes = [v for v in self.degree if v not in corners and self.on_sheet(skeleton.points[v])]
         self.odd = [v for v, count in self.degree.items() if count % 2 and self.on_sheet(skeleton.points[v])]
+        self.tree = shapely.STRtree([shapely.Polygon(skeleton.points[region.ring]) for region in regions])
+        self.shape_at_left = [float(r.sign if self.is_left(r) else -r.sign) for r in regions]
         self.paths: list[Path] = []
         self.endless = 0
 
@@ -684,14 +686,9 @@ class _Division:
 
     def _maps(self, points: Floats, rings: list[Ring]) -> list[tuple[int, float]]:
         """For each facet, its side, and 1.0 where the shape is at the left of it, else -1.0."""
-        skeleton = self.skeleton
-        tree = shapely.STRtree([shapely.Polygon(skeleton.points[region.ring]) for region in skeleton.regions])
-        inner = shapely.points([shapely.Polygon(points[ring]).representative_point().coords[0] for ring in rings])
-        maps = []
-        for place in inner:
-            region = skeleton.regions[int(tree.nearest(place))]
-            maps.append((region.side, float(region.sign if self.all.is_left(region) else -region.sign)))
-        return maps
+        full = shapely.polygons([shapely.linearrings(points[ring]) for ring in rings])
+        near = self.all.tree.nearest(shapely.point_on_surface(full)).tolist()
+        return [(self.skeleton.regions[number].side, self.all.shape_at_left[number]) for number in near]
 
     def _fold(
         self,

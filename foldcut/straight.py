@@ -165,12 +165,12 @@ class _Trial:
     drawing: _Drawing
     taken: frozenset[int]
     made: Skeletal | None
-    contradictory: float
+    contradictory: tuple[float, float]
 
     @property
     def quality(self) -> tuple[float, ...]:
         """Less is better."""
-        return (0.0, *_rank(self.made)) if self.made else (1.0, self.contradictory)
+        return (0.0, *_rank(self.made)) if self.made else (1.0, *self.contradictory)
 
 
 @dataclass
@@ -234,7 +234,8 @@ class _Search:
         """Try a set of perpendiculars."""
         if self.progress is not None:
             self.progress("layer orders", min(1.0, self.spent / self.limit))
-        made, contradictory = None, np.inf
+        made: Skeletal | None = None
+        contradictory: tuple[float, float] = (np.inf, np.inf)
         try:
             self.spent += TEST * _cost(TYPICAL_FACETS)  # should it be too large
             facets = _divided(drawing.perpendiculars, sorted(taken))
@@ -242,7 +243,7 @@ class _Search:
             self.spent += TEST * (cost - _cost(TYPICAL_FACETS))
             conditions = _conditions(facets)
             contradictory = conditions.contradictory
-            if contradictory:
+            if any(contradictory):
                 raise UnfoldableError(NO_ORDER)
             self.spent += cost
             made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
