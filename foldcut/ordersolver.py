@@ -5,8 +5,8 @@ Folded facets and their creases -> a linear order from bottom to top, or ``Unfol
 Which of two facets is the upper one is an unknown for each pair that overlaps. A facet that a crease runs across is
 above both of the crease's facets or below both (taco-tortilla); of two creases that coincide, with their facets on one
 side, neither has just one of the other's facets between its own (taco-taco): of four pairs an even number is true.
-Facets must not lie on each other in a
-circle: such circles are looked for in what the solver proposes, and forbidden, until there are none.
+Facets must not lie on each other in a circle: such circles are looked for in what the solver proposes, and forbidden,
+until there are none.
 Source: Akitaya, Demaine and Ku, "Computing Flat-Folded States", 2024 (the unknowns and the conditions).
 """
 
@@ -36,6 +36,9 @@ MOST_CONFLICTS, MOST_CIRCLES = 100_000, 20_000
 """What the solver may run into before it gives up, and how many circles are forbidden at a time."""
 
 NO_ORDER = "the facets cannot be put in an order in which no paper passes through paper"
+
+WAYS = 8
+"""Of so many pairs that would have to lie both ways the reason is looked for."""
 
 MOST_PAIRS = 400_000
 """With more pairs of overlapping facets no order is looked for."""
@@ -88,15 +91,33 @@ class OrderSolver:
         n = len(self.pair[0]) + 1
         one, other = (self._signed(across[:, 0], across[:, k]) for k in (1, 2))
         i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
-        _, group = connected_components(coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)), directed=False)
+        self.alike = coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)).tocsr()
+        _, group = connected_components(self.alike, directed=False)
         straight, turned = group[:n], group[n:]
         _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
         self.unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
-        self.contradictory = int((straight[1:] == turned[1:]).sum()), 0
+        self.both_ways = np.flatnonzero(straight[1:] == turned[1:]) + 1
+        self.contradictory = len(self.both_ways), 0
         a, b, c, d = self.coinciding.T
         self.even: Ints = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
         if not any(self.contradictory):
             self.contradictory = 0, self._contradictory_equations()
+
+    def facets_of_contradiction(self) -> Ints:
+        """The facets by which a pair would have to lie both ways: the shortest way there of a few pairs' ways."""
+        from scipy.sparse.csgraph import shortest_path
+
+        n = len(self.pair[0]) + 1
+        tried = self.both_ways[np.linspace(0, len(self.both_ways) - 1, WAYS).astype(np.intp)]
+        steps, before = shortest_path(
+            self.alike, directed=False, indices=tried, unweighted=True, return_predecessors=True
+        )
+        least = int(steps[np.arange(WAYS), tried + n].argmin())
+        way = [int(tried[least]) + n]
+        while way[-1] != tried[least]:
+            way.append(int(before[least, way[-1]]))
+        pairs = np.array(way) % n - 1
+        return np.unique(np.concatenate([side[pairs] for side in self.pair]))
 
     def _contradictory_equations(self) -> int:
         """How many conditions of coinciding creases contradict those before them: Gaussian elimination modulo 2."""

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from foldcut.adjust import tie_nodes, tie_perpendiculars
 from foldcut.errors import UnfoldableError
@@ -39,8 +40,8 @@ least with its corners moved."""
 TEST = 0.3
 """How long it takes to find out that a choice has no order for a simple reason, relative to ordering it."""
 
-TYPICAL_FACETS, MOST_STEPS = 400, 20_000
-"""Patterns with too many creases cost as much as those of so many facets; so many steps are drawn for a walk."""
+TYPICAL_FACETS = 400
+"""Patterns with too many creases cost as much as those of so many facets."""
 
 LESS = 0.2
 """Corners are also moved by only so much of what is allowed: less is sometimes better."""
@@ -160,12 +161,16 @@ class _Drawing:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """A set of perpendiculars that was tried, what it made, if anything, and how many contradictions it has."""
+    """A set of perpendiculars that was tried, what it made, if anything, and how many contradictions it has.
+
+    ``cause``: perpendiculars one of which has to be folded, or not any more, for one of the contradictions to go.
+    """
 
     drawing: _Drawing
     taken: frozenset[int]
     made: Skeletal | None
     contradictory: tuple[float, float]
+    cause: frozenset[int]
 
     @property
     def quality(self) -> tuple[float, ...]:
@@ -211,18 +216,20 @@ class _Search:
     def walk(self, here: _Trial, end: float) -> None:
         """Go from one set of perpendiculars to another that differs in two or three of them and is no worse.
 
-        As long as none has an order, that with no more contradictions is no worse; ends when one has. From one that has
-        an order the walk is only to those that are easier to fold. ``end`` is in seconds spent.
+        As long as none has an order, a set with no more contradictions is no worse, and the next one changes something
+        in the cause of a contradiction; the walk ends when a set has an order. From one that has, it is only to those
+        that are easier to fold. ``end`` is in seconds spent.
         """
         drawing, pieces, folds = here.drawing, here.drawing.pieces, here.made is not None
         exchanges = drawing.perpendiculars.exchanges()
         random, seen = np.random.default_rng(0), {here.taken}
-        for number in random.integers(len(exchanges), size=MOST_STEPS).tolist() if exchanges else []:
-            taken = here.taken ^ exchanges[number]
-            if taken in seen or (folds and pieces(taken) > pieces(here.taken)):
-                continue
-            if self.spent > end:
+        while self.spent <= end:
+            ways = [one for one in exchanges if one & here.cause and here.taken ^ one not in seen]
+            if folds:
+                ways = [one for one in ways if pieces(here.taken ^ one) <= pieces(here.taken)]
+            if not ways:
                 break
+            taken = here.taken ^ ways[int(random.integers(len(ways)))]
             seen.add(taken)
             trial = self.attempt(drawing, taken)
             if trial.quality <= here.quality:
@@ -236,6 +243,7 @@ class _Search:
             self.progress("layer orders", min(1.0, self.spent / self.limit))
         made: Skeletal | None = None
         contradictory: tuple[float, float] = (np.inf, np.inf)
+        cause = frozenset(range(len(drawing.perpendiculars.paths)))
         try:
             self.spent += TEST * _cost(TYPICAL_FACETS)  # should it be too large
             facets = _divided(drawing.perpendiculars, sorted(taken))
@@ -243,13 +251,15 @@ class _Search:
             self.spent += TEST * (cost - _cost(TYPICAL_FACETS))
             conditions = _conditions(facets)
             contradictory = conditions.contradictory
+            if contradictory[0]:
+                cause = _perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
             if any(contradictory):
                 raise UnfoldableError(NO_ORDER)
             self.spent += cost
             made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
         except UnfoldableError as error:
             self.problem = self.problem or str(error)
-        trial = _Trial(drawing, taken, made, contradictory)
+        trial = _Trial(drawing, taken, made, contradictory, cause)
         if made and (self.best is None or trial.quality < self.best.quality):
             self.best = trial
         return trial
@@ -295,6 +305,16 @@ def _divided(perpendiculars: Perpendiculars, taken: list[int]) -> Facets:
             f"the pattern has {len(facets.creases):,} creases; at most {MOST_CREASES:,} are looked at"
         )
     return facets
+
+
+def _perpendiculars_in(perpendiculars: Perpendiculars, facets: Facets, within: Iterable[int]) -> frozenset[int]:
+    """Perpendiculars that border on some of the facets, or would divide them."""
+    rings = [facets.flat[facets.rings[k]] for k in within]
+    tree = shapely.STRtree(shapely.polygons([shapely.linearrings(ring) for ring in rings]))
+    steps = [(k, (step.start + step.end) / 2) for k, path in enumerate(perpendiculars.paths) for step in path.steps]
+    middles = shapely.points(np.array([middle for _, middle in steps]))
+    found = tree.query(middles, predicate="dwithin", distance=perpendiculars.snap)[0]
+    return frozenset(steps[k][0] for k in found.tolist())
 
 
 def _conditions(facets: Facets) -> OrderSolver:
