@@ -4,15 +4,17 @@ Folded facets and their creases -> a linear order from bottom to top, or ``Unfol
 
 Which of two facets is the upper one is an unknown for each pair that overlaps. A facet that a crease runs across is
 above both of the crease's facets or below both (taco-tortilla); of two creases that coincide, with their facets on one
-side, neither has just one of the other's facets between its own (taco-taco). Facets must not lie on each other in a
-circle: such circles are looked for in what the solver proposes, and forbidden, until there are none.
+side, neither has just one of the other's facets between its own (taco-taco): of four pairs an even number is true.
+Facets must not lie on each other in a circle: such circles are looked for in what the solver proposes, and forbidden,
+until there are none.
 Source: Akitaya, Demaine and Ku, "Computing Flat-Folded States", 2024 (the unknowns and the conditions).
 """
 
 from __future__ import annotations
 
+import itertools
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -25,12 +27,18 @@ from foldcut.stacking import collinear_overlap
 Edge = tuple[int, int]
 Ring = list[int]
 Crease = tuple[Edge, tuple[int, int]]
+Ints = NDArray[np.intp]
 
 OVERLAP = 1e-9
 """Facets overlap when they do so by more than this, relative to the size of the folded sheet."""
 
 MOST_CONFLICTS, MOST_CIRCLES = 100_000, 20_000
 """What the solver may run into before it gives up, and how many circles are forbidden at a time."""
+
+NO_ORDER = "the facets cannot be put in an order in which no paper passes through paper"
+
+WAYS = 8
+"""Of so many pairs that would have to lie both ways the reason is looked for."""
 
 MOST_PAIRS = 400_000
 """With more pairs of overlapping facets no order is looked for."""
@@ -40,117 +48,171 @@ class OrderSolver:
     """The conditions on the order of folded facets.
 
     ``folded`` ``(v, 2)`` mm, ``rings`` of vertices, ``creases`` with the facets at their left and right, ``up`` whether
-    a facet shows its upper side.
+    a facet shows its upper side. ``contradictory``: how many pairs would have to lie both ways because of the facets
+    that creases run across, and if there are none, how many conditions of creases that coincide contradict others; with
+    any there is no order, and that is quickly known: all these conditions are equations modulo 2.
+    Raises ``UnfoldableError`` without the extra, or with too many facets.
     """
 
     def __init__(self, folded: Floats, rings: Sequence[Ring], creases: Sequence[Crease], up: Sequence[bool]) -> None:
+        try:
+            import pysat.solvers  # noqa: F401  # used only where there may be an order
+        except ImportError as error:
+            raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
         self.count = len(rings)
-        self.creases = creases
-        self.up = up
+        self.beside: Ints = np.array([facets for _, facets in creases], dtype=np.intp).reshape(-1, 2)
         self.tolerance = OVERLAP * float(np.hypot(*np.ptp(folded, axis=0)))
         full = shapely.polygons([shapely.linearrings(folded[ring]) for ring in rings])
         self.polygons = shapely.buffer(full, -self.tolerance, join_style="mitre")
-        self.ends = folded[np.array([edge for edge, _ in creases])]
+        self.ends = folded[np.array([edge for edge, _ in creases], dtype=np.intp).reshape(-1, 2)]
         self.tree = shapely.STRtree(self.polygons)
-        one, other = self.tree.query(self.polygons, predicate="intersects")
-        once = one < other
-        self.number: NDArray[np.int64] = np.zeros((self.count, self.count), dtype=np.int64)
-        pairs = int(once.sum())
-        if pairs > MOST_PAIRS:
-            raise UnfoldableError(f"{pairs:,} pairs of facets overlap when folded; too many to order")
-        self.number[one[once], other[once]] = np.arange(1, pairs + 1)
-        self.pairs = pairs
-        for left, right in {crease[1] for crease in creases}:
-            self.literal(left, right)  # the facets of a crease always count as overlapping
+        overlapping = self.tree.query(self.polygons, predicate="intersects").T
+        count = int((overlapping[:, 0] < overlapping[:, 1]).sum())
+        if count > MOST_PAIRS:
+            raise UnfoldableError(f"{count:,} pairs of facets overlap when folded; too many to order")
+        across = self._across()
+        self.coinciding = self._coinciding(np.array(up, dtype=np.bool_))
+        # the facets of a crease always count as overlapping
+        pairs = [overlapping, self.beside, across[:, [0, 1]], across[:, [0, 2]]]
+        pairs += [self.coinciding[:, [k, m]] for k in (0, 1) for m in (2, 3)]
+        low, high = np.sort(np.concatenate(pairs), axis=1).T
+        self.number: Ints = np.zeros((self.count, self.count), dtype=np.intp)
+        self.number[low, high] = low < high
+        self.pair = np.nonzero(self.number)
+        self.number[self.pair] = np.arange(1, len(self.pair[0]) + 1)
+        self._unite(across)
 
-    def literal(self, above: int, below: int) -> int:
-        """The solver's name for "the first facet is above the second"."""
-        low, high = sorted((above, below))
-        if not self.number[low, high]:
-            self.pairs += 1
-            self.number[low, high] = self.pairs
-        number = int(self.number[low, high])
-        return number if above > below else -number
+    def _unite(self, across: Ints) -> None:
+        """Make one unknown of all pairs that are known to lie the same way, or opposite ways."""
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
 
-    def clauses(self) -> Iterator[list[int]]:
-        """Yield the conditions, each a list of literals one of which is true."""
-        yield from self._across()
-        yield from self._coinciding()
+        # every pair twice: the lesser facet below, and above
+        n = len(self.pair[0]) + 1
+        one, other = (self._signed(across[:, 0], across[:, k]) for k in (1, 2))
+        i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
+        self.alike = coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)).tocsr()
+        _, group = connected_components(self.alike, directed=False)
+        straight, turned = group[:n], group[n:]
+        _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
+        self.unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
+        self.both_ways = np.flatnonzero(straight[1:] == turned[1:]) + 1
+        self.contradictory = len(self.both_ways), 0
+        a, b, c, d = self.coinciding.T
+        self.even: Ints = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
+        if not any(self.contradictory):
+            self.contradictory = 0, self._contradictory_equations()
 
-    def _across(self) -> Iterator[list[int]]:
-        """A facet that a crease runs across is not between the crease's facets."""
+    def facets_of_contradiction(self) -> Ints:
+        """The facets by which a pair would have to lie both ways: the shortest way there of a few pairs' ways."""
+        from scipy.sparse.csgraph import shortest_path
+
+        n = len(self.pair[0]) + 1
+        tried = self.both_ways[np.linspace(0, len(self.both_ways) - 1, WAYS).astype(np.intp)]
+        steps, before = shortest_path(
+            self.alike, directed=False, indices=tried, unweighted=True, return_predecessors=True
+        )
+        least = int(steps[np.arange(WAYS), tried + n].argmin())
+        way = [int(tried[least]) + n]
+        while way[-1] != tried[least]:
+            way.append(int(before[least, way[-1]]))
+        pairs = np.array(way) % n - 1
+        return np.unique(np.concatenate([side[pairs] for side in self.pair]))
+
+    def _contradictory_equations(self) -> int:
+        """How many conditions of coinciding creases contradict those before them: Gaussian elimination modulo 2."""
+        rows = np.sort(np.abs(self.even), axis=1)
+        rows = np.unique(np.column_stack([rows, (self.even < 0).sum(axis=1) % 2]), axis=0)
+        pivots: dict[int, int] = {}
+        count = 0
+        for *unknowns, odd in rows.tolist():
+            equation = odd  # bit k for unknown k, bit 0 for the right side
+            for unknown in unknowns:
+                equation ^= 1 << unknown
+            while equation > 1 and (pivot := pivots.get(equation.bit_length())):
+                equation ^= pivot
+            if equation > 1:
+                pivots[equation.bit_length()] = equation
+            count += equation == 1
+        return count
+
+    def _signed(self, above: Ints, below: Ints) -> Ints:
+        """The numbers of pairs, negative where the first facet is the lesser one."""
+        number = self.number[np.minimum(above, below), np.maximum(above, below)]
+        return np.where(above > below, number, -number)
+
+    def literals(self, above: Ints, below: Ints) -> Ints:
+        """The solver's names for "the first facet is above the second"; arrays of facets."""
+        signed = self._signed(above, below)
+        return np.sign(signed) * self.unknown[np.abs(signed)]
+
+    def clauses(self) -> list[list[int]]:
+        """Return what is left to be kept, each a list of literals one of which is true."""
+        odd = [signs for signs in itertools.product((1, -1), repeat=4) if np.prod(signs) < 0]
+        return _different(np.concatenate([self.even * signs for signs in odd]))
+
+    def _across(self) -> Ints:
+        """Facets that creases run across, and the facets of these, ``(n, 3)``: the first is not between the others."""
         along = self.ends[:, 1] - self.ends[:, 0]
         length = np.hypot(*along.T)
-        unit = along / length[:, None]
-        inset = np.minimum(2 * self.tolerance, length / 3)[:, None] * unit
+        inset = (np.minimum(2 * self.tolerance, length / 3) / length)[:, None] * along
         lines = shapely.linestrings(np.stack([self.ends[:, 0] + inset, self.ends[:, 1] - inset], axis=1))
         crease, facet = self.tree.query(lines, predicate="intersects")
-        for k, other in zip(crease.tolist(), facet.tolist(), strict=True):
-            left, right = self.creases[k][1]
-            if other not in (left, right):
-                one, two = self.literal(other, left), self.literal(other, right)
-                yield [one, -two]
-                yield [-one, two]
+        found = np.column_stack([facet, self.beside[crease]])
+        kept: Ints = found[(found[:, :1] != found[:, 1:]).all(axis=1)]
+        return kept
 
-    def _coinciding(self) -> Iterator[list[int]]:
-        """Facets of creases that coincide do not interleave."""
+    def _coinciding(self, up: Bools) -> Ints:
+        """The facets of creases that coincide, ``(n, 4)``: the first two and the last two do not interleave."""
         lines = shapely.linestrings(self.ends)
         tree = shapely.STRtree(lines)
         one, other = tree.query(lines, predicate="dwithin", distance=self.tolerance)
         keep = one < other
         one, other = one[keep], other[keep]
         length, same_way = collinear_overlap(self.ends[one], self.ends[other], self.tolerance)
-        left = np.array([self.up[facets[0]] for _, facets in self.creases])
+        left = up[self.beside[:, 0]]
         bad = (length > 6 * self.tolerance) & ((left[one] == left[other]) == same_way)
-        for k, m in zip(one[bad].tolist(), other[bad].tolist(), strict=True):
-            (a, b), (c, d) = self.creases[k][1], self.creases[m][1]
-            if len({a, b, c, d}) < 4:
-                continue
-            ac, bc, ad, bd = (self.literal(*pair) for pair in ((a, c), (b, c), (a, d), (b, d)))
-            for signs in range(16):
-                row = [-x if signs >> k & 1 else x for k, x in enumerate((ac, bc, ad, bd))]
-                if signs.bit_count() % 2:
-                    yield row
+        first, second = self.beside[one[bad]], self.beside[other[bad]]
+        apart = (first[:, :, None] != second[:, None, :]).all(axis=(1, 2))
+        return np.concatenate([first[apart], second[apart]], axis=1)
 
     def above(self, model: Sequence[int]) -> Bools:
         """Which facet is above which in a model, ``(n, n)``."""
+        true = np.zeros(int(np.abs(self.unknown).max()) + 1, dtype=np.bool_)
+        true[[x for x in model if 0 < x < len(true)]] = True
+        unknown = self.unknown[1:]
+        over = true[np.abs(unknown)] == (unknown > 0)
+        low, high = self.pair
         order = np.zeros((self.count, self.count), dtype=np.bool_)
-        true = np.zeros(self.pairs + 1, dtype=np.bool_)
-        true[[x for x in model if 0 < x <= self.pairs]] = True
-        low, high = np.nonzero(self.number)
-        over = true[self.number[low, high]]
         order[high[over], low[over]] = True
         order[low[~over], high[~over]] = True
         return order
 
 
-def layer_order(
-    folded: Floats,
-    rings: Sequence[Ring],
-    creases: Sequence[Crease],
-    up: Sequence[bool],
-    *,
-    seconds: float = 20.0,
-) -> list[int]:
+def _different(clauses: Ints) -> list[list[int]]:
+    """Return clauses of as many literals once each, without those that are always true."""
+    rows = np.unique(np.sort(clauses, axis=1), axis=0)
+    return [row for row in (list(set(row)) for row in rows.tolist()) if not any(-x in row for x in row)]
+
+
+def layer_order(conditions: OrderSolver, *, seconds: float = 20.0) -> list[int]:
     """Return the facets from bottom to top, in an order in which no paper passes through paper.
 
-    Raises ``UnfoldableError`` when there is no such linear order, when none is found in ``seconds``, or without the
-    extra.
+    Raises ``UnfoldableError`` when there is no such linear order, or when none is found in ``seconds``.
     """
-    try:
-        from pysat.solvers import Solver
-    except ImportError as error:
-        raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
+    from pysat.solvers import Solver
+
     end = time.monotonic() + seconds
-    conditions = OrderSolver(folded, rings, creases, up)
-    with Solver(name="minisat22", bootstrap_with=list(conditions.clauses())) as solver:
+    if any(conditions.contradictory):
+        raise UnfoldableError(NO_ORDER)
+    with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
         while True:
             solver.conf_budget(MOST_CONFLICTS)
             found = solver.solve_limited()
             if found is False:
-                raise UnfoldableError("the facets cannot be put in an order in which no paper passes through paper")
+                raise UnfoldableError(NO_ORDER)
             if found is None or time.monotonic() > end:
-                raise UnfoldableError(f"no order of the {len(rings)} facets was found; there may be one")
+                raise UnfoldableError(f"no order of the {conditions.count} facets was found; there may be one")
             order = conditions.above(solver.get_model() or [])
             circles = list(_circles(order, conditions))
             if not circles:
@@ -169,29 +231,28 @@ def _reaches(order: Bools) -> Bools:
         reach = further
 
 
-def _circles(order: Bools, conditions: OrderSolver) -> Iterator[list[int]]:
-    """Yield clauses that forbid circles: those of three facets, else shortest ones."""
-    count = 0
+def _circles(order: Bools, conditions: OrderSolver) -> list[list[int]]:
+    """Return clauses that forbid circles: those of three facets, else shortest ones."""
     reach = _reaches(order)
     both = reach & reach.T  # facets on one circle
-    inside = both.any(axis=1)
-    for a in np.flatnonzero(inside).tolist():
-        mine = both[a]
-        below = np.flatnonzero(order[a] & mine)
-        back = order[:, a] & mine
-        b, c = np.nonzero(order[np.ix_(below, np.flatnonzero(back))])
-        b, c = below[b], np.flatnonzero(back)[c]
-        keep = (b > a) & (c > a)
-        for x, y in zip(b[keep].tolist(), c[keep].tolist(), strict=True):
-            yield [-conditions.literal(a, x), -conditions.literal(x, y), -conditions.literal(y, a)]
-            count += 1
-            if count >= MOST_CIRCLES:
-                return
+    inside = np.flatnonzero(both.any(axis=1)).tolist()
+    found: list[Ints] = []
+    count = 0
+    for a in inside:
+        below = np.flatnonzero(order[a] & both[a])
+        back = np.flatnonzero(order[:, a] & both[a])
+        below, back = below[below > a], back[back > a]
+        b, c = np.nonzero(order[np.ix_(below, back)])
+        b, c = below[b], back[c]
+        pairs = ((np.full(len(b), a), b), (b, c), (c, np.full(len(b), a)))
+        found.append(np.stack([-conditions.literals(*pair) for pair in pairs], axis=1))
+        count += len(b)
+        if count >= MOST_CIRCLES:
+            break
     if count:
-        return
-    for a in np.flatnonzero(inside).tolist():
-        circle = _shortest_circle(order, a)
-        yield [-conditions.literal(x, y) for x, y in zip(circle, circle[1:] + circle[:1], strict=True)]
+        return _different(np.concatenate(found))
+    circles = [np.array(_shortest_circle(order, a)) for a in inside]
+    return [row for circle in circles for row in _different(-conditions.literals(circle, np.roll(circle, -1))[None])]
 
 
 def _shortest_circle(order: Bools, start: int) -> list[int]:

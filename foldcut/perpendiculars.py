@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import shapely
@@ -335,6 +335,8 @@ class Perpendiculars:
         corners = {vertex for side in skeleton.base for vertex in side}
         self.nodes = [v for v in self.degree if v not in corners and self.on_sheet(skeleton.points[v])]
         self.odd = [v for v, count in self.degree.items() if count % 2 and self.on_sheet(skeleton.points[v])]
+        self.tree = shapely.STRtree([shapely.Polygon(skeleton.points[region.ring]) for region in regions])
+        self.shape_at_left = [float(r.sign if self.is_left(r) else -r.sign) for r in regions]
         self.paths: list[Path] = []
         self.endless = 0
 
@@ -527,6 +529,26 @@ class Perpendiculars:
                 found[frozenset(taken)] = sum(len(self.paths[k].steps) for k in taken)
         return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
 
+    def exchanges(self) -> list[frozenset[int]]:
+        """Return twos and threes of perpendiculars that may change together: each node keeps an even number of creases.
+
+        They are closed ways, all of the sheet's border being one place: those of the two or three that are folded are
+        not any more, and the others are.
+        """
+        at: dict[int, set[int]] = defaultdict(set)
+        for number, path in enumerate(self.paths):
+            at[path.start].add(number)
+            at[path.end].add(number)
+        found: set[frozenset[int]] = set()
+        for node in sorted(at.keys() - {-1}):
+            for one, other in combinations(sorted(at[node]), 2):
+                ends = [path.start + path.end - node for path in (self.paths[one], self.paths[other])]
+                if ends[0] == ends[1]:
+                    found.add(frozenset({one, other}))
+                else:
+                    found |= {frozenset({one, other, third}) for third in at[ends[0]] & at[ends[1]]}
+        return sorted((ways for ways in found if len(ways) > 1), key=sorted)
+
     def _is_even(self, taken: set[int]) -> bool:
         count = Counter(v for k in taken for v in (self.paths[k].start, self.paths[k].end) if v >= 0)
         return all((count[v] + self.degree[v]) % 2 == 0 for v in {*count, *self.odd})
@@ -664,14 +686,9 @@ class _Division:
 
     def _maps(self, points: Floats, rings: list[Ring]) -> list[tuple[int, float]]:
         """For each facet, its side, and 1.0 where the shape is at the left of it, else -1.0."""
-        skeleton = self.skeleton
-        tree = shapely.STRtree([shapely.Polygon(skeleton.points[region.ring]) for region in skeleton.regions])
-        inner = shapely.points([shapely.Polygon(points[ring]).representative_point().coords[0] for ring in rings])
-        maps = []
-        for place in inner:
-            region = skeleton.regions[int(tree.nearest(place))]
-            maps.append((region.side, float(region.sign if self.all.is_left(region) else -region.sign)))
-        return maps
+        full = shapely.polygons([shapely.linearrings(points[ring]) for ring in rings])
+        near = self.all.tree.nearest(shapely.point_on_surface(full)).tolist()
+        return [(self.skeleton.regions[number].side, self.all.shape_at_left[number]) for number in near]
 
     def _fold(
         self,

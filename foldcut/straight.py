@@ -8,10 +8,11 @@ Which perpendiculars are folded is chosen in several ways, see ``perpendiculars`
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from foldcut.adjust import tie_nodes, tie_perpendiculars
 from foldcut.errors import UnfoldableError
@@ -19,7 +20,7 @@ from foldcut.faces import assemble, creases_of_stack
 from foldcut.foldability import crease_numbers
 from foldcut.methods import ADJUST_MM
 from foldcut.model import CreasePattern, FoldedState, Shape, Sheet
-from foldcut.ordersolver import layer_order
+from foldcut.ordersolver import NO_ORDER, OrderSolver, layer_order
 from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.search import FOLDABLE_MM, Rank, rank, shortest_crease
 from foldcut.verify import verify
@@ -35,6 +36,12 @@ FEWEST = 4
 PATIENCE, LEAST_PATIENCE = 3.0, 3.0
 """How many times as long choices are tried for the drawing as it is while none has an order; for how many seconds at
 least with its corners moved."""
+
+TEST = 0.3
+"""How long it takes to find out that a choice has no order for a simple reason, relative to ordering it."""
+
+TYPICAL_FACETS = 400
+"""Patterns with too many creases cost as much as those of so many facets."""
 
 LESS = 0.2
 """Corners are also moved by only so much of what is allowed: less is sometimes better."""
@@ -83,20 +90,23 @@ def fold_skeletal(
     search = _Search(sheet, ribbon, share * (seconds if seconds is not None else SECONDS[effort]), progress)
     patience = PATIENCE * search.limit
     adjusted = _adjusted(shape, sheet, near)
-    for number, (tied, moved) in enumerate(adjusted, start=1):
-        try:
-            search.fold(tied, moved, patience if number == len(adjusted) else max(search.limit, LEAST_PATIENCE))
-        except UnfoldableError as error:
-            search.problem = search.problem or str(error)
-        except KeyboardInterrupt:
-            if search.best is None:
-                raise
-            return replace(search.best, interrupted=True)
-        if search.best is not None and shortest_crease(search.best.creases) >= FOLDABLE_MM:
-            break
-    if search.best is None:
+    interrupted = False
+    try:
+        for number, (tied, moved) in enumerate(adjusted, start=1):
+            try:
+                search.fold(tied, moved, patience if number == len(adjusted) else max(search.limit, LEAST_PATIENCE))
+            except UnfoldableError as error:
+                search.problem = search.problem or str(error)
+            if search.best and search.best.made and shortest_crease(search.best.made.creases) >= FOLDABLE_MM:
+                break
+        search.improve()
+    except KeyboardInterrupt:
+        if search.best is None:
+            raise
+        interrupted = True
+    if search.best is None or search.best.made is None:
         raise UnfoldableError(search.problem or "no set of perpendiculars makes the creases at every node even")
-    return search.best
+    return replace(search.best.made, interrupted=interrupted)
 
 
 def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float = ADJUST_MM) -> Skeletal:
@@ -108,7 +118,8 @@ def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float 
     perpendiculars = _perpendiculars(tied, sheet, ribbon)
     if perpendiculars.odd:
         raise UnfoldableError("at some nodes of the straight skeleton perpendiculars begin")
-    return _ordered(tied, moved, _divided(perpendiculars, []), 0)
+    facets = _divided(perpendiculars, [])
+    return _ordered(tied, moved, facets, _conditions(facets), 0)
 
 
 def _perpendiculars(shape: Shape, sheet: Sheet, ribbon: float) -> Perpendiculars:
@@ -136,6 +147,37 @@ def _adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, floa
     return different
 
 
+@dataclass(frozen=True, eq=False)
+class _Drawing:
+    """A shape with its perpendiculars, of which sets are chosen; how far its corners were ``moved``."""
+
+    shape: Shape
+    moved: float
+    perpendiculars: Perpendiculars
+
+    def pieces(self, taken: Iterable[int]) -> int:
+        return sum(len(self.perpendiculars.paths[k].steps) for k in taken)
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """A set of perpendiculars that was tried, what it made, if anything, and how many contradictions it has.
+
+    ``cause``: perpendiculars one of which has to be folded, or not any more, for one of the contradictions to go.
+    """
+
+    drawing: _Drawing
+    taken: frozenset[int]
+    made: Skeletal | None
+    contradictory: tuple[float, float]
+    cause: frozenset[int]
+
+    @property
+    def quality(self) -> tuple[float, ...]:
+        """Less is better."""
+        return (0.0, *_rank(self.made)) if self.made else (1.0, *self.contradictory)
+
+
 @dataclass
 class _Search:
     """The best pattern so far, and the time spent by the model of ``_cost``."""
@@ -144,7 +186,7 @@ class _Search:
     ribbon: float
     limit: float
     progress: Callable[[str, float], None] | None
-    best: Skeletal | None = None
+    best: _Trial | None = None
     problem: str = ""
     spent: float = 0.0
 
@@ -156,22 +198,71 @@ class _Search:
         """
         if self.best is None:
             self.spent = 0.0
-        perpendiculars = _perpendiculars(shape, self.sheet, self.ribbon)
-        for taken in _choices(perpendiculars):
-            if self.progress is not None:
-                self.progress("layer orders", min(1.0, self.spent / self.limit))
-            try:
-                facets = _divided(perpendiculars, taken)
-                cost = _cost(len(facets.rings))
-                if self.spent + cost > self.limit and (self.best or self.spent > patience):
-                    return
-                self.spent += cost
-                made = _ordered(shape, moved, facets, len(taken))
-            except UnfoldableError as error:
-                self.problem = self.problem or str(error)
-                continue
-            if self.best is None or _rank(made) < _rank(self.best):
-                self.best = made
+        nearest: _Trial | None = None
+        for perpendiculars, taken in _choices(lambda: _perpendiculars(shape, self.sheet, self.ribbon)):
+            if self.spent > (self.limit / 2 if self.best else self.limit):
+                break
+            trial = self.attempt(_Drawing(shape, moved, perpendiculars), frozenset(taken))
+            if nearest is None or trial.quality < nearest.quality:
+                nearest = trial
+        if self.best is None and nearest is not None:
+            self.walk(nearest, patience)
+
+    def improve(self) -> None:
+        """Look for a better pattern near to the best one."""
+        if self.best is not None:
+            self.walk(self.best, self.spent + self.limit / 2)
+
+    def walk(self, here: _Trial, end: float) -> None:
+        """Go from one set of perpendiculars to another that differs in two or three of them and is no worse.
+
+        As long as none has an order, a set with no more contradictions is no worse, and the next one changes something
+        in the cause of a contradiction; the walk ends when a set has an order. From one that has, it is only to those
+        that are easier to fold. ``end`` is in seconds spent.
+        """
+        drawing, pieces, folds = here.drawing, here.drawing.pieces, here.made is not None
+        exchanges = drawing.perpendiculars.exchanges()
+        random, seen = np.random.default_rng(0), {here.taken}
+        while self.spent <= end:
+            ways = [one for one in exchanges if one & here.cause and here.taken ^ one not in seen]
+            if folds:
+                ways = [one for one in ways if pieces(here.taken ^ one) <= pieces(here.taken)]
+            if not ways:
+                break
+            taken = here.taken ^ ways[int(random.integers(len(ways)))]
+            seen.add(taken)
+            trial = self.attempt(drawing, taken)
+            if trial.quality <= here.quality:
+                here = trial
+            if trial.made and not folds:
+                break
+
+    def attempt(self, drawing: _Drawing, taken: frozenset[int]) -> _Trial:
+        """Try a set of perpendiculars."""
+        if self.progress is not None:
+            self.progress("layer orders", min(1.0, self.spent / self.limit))
+        made: Skeletal | None = None
+        contradictory: tuple[float, float] = (np.inf, np.inf)
+        cause = frozenset(range(len(drawing.perpendiculars.paths)))
+        try:
+            self.spent += TEST * _cost(TYPICAL_FACETS)  # should it be too large
+            facets = _divided(drawing.perpendiculars, sorted(taken))
+            cost = _cost(len(facets.rings))
+            self.spent += TEST * (cost - _cost(TYPICAL_FACETS))
+            conditions = _conditions(facets)
+            contradictory = conditions.contradictory
+            if contradictory[0]:
+                cause = _perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
+            if any(contradictory):
+                raise UnfoldableError(NO_ORDER)
+            self.spent += cost
+            made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+        except UnfoldableError as error:
+            self.problem = self.problem or str(error)
+        trial = _Trial(drawing, taken, made, contradictory, cause)
+        if made and (self.best is None or trial.quality < self.best.quality):
+            self.best = trial
+        return trial
 
 
 def _rank(made: Skeletal) -> Rank:
@@ -179,15 +270,16 @@ def _rank(made: Skeletal) -> Rank:
 
 
 def _cost(facets: int) -> float:
-    """About how many seconds it takes to order so many facets."""
-    return 0.03 + (facets / 120) ** 3 / 4
+    """About how many seconds it takes to order so many facets, and to verify what that makes."""
+    return float((facets / 120) ** 1.5) / 10
 
 
-def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
-    """Set up and yield choices of perpendiculars: the fewest, then those that fold away from a root.
+def _choices(perpendiculars_of: Callable[[], Perpendiculars]) -> Iterator[tuple[Perpendiculars, list[int]]]:
+    """Yield perpendiculars and choices of them: the fewest, then those that fold away from a root.
 
     Raises ``UnfoldableError`` where there are none, or none with few enough creases.
     """
+    perpendiculars = perpendiculars_of()
     perpendiculars.trace(perpendiculars.odd)
     perpendiculars.require_ends()
     fewest = list(perpendiculars.fewest(FEWEST))
@@ -198,10 +290,12 @@ def _choices(perpendiculars: Perpendiculars) -> Iterator[list[int]]:
     for taken in [*fewest[:1], *rooted[:1], *fewest[1:], *rooted[1:]]:
         if tuple(taken) not in seen:
             seen.add(tuple(taken))
-            yield taken
+            yield perpendiculars, taken
     if len(perpendiculars.nodes) > len(perpendiculars.odd):
+        perpendiculars = perpendiculars_of()
         perpendiculars.trace(perpendiculars.nodes)
-        yield from perpendiculars.rooted()
+        for taken in perpendiculars.rooted():
+            yield perpendiculars, taken
 
 
 def _divided(perpendiculars: Perpendiculars, taken: list[int]) -> Facets:
@@ -213,9 +307,23 @@ def _divided(perpendiculars: Perpendiculars, taken: list[int]) -> Facets:
     return facets
 
 
-def _ordered(shape: Shape, moved: float, facets: Facets, perpendiculars: int) -> Skeletal:
+def _perpendiculars_in(perpendiculars: Perpendiculars, facets: Facets, within: Iterable[int]) -> frozenset[int]:
+    """Perpendiculars that border on some of the facets, or would divide them."""
+    rings = [facets.flat[facets.rings[k]] for k in within]
+    tree = shapely.STRtree(shapely.polygons([shapely.linearrings(ring) for ring in rings]))
+    steps = [(k, (step.start + step.end) / 2) for k, path in enumerate(perpendiculars.paths) for step in path.steps]
+    middles = shapely.points(np.array([middle for _, middle in steps]))
+    found = tree.query(middles, predicate="dwithin", distance=perpendiculars.snap)[0]
+    return frozenset(steps[k][0] for k in found.tolist())
+
+
+def _conditions(facets: Facets) -> OrderSolver:
+    return OrderSolver(facets.folded, facets.rings, facets.creases, facets.up)
+
+
+def _ordered(shape: Shape, moved: float, facets: Facets, conditions: OrderSolver, perpendiculars: int) -> Skeletal:
     """Find a layer order, and verify what it makes."""
-    order = layer_order(facets.folded, facets.rings, facets.creases, facets.up)
+    order = layer_order(conditions)
     rings = [facets.rings[k] for k in order]
     edges, kinds = creases_of_stack(facets.folded, rings)
     creases, folded = assemble(facets.flat, facets.folded, rings, edges, kinds, facets.sheet_corners)

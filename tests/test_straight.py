@@ -19,7 +19,7 @@ from foldcut.adjust import tie_nodes, tie_perpendiculars
 from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.model import Shape, Sheet, index_array
-from foldcut.ordersolver import layer_order
+from foldcut.ordersolver import OrderSolver, layer_order
 from foldcut.perpendiculars import Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.planar import edge_faces
 from foldcut.readers import read_shape
@@ -179,9 +179,9 @@ def test_choices_without_a_layer_order_are_refused_by_the_solver() -> None:
     found = perpendiculars([loop.tolist() for loop in random_loops(0, holes=True)])
     first = divide_sheet(found, next(found.fewest(1)))
     with pytest.raises(UnfoldableError, match="cannot be put in an order"):
-        layer_order(first.folded, first.rings, first.creases, first.up)
+        layer_order(OrderSolver(first.folded, first.rings, first.creases, first.up))
     rooted = divide_sheet(found, found.rooted()[0])
-    order = layer_order(rooted.folded, rooted.rings, rooted.creases, rooted.up)
+    order = layer_order(OrderSolver(rooted.folded, rooted.rings, rooted.creases, rooted.up))
     assert sorted(order) == list(range(len(rooted.rings)))
 
 
