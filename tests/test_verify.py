@@ -404,23 +404,6 @@ def test_pleats_may_be_finer_than_the_coarse_tolerance_but_not_than_the_finest(w
     assert verify(pleat, index_array([1, 2, 0]))
 
 
-def test_where_things_are_near_takes_no_search_if_the_fine_tolerance_tells_them_apart(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def slow(*_: object) -> list[Finding]:
-        raise AssertionError("the places of crossings are looked for")
-
-    looked = verify_module._look_at_faces
-    monkeypatch.setattr(
-        verify_module, "_look_at_faces", lambda p, tolerance: (looked(p, tolerance)[0], tolerance > 1e-9)
-    )
-    monkeypatch.setattr(verify_module, "_check_crossings", slow)
-    good = strip("MV")
-    assert verify(good, index_array([2, 1, 0])) == []
-    with pytest.raises(AssertionError, match="places"):
-        verify(good, index_array([1, 2, 0]))
-
-
 def test_a_valid_pattern_is_looked_at_once_as_long_as_it_cannot_change(monkeypatch: pytest.MonkeyPatch) -> None:
     looks: list[CreasePattern] = []
     look = verify_module._findings
