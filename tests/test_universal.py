@@ -208,6 +208,23 @@ def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
         assert (one.order, one.rings()) == (other.order, other.rings())
 
 
+@pytest.mark.parametrize(
+    "made", [lambda: crowded_walk(20), lambda: gear_walk(6), lambda: convex_walk(14), lambda: searched_walk("fish")]
+)
+def test_few_turns_looked_at_one_by_one_give_the_same_molecules(
+    made: Callable[[], Walk], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    walk = made()
+    monkeypatch.setattr(universal, "VERY_FEW", 0)
+    arrays = build_molecules(walk, SHEET)
+    monkeypatch.setattr(universal, "VERY_FEW", 10**9)
+    one_by_one = build_molecules(walk, SHEET)
+    assert arrays.vertices == one_by_one.vertices
+    for side in ("inside", "outside"):
+        one, other = getattr(arrays, side), getattr(one_by_one, side)
+        assert (one.order, one.rings()) == (other.order, other.rings())
+
+
 def gear_walk(teeth: int) -> Walk:
     """Many small disks along a shape with exact ties."""
     angles = np.arange(2 * teeth) * np.pi / teeth
