@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -208,21 +210,30 @@ def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
         assert (one.order, one.rings()) == (other.order, other.rings())
 
 
-@pytest.mark.parametrize(
-    "made", [lambda: crowded_walk(20), lambda: gear_walk(6), lambda: convex_walk(14), lambda: searched_walk("fish")]
-)
-def test_few_turns_looked_at_one_by_one_give_the_same_molecules(
-    made: Callable[[], Walk], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("count", range(3, 11))
+def test_few_turns_looked_at_one_by_one_make_the_same_pairs_and_pinches(
+    count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    walk = made()
-    monkeypatch.setattr(universal, "VERY_FEW", 0)
-    arrays = build_molecules(walk, SHEET)
-    monkeypatch.setattr(universal, "VERY_FEW", 10**9)
-    one_by_one = build_molecules(walk, SHEET)
-    assert arrays.vertices == one_by_one.vertices
-    for side in ("inside", "outside"):
-        one, other = getattr(arrays, side), getattr(one_by_one, side)
-        assert (one.order, one.rings()) == (other.order, other.rings())
+    random = np.random.default_rng(count)
+    pinches = 0
+    for _ in range(200):
+        state: Any = SimpleNamespace(
+            position=random.integers(0, 3, (count, 2)).astype(float),
+            x=random.integers(0, 2, count).astype(float),
+            level=random.integers(0, 3, count).astype(float),
+            peak=np.arange(count) % 2 == random.integers(2),
+            shrink=random.integers(0, 2, count).astype(float),
+            turned=np.zeros(count, dtype=np.int64),
+        )
+        state._few_pairs = partial(universal._State._few_pairs, state)
+        found = []
+        for few in (0, count):
+            monkeypatch.setattr(universal, "VERY_FEW", few)
+            pairs = universal._State._pairs(state, 1e-9, 1.0)
+            found.append((*(column.tolist() for column in pairs), universal._State.coincident(state, 1e-9)))
+        assert found[0] == found[1]
+        pinches += found[0][-1] is not None
+    assert pinches or count == 3
 
 
 def gear_walk(teeth: int) -> Walk:
