@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -206,6 +208,32 @@ def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
     for side in ("inside", "outside"):
         one, other = getattr(every, side), getattr(near, side)
         assert (one.order, one.rings()) == (other.order, other.rings())
+
+
+@pytest.mark.parametrize("count", range(3, 11))
+def test_few_turns_looked_at_one_by_one_make_the_same_pairs_and_pinches(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random = np.random.default_rng(count)
+    pinches = 0
+    for _ in range(200):
+        state: Any = SimpleNamespace(
+            position=random.integers(0, 3, (count, 2)).astype(float),
+            x=random.integers(0, 2, count).astype(float),
+            level=random.integers(0, 3, count).astype(float),
+            peak=np.arange(count) % 2 == random.integers(2),
+            shrink=random.integers(0, 2, count).astype(float),
+            turned=np.zeros(count, dtype=np.int64),
+        )
+        state._few_pairs = partial(universal._State._few_pairs, state)
+        found = []
+        for few in (0, count):
+            monkeypatch.setattr(universal, "VERY_FEW", few)
+            pairs = universal._State._pairs(state, 1e-9, 1.0)
+            found.append((*(column.tolist() for column in pairs), universal._State.coincident(state, 1e-9)))
+        assert found[0] == found[1]
+        pinches += found[0][-1] is not None
+    assert pinches or count == 3
 
 
 def gear_walk(teeth: int) -> Walk:
