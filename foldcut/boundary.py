@@ -92,12 +92,17 @@ class _Loop:
 
 
 def boundary_disks(
-    shape: Shape, sheet: Sheet, ribbon: float, tolerance: Tolerance, limit: Limit | None = None
+    shape: Shape,
+    sheet: Sheet,
+    ribbon: float,
+    tolerance: Tolerance,
+    limit: Limit | None = None,
+    most: int = MAX_DISKS,
 ) -> BoundaryDisks:
     """Cover every edge of ``shape`` and ``sheet`` with disks centred on it.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is the half-width in mm of the unfolded strip along the shape's boundary;
-    ``limit`` keeps disks small where it matters.
+    ``limit`` keeps disks small where it matters; edges are divided into at most about ``most`` pieces.
     Raises ``RibbonError`` with the largest, or the least, width that works, ``UnfoldableError`` when a feature needs
     too many disks.
     Source: paper section 2 (vertex disks, crowded edges) and section 5.
@@ -115,7 +120,7 @@ def boundary_disks(
     if limit is not None:
         radii = [_limited(loop, radius, limit) for loop, radius in zip(loops, radii, strict=True)]
     radii = _separate_vertex_disks(loops, radii, tolerance)
-    pieces = _split_crowded(loops, radii, tolerance, limit)
+    pieces = _split_crowded(loops, radii, tolerance, limit, most)
     inside = np.array([False] + [shape.depth(i) % 2 == 0 for i in range(len(shape.loops))])
     return _assemble(loops, radii, pieces, inside, ribbon)
 
@@ -314,7 +319,9 @@ def _piece_disks(loops: list[_Loop], pieces: _Pieces, sign: int) -> tuple[Floats
     return centres, (pieces.end - pieces.start) / 2
 
 
-def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance, limit: Limit | None) -> _Pieces:
+def _split_crowded(
+    loops: list[_Loop], radii: list[Floats], tolerance: Tolerance, limit: Limit | None, most: int
+) -> _Pieces:
     """Halve edges until no diameter disk overlaps another disk of its face; of two, the larger is halved."""
     pieces = _first_pieces(loops, radii, tolerance)
     face_of = {sign: np.array([{s: f for f, s in loop.sides}.get(sign, -1) for loop in loops]) for sign in (1, -1)}
@@ -322,9 +329,9 @@ def _split_crowded(loops: list[_Loop], radii: list[Floats], tolerance: Tolerance
     fresh = 0  # from here on pieces are new; of the others no two crowd each other
     while True:
         count = len(pieces.loop)
-        if count > MAX_DISKS:
+        if count > most:
             raise UnfoldableError(
-                f"the shape's features are so small that over {MAX_DISKS:,} disks would be needed; simplify it"
+                f"the shape's features are so small that over {most:,} disks would be needed; simplify it"
             )
         sides = [(face_of[sign][pieces.loop], *_piece_disks(loops, pieces, sign)) for sign in (1, -1)]
         face = np.concatenate([sides[0][0], sides[1][0], fixed_face])

@@ -130,7 +130,8 @@ def build_gated(
     """Build the pattern with one size of ring, not verified; without ``move_layers`` it has no gate (for tests)."""
     tolerance = Tolerance.for_sheet(sheet)
     root, rings = plan_rings(shape, sheet, ribbon, room)
-    boundary = boundary_disks(shape, sheet, ribbon, tolerance, small_at_gates(rings))
+    most = budget.left if budget else MOST_DISKS["best"]
+    boundary = boundary_disks(shape, sheet, ribbon, tolerance, small_at_gates(rings), most)
     parts = divide_faces(boundary, rings)
     _require_apart(parts, tolerance)
     if budget is not None:

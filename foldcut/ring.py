@@ -137,7 +137,12 @@ def _equal_sides(points: Floats) -> Floats:
     Each step of Newton's method is the shortest, ``rows.T @ solve(rows @ rows.T, off)``, with a row for each side: its
     two corners, and the common length.
     """
+    from scipy.sparse import csc_array
+    from scipy.sparse.linalg import splu
+
     count = len(points)
+    side = np.arange(count)
+    before_side = np.roll(side, 1)
     off = math.inf
     for _ in range(20):
         sides = np.roll(points, -1, axis=0) - points
@@ -147,11 +152,15 @@ def _equal_sides(points: Floats) -> Floats:
         before, off = off, float(np.abs(mean - lengths).max())
         if off < 1e-14 * mean or off >= before:  # no more than rounding
             break
-        products = np.ones((count, count)) + 2 * np.eye(count)
-        side = np.arange(count)
-        products[side, side - 1] -= (unit * np.roll(unit, 1, axis=0)).sum(axis=1)
-        products[side - 1, side] = products[side, side - 1]
-        share = np.linalg.solve(products, mean - lengths)[:, None] * unit
+        # rows @ rows.T is sparse but for the common length, which adds 1 everywhere: Sherman and Morrison
+        beside = -(unit * np.roll(unit, 1, axis=0)).sum(axis=1)
+        entries = np.concatenate([np.full(count, 2.0), beside, beside])
+        places = np.concatenate([side, side, before_side]), np.concatenate([side, before_side, side])
+        solved = splu(csc_array((entries, places), shape=(count, count))).solve(
+            np.stack([mean - lengths, np.ones(count)], axis=1)
+        )
+        weights = solved[:, 0] - solved[:, 1] * (solved[:, 0].sum() / (1 + solved[:, 1].sum()))
+        share = weights[:, None] * unit
         points = points + np.roll(share, 1, axis=0) - share
     return points
 

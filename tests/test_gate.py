@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,14 +16,15 @@ from several_loops import random_loops
 from strategies import Points, rectangle, regular
 
 import foldcut
-from foldcut.boundary import default_ribbon
+from foldcut.boundary import BoundaryDisks, default_ribbon
 from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.flatfold import fold_faces
-from foldcut.gate import ROOMS, build_gated, fold_gated
+from foldcut.gate import MOST_DISKS, ROOMS, build_gated, fold_gated
+from foldcut.model import Finding
 from foldcut.packing import packing_faults
 from foldcut.planar import edge_faces
-from foldcut.ring import MOST, plan_rings
+from foldcut.ring import MOST, Parts, Ring, divide_faces, plan_rings
 from foldcut.samples import sample_path
 from foldcut.shape import make_shape
 from foldcut.sheet import parse_sheet, place
@@ -124,3 +127,48 @@ def test_the_command_reports_rings_and_why_the_others_lost(tmp_path: Path, capsy
     assert re.search(r"method +gate: [1-3] rings, \d+ disks", said)
     assert "compact: " in said
     assert "verified  " in said
+
+
+def test_too_many_disks_are_refused_before_packing(monkeypatch: pytest.MonkeyPatch) -> None:
+    shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
+    monkeypatch.setattr("foldcut.gate.fill_gaps", None)
+    monkeypatch.setitem(MOST_DISKS, "fast", 150)
+    with pytest.raises(UnfoldableError, match=r"disks would be needed.* may have 150; give --effort best"):
+        fold_gated(shape, SHEET, 0.1, "fast")
+    monkeypatch.setitem(MOST_DISKS, "fast", 10)
+    with pytest.raises(UnfoldableError, match="over 10 disks would be needed"):
+        fold_gated(shape, SHEET, 0.1, "fast")
+
+
+def test_no_disks_are_packed_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
+    monkeypatch.setattr("foldcut.gate.fill_gaps", None)
+    with pytest.raises(UnfoldableError, match="the 0.0001 seconds are over; give more --seconds"):
+        fold_gated(shape, SHEET, 0.1, seconds=0.0001)
+
+
+def test_rings_that_overlap_are_refused_before_packing(monkeypatch: pytest.MonkeyPatch) -> None:
+    shape, _ = place(make_shape([rectangle(10, 10), rectangle(5, 5)]), SHEET)
+
+    def divide_wide(boundary: BoundaryDisks, rings: list[Ring]) -> Parts:
+        """As if the rings had less room than they need."""
+        parts = divide_faces(boundary, rings)
+        return replace(parts, boundary=replace(parts.boundary, radii=1.2 * parts.boundary.radii))
+
+    monkeypatch.setattr("foldcut.gate.divide_faces", divide_wide)
+    monkeypatch.setattr("foldcut.gate.fill_gaps", None)
+    with pytest.raises(UnfoldableError, match=r"disks of the rings overlap near \("):
+        build_gated(shape, SHEET, 0.1, ROOMS[0])
+
+
+def test_a_gated_pattern_is_verified_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+
+    def counted(*arguments: Any) -> list[Finding]:
+        asked.append(1)
+        return verify(*arguments)
+
+    monkeypatch.setattr("foldcut.gate.verify", counted)
+    monkeypatch.setattr("foldcut.pipeline.verify", counted)
+    assert foldcut.fold([rectangle(10, 10), rectangle(5, 5)], method="gate").findings == ()
+    assert len(asked) == 1
