@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-import numpy as np
-
 from foldcut.job import Job, JobError, Step
 from foldcut.profiles import Profile
 
@@ -28,18 +26,31 @@ def export(job: Job, profile: Profile) -> bytes:
     indices = _indices(job)
     for priority, (step, index) in enumerate(zip(job.steps, indices, strict=True)):
         _cut_setting(root, step, index, priority, profile)
-    for step, index in zip(job.steps, indices, strict=True):
-        for stroke in step.strokes:
-            points = (stroke + np.array(job.at)).tolist()
-            closed = len(points) > 2 and points[0] == points[-1]
-            points = points[:-1] if closed else points
-            shape = ET.SubElement(root, "Shape", Type="Path", CutIndex=str(index))
-            ET.SubElement(shape, "XForm").text = "1 0 0 1 0 0"
-            ET.SubElement(shape, "VertList").text = "".join(f"V{x:.6f} {y:.6f}c0x1c1x1" for x, y in points)
-            lines = [f"L{k} {k + 1}" for k in range(len(points) - 1)] + [f"L{len(points) - 1} 0"] * closed
-            ET.SubElement(shape, "PrimList").text = "".join(lines)
+    # an element for each stroke would take most of the time, and of the memory
+    shapes = [
+        _shape(stroke.tolist(), index, job.at)
+        for step, index in zip(job.steps, indices, strict=True)
+        for stroke in step.strokes
+    ]
+    if shapes:
+        root.append(ET.Element("SHAPES"))
     ET.indent(root, " ")
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root) + b"\n"
+    head, *end = ET.tostring(root).split(b" <SHAPES />\n")
+    text = "".join(shapes).encode()
+    return b"".join([b'<?xml version="1.0" encoding="UTF-8"?>\n', head, *(text + rest for rest in end), b"\n"])
+
+
+def _shape(points: list[list[float]], index: int, at: tuple[float, float]) -> str:
+    """Return a stroke as a path."""
+    closed = len(points) > 2 and points[0] == points[-1]
+    points = points[:-1] if closed else points
+    right, up = at
+    corners = "".join([f"V{x + right:.6f} {y + up:.6f}c0x1c1x1" for x, y in points])
+    lines = [f"L{k} {k + 1}" for k in range(len(points) - 1)] + [f"L{len(points) - 1} 0"] * closed
+    return (
+        f' <Shape Type="Path" CutIndex="{index}">\n  <XForm>1 0 0 1 0 0</XForm>\n  <VertList>{corners}</VertList>\n'
+        f"  <PrimList>{''.join(lines)}</PrimList>\n </Shape>\n"
+    )
 
 
 def _indices(job: Job) -> list[int]:

@@ -51,8 +51,8 @@ class Ground:
         self.under = np.zeros(np.ceil(self.room / self.cell).astype(int) + 1)  # mm of lines in each cell
         self.shape: Floats = np.zeros_like(self.under)  # mm² of each cell in the shape
 
-    def add_lines(self, lines: Floats) -> None:
-        """Draw straight lines, ``(n, 2, 2)``."""
+    def add_lines(self, lines: Floats, weight: float = 1.0) -> None:
+        """Draw straight lines, ``(n, 2, 2)``, that count as so many."""
         for low in range(0, len(lines), BLOCK):
             some = lines[low : low + BLOCK] - self.inset
             length = np.hypot(*(some[:, 1] - some[:, 0]).T)
@@ -62,16 +62,16 @@ class Ground:
             points = some[row, 0] + share[:, None] * (some[row, 1] - some[row, 0])
             x, y = np.floor(points / self.cell).astype(int).T
             on = (x >= 0) & (x < len(self.under)) & (y >= 0) & (y < self.under.shape[1])
-            np.add.at(self.under, (x[on], y[on]), (length / count)[row][on])
+            np.add.at(self.under, (x[on], y[on]), (weight * length / count)[row][on])
 
-    def add_polyline(self, points: Floats) -> None:
-        """Draw a polyline, ``(n, 2)``."""
-        self.add_lines(np.stack([points[:-1], points[1:]], axis=1))
+    def add_polyline(self, points: Floats, weight: float = 1.0) -> None:
+        """Draw a polyline, ``(n, 2)``, that counts as so many."""
+        self.add_lines(np.stack([points[:-1], points[1:]], axis=1), weight)
 
-    def fill(self, x: float, y: float, width: float, height: float) -> None:
-        """Draw a box full of lines, where nothing else is to be."""
+    def fill(self, x: float, y: float, width: float, height: float, weight: float = 1.0) -> None:
+        """Draw a box full of lines, where nothing else is to be, or with -1 take it away again."""
         low, high = self._cells(x, y, width, height)
-        self.under[low[0] : high[0], low[1] : high[1]] += self.cell
+        self.under[low[0] : high[0], low[1] : high[1]] += weight * self.cell
 
     def centres(self) -> Floats:
         """Return the centres of the cells, ``(n, 2)``, to see which are in the shape."""

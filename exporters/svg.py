@@ -24,7 +24,7 @@ from foldcut.job import mountain_pieces, valley_pieces
 from foldcut.model import Floats, FoldedPattern, Sheet
 from foldcut.profiles import Drawing, Profile
 
-from .legend import BACKING, Corner, Ground
+from .legend import BACKING, Corner, Ground, Place
 from .text import number, printable
 
 
@@ -61,17 +61,19 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     layer("Mountain", look.mountain_colour, width, mountain_paths)
     layer("Cut", look.border_colour, look.border_stroke_mm, [_closed(_flip(sheet.corners, sheet))])
 
-    legend, (left, low), backings = _placed_legend(pattern, look)
+    parts, backings = _placed_legend(pattern, look)
     group = layer("Legend", look.legend_colour, look.legend_stroke_mm, [])
     for x, y, width, height in backings:
         place, size = (number(x), number(sheet.height - y - height)), (number(width), number(height))
         group.add(drawing.rect(insert=place, size=size, fill="#ffffff", fill_opacity=BACKING, stroke="none"))
-    for strokes in legend.strokes:
-        group.add(drawing.path(d=_segments((strokes + np.array([left, low])) * (1, -1) + (0, sheet.height))))
-    font = {"font_family": "sans-serif", "font_size": number(legend.size)}
-    for text, x, y in legend.texts:
-        place = (number(left + x), number(sheet.height - low - y))
-        group.add(drawing.text(text, insert=place, fill=look.legend_colour, stroke="none", **font))
+    for part, corner in parts:
+        for strokes in part.strokes:
+            group.add(drawing.path(d=_segments((strokes + np.array(corner)) * (1, -1) + (0, sheet.height))))
+    for part, (left, low) in parts:
+        font = {"font_family": "sans-serif", "font_size": number(part.size)}
+        for text, x, y in part.texts:
+            place = (number(left + x), number(sheet.height - low - y))
+            group.add(drawing.text(text, insert=place, fill=look.legend_colour, stroke="none", **font))
 
     return with_paths(drawing, paths_of)
 
@@ -109,7 +111,7 @@ WIDE, PALE = 8.0, 0.25
 """How many times as wide as a crease the line of the first fold is, and its opacity."""
 
 
-AWAY, OUTLINE = 0.5, 4
+AWAY, OUTLINE = 0.5, 4.0
 """How far a legend keeps from lines, where it can, in sizes of its text; how many creases the outline counts as."""
 
 
@@ -138,37 +140,62 @@ class _Legend:
     @property
     def extent(self) -> tuple[float, float]:
         """Its width and height in mm."""
-        return max(x + width for x, _, width, _ in self.boxes), max(y + height for _, y, _, height in self.boxes)
+        right, top = zip(*((x + width, y + height) for x, y, width, height in self.boxes), strict=True)
+        return max(right), max(top)
 
 
-def _placed_legend(pattern: FoldedPattern, look: Drawing) -> tuple[_Legend, Corner, list[tuple[float, ...]]]:
-    """Return the legend, the place of its lower left corner on the sheet, and what of it is to be backed with white.
+def _placed_legend(
+    pattern: FoldedPattern, look: Drawing
+) -> tuple[list[tuple[_Legend, Corner]], list[tuple[float, ...]]]:
+    """Return the parts of the legend, the places of their lower left corners, and the boxes to back with white.
 
-    It lies where the fewest lines are under it; what has lines under it all the same gets a backing.
+    It lies where the fewest lines are under it, in one or, if fewer lines are under it so, in two: what lines mean, and
+    the ruler with the title. What has lines under it all the same gets a backing.
     """
     sheet, creases = pattern.sheet, pattern.creases
     inset = min(look.inset_mm, 0.05 * sheet.width)
     widest = sheet.width - 2 * inset
-    legends = [_legend(pattern, look, width, letters) for width, letters in ((widest, 99), (0.0, 99), (0.0, 28))]
     ground = Ground(sheet.width, sheet.height, inset)
     ground.add_lines(creases.vertices_coords[creases.edges_vertices[creases.edges_assignment != "B"]])
     for loop in pattern.shape.loops:
-        for _ in range(OUTLINE):
-            ground.add_polyline(np.concatenate([loop, loop[:1]]))
+        ground.add_polyline(np.concatenate([loop, loop[:1]]), OUTLINE)
     for line in pattern.first_folds:
         ground.add_polyline(line)
     ground.set_shape(contains(pattern.shape, ground.centres()))
-    place = ground.place([legend.extent for legend in legends], AWAY * legends[0].size)
-    legend = legends[place.box]
-    boxes = [(place.x + x, place.y + y, width, height) for x, y, width, height in legend.boxes]
-    return legend, (place.x, place.y), [box for box in boxes if ground.lines_under(*box)]
+
+    def best(*, key: bool, ruler: bool) -> tuple[_Legend, Place]:
+        rooms = ((widest, 99), (0.0, 99), (0.0, 28))
+        legends = [_legend(pattern, look, width, letters, key=key, ruler=ruler) for width, letters in rooms]
+        place = ground.place([legend.extent for legend in legends], AWAY * legends[0].size)
+        return legends[place.box], place
+
+    def under(parts: list[tuple[_Legend, Place]]) -> float:
+        return sum(ground.lines_under(place.x, place.y, place.width, place.height) for _, place in parts)
+
+    parts = [best(key=True, ruler=True)]
+    if lines := under(parts):
+        apart = [best(key=True, ruler=False)]
+        key = apart[0][1]
+        more = under(apart)
+        ground.fill(key.x, key.y, key.width, key.height)
+        apart.append(best(key=False, ruler=True))
+        if more + under(apart[1:]) < lines:
+            parts = apart
+        ground.fill(key.x, key.y, key.width, key.height, -1)
+    boxes = [
+        (place.x + x, place.y + y, width, height) for legend, place in parts for x, y, width, height in legend.boxes
+    ]
+    return [(legend, (place.x, place.y)) for legend, place in parts], [box for box in boxes if ground.lines_under(*box)]
 
 
-def _legend(pattern: FoldedPattern, look: Drawing, room: float, letters: int) -> _Legend:
-    """Set the legend in rows that fill ``room`` mm, the ruler lowest; texts are broken that have more ``letters``."""
+def _legend(pattern: FoldedPattern, look: Drawing, room: float, letters: int, *, key: bool, ruler: bool) -> _Legend:
+    """Set what lines mean, and the ruler with the title below it, in rows that fill ``room`` mm.
+
+    Texts with more ``letters`` are broken.
+    """
     sheet = pattern.sheet
     small = sheet.width < look.small_sheet_mm
-    ruler = look.small_ruler_mm if small else look.ruler_mm
+    length = look.small_ruler_mm if small else look.ruler_mm
     inset = min(look.inset_mm, 0.05 * sheet.width)
     size = min(look.text_mm, 0.025 * sheet.width)
     sample = look.sample_mm * size / look.text_mm
@@ -188,15 +215,15 @@ def _legend(pattern: FoldedPattern, look: Drawing, room: float, letters: int) ->
     broken = [(pieces, wrap(text, letters)) for pieces, text in samples]
     room = max(room, indent + max(_text_width(row) for _, rows in broken for row in rows) * size)
     x, y = 0.0, DESCENT * size
-    if inset + ruler + 4 * size <= sheet.width:
-        x = legend.add(f"{ruler:g} mm", x, y, _ruler(ruler, size) + np.array([x, y]), ruler + 0.5 * size) + 2 * size
+    if ruler and inset + length + 4 * size <= sheet.width:
+        x = legend.add(f"{length:g} mm", x, y, _ruler(length, size) + np.array([x, y]), length + 0.5 * size) + 2 * size
     title = shortened(printable(pattern.title), room / size)
     if x and x + _text_width(title) * size > room:
         x, y = 0.0, y + 2 * LINE_HEIGHT * size
-    if title:
+    if ruler and title:
         legend.add(title, x, y)
     x, y = 0.0, y + (2 * LINE_HEIGHT * size if legend.texts else 0.0)
-    for pieces, rows in reversed(broken):
+    for pieces, rows in reversed(broken) if key else ():
         width = indent + max(map(_text_width, rows)) * size
         if x and x + width > room:
             x, y = 0.0, y + LINE_HEIGHT * size

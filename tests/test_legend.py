@@ -92,6 +92,15 @@ def test_no_line_goes_through_the_words_of_a_drawings_legend(name: str) -> None:
     assert not legend.findall(f"{SVG}rect"), "and so there is nothing to back"
 
 
+def test_where_no_room_is_for_all_the_ruler_lies_apart_from_what_lines_mean() -> None:
+    legend = ET.fromstring(export(folded("fish"), ".svg")).findall(f"{SVG}g")[-1]
+    heights = {text.text: float(text.attrib["y"]) for text in legend.iter(f"{SVG}text")}
+    ruler, key = heights["50 mm"], [y for text, y in heights.items() if text not in ("50 mm", "Fish")]
+    assert min(abs(y - ruler) for y in key) > 50
+    backed = [float(box.attrib["y"]) + float(box.attrib["height"]) for box in legend.iter(f"{SVG}rect")]
+    assert all(abs(y - ruler) < 2 for y in backed), "nothing lies under the key"
+
+
 def words_in_pdf(data: bytes) -> list[tuple[str, tuple[float, float, float, float]]]:
     """Return the texts on the first page, and where they are in mm: left, bottom, right, top."""
     page = pypdfium2.PdfDocument(data)[0].get_textpage()
