@@ -246,8 +246,7 @@ def fold(
     stages.up_to(1.0)
     stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
-        verified = isinstance(made.stages, Gated)  # by itself: it takes the first pattern that is valid
-        findings = [] if verified else verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
+        findings = verify(made.stages.creases, made.stages.folded.layers, made.laid.shape)
     if not findings:
         least = MIN_CREASE_MM[made.method] if min_crease is None else min_crease
         _require_length(made, least, {attempt.method for attempt in trials.attempts})

@@ -10,8 +10,6 @@ the layers can lie in their order (``stacking``); the shape's boundary comes to 
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 import numpy as np
 import shapely
 
@@ -59,52 +57,7 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
     ``layers`` are the face numbers from bottom to top, up being the normal of face 0; ``shape`` is on the
     sheet, in mm. Without a shape the cut is not checked; without layers the pattern is not verified, and the
     findings say so. Edges assigned F or U are taken as not folded.
-
-    A pattern found valid is not looked at again, with the same layers and shape, as long as it lives and its arrays
-    cannot be written to: the search proves what it finds, and what is handed out is proven.
     """
-    if _is_proven(pattern, layers, shape):
-        return []
-    findings = _findings(pattern, layers, shape)
-    if not findings and layers is not None and _is_sealed(pattern, layers):
-        _PROVEN.setdefault(pattern, []).append((layers, _loops(shape)))
-    return findings
-
-
-_PROVEN: WeakKeyDictionary[CreasePattern, list[tuple[Ints, tuple[bytes, ...] | None]]] = WeakKeyDictionary()
-"""The layers, and the loops of the shapes, with which patterns have been found valid."""
-
-
-def _is_proven(pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> bool:
-    known = _PROVEN.get(pattern, [])
-    return any(layers is one and loops == _loops(shape) and _is_sealed(pattern, one) for one, loops in known)
-
-
-def _is_sealed(pattern: CreasePattern, layers: Ints) -> bool:
-    """Whether none of the arrays can be written to, nor what they are views of."""
-    faces = pattern.faces_vertices
-    array: object
-    for array in (
-        pattern.vertices_coords,
-        pattern.edges_vertices,
-        pattern.edges_assignment,
-        faces.values,
-        faces.offsets,
-        layers,
-    ):
-        while isinstance(array, np.ndarray) and not array.flags.writeable:
-            array = array.base
-        if array is not None:
-            return False
-    return True
-
-
-def _loops(shape: Shape | None) -> tuple[bytes, ...] | None:
-    return None if shape is None else tuple(loop.tobytes() for loop in shape.loops)
-
-
-def _findings(pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
-    """Verify with the coarse tolerance, or with a finer one: what is valid within one is valid."""
     findings = _check_arrays(pattern)
     if findings:
         return findings

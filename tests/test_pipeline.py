@@ -11,9 +11,7 @@ from hypothesis import given, settings
 from strategies import cross, rectangle, regular, simple_polygons, star, star_shaped, two_opt
 
 import foldcut
-from foldcut import verify as verify_module
 from foldcut.methods import METHODS
-from foldcut.model import CreasePattern, Finding, Ints, Shape
 from foldcut.samples import sample_names, sample_path
 from foldcut.shape import make_shape
 from foldcut.verify import verify
@@ -174,23 +172,6 @@ def test_an_unverified_pattern_is_not_handed_out(fish: foldcut.Result) -> None:
     with pytest.raises(foldcut.VerificationError, match=r"cut at \(1, 2\): made up"):
         broken.require_verified()
     assert fish.require_verified() is fish.folded_pattern
-
-
-@pytest.mark.parametrize("method", ["compact", "mirror", "skeleton", "paper", "auto"])
-def test_what_is_handed_out_is_proven_once(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    proofs: list[tuple[CreasePattern, Shape | None]] = []
-    prove = verify_module._findings
-
-    def noting(pattern: CreasePattern, layers: Ints | None, shape: Shape | None) -> list[Finding]:
-        proofs.append((pattern, shape))
-        return prove(pattern, layers, shape)
-
-    monkeypatch.setattr(verify_module, "_findings", noting)
-    result = foldcut.fold(sample_path("star"), method=method, effort="fast")
-    shapes = [shape for pattern, shape in proofs if pattern is result.folded_pattern.creases]
-    assert len(shapes) == 1
-    assert shapes[0] is not None
-    assert np.array_equal(shapes[0].loops[0], result.folded_pattern.shape.loops[0])
 
 
 def test_progress_names_the_stages_and_ends_at_one() -> None:
