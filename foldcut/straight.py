@@ -37,6 +37,9 @@ PATIENCE, LEAST_PATIENCE = 3.0, 3.0
 """How many times as long choices are tried for the drawing as it is while none has an order; for how many seconds at
 least with its corners moved."""
 
+FIRST = 2 / 3
+"""The part of that time for the fewest perpendiculars and those away from a root; the rest is for what is near."""
+
 TEST = 0.3
 """How long it takes to find out that a choice has no order for a simple reason, relative to ordering it."""
 
@@ -200,7 +203,7 @@ class _Search:
             self.spent = 0.0
         nearest: _Trial | None = None
         for perpendiculars, taken in _choices(lambda: _perpendiculars(shape, self.sheet, self.ribbon)):
-            if self.spent > (self.limit / 2 if self.best else self.limit):
+            if self.spent > (self.limit / 2 if self.best else FIRST * patience):
                 break
             trial = self.attempt(_Drawing(shape, moved, perpendiculars), frozenset(taken))
             if nearest is None or trial.quality < nearest.quality:
