@@ -40,9 +40,6 @@ least with its corners moved."""
 FIRST = 2 / 3
 """The part of that time for the fewest perpendiculars and those away from a root; the rest is for what is near."""
 
-TEST = 0.3
-"""How long it takes to find out that a choice has no order for a simple reason, relative to ordering it."""
-
 TYPICAL_FACETS = 400
 """Patterns with too many creases cost as much as those of so many facets."""
 
@@ -226,7 +223,7 @@ class _Search:
         drawing, pieces, folds = here.drawing, here.drawing.pieces, here.made is not None
         exchanges = drawing.perpendiculars.exchanges()
         random, seen = np.random.default_rng(0), {here.taken}
-        while self.spent <= end:
+        while self.spent + (_cost(len(here.made.creases.faces_vertices)) if here.made else 0.0) <= end:
             ways = [one for one in exchanges if one & here.cause and here.taken ^ one not in seen]
             if folds:
                 ways = [one for one in ways if pieces(here.taken ^ one) <= pieces(here.taken)]
@@ -248,17 +245,16 @@ class _Search:
         contradictory: tuple[float, float] = (np.inf, np.inf)
         cause = frozenset(range(len(drawing.perpendiculars.paths)))
         try:
-            self.spent += TEST * _cost(TYPICAL_FACETS)  # should it be too large
+            self.spent += _test_cost(TYPICAL_FACETS)  # should it be too large
             facets = _divided(drawing.perpendiculars, sorted(taken))
-            cost = _cost(len(facets.rings))
-            self.spent += TEST * (cost - _cost(TYPICAL_FACETS))
+            self.spent += _test_cost(len(facets.rings)) - _test_cost(TYPICAL_FACETS)
             conditions = _conditions(facets)
             contradictory = conditions.contradictory
             if contradictory[0]:
                 cause = _perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
             if any(contradictory):
                 raise UnfoldableError(NO_ORDER)
-            self.spent += cost
+            self.spent += _cost(len(facets.rings))
             made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
         except UnfoldableError as error:
             self.problem = self.problem or str(error)
@@ -274,7 +270,12 @@ def _rank(made: Skeletal) -> Rank:
 
 def _cost(facets: int) -> float:
     """About how many seconds it takes to order so many facets, and to verify what that makes."""
-    return float((facets / 120) ** 1.5) / 10
+    return float((facets / 120) ** 2.5) / 10
+
+
+def _test_cost(facets: int) -> float:
+    """About how many seconds it takes to divide the sheet into so many facets and to look for contradictions."""
+    return float((facets / 120) ** 1.5) / 30
 
 
 def _choices(perpendiculars_of: Callable[[], Perpendiculars]) -> Iterator[tuple[Perpendiculars, list[int]]]:
