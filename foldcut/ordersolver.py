@@ -62,6 +62,7 @@ class OrderSolver:
         except ImportError as error:
             raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
         self.count = len(rings)
+        self.rounds = 0  # how many the solver took
         self.beside: Ints = np.array([facets for _, facets in creases], dtype=np.intp).reshape(-1, 2)
         self.tolerance = OVERLAP * float(np.hypot(*np.ptp(folded, axis=0)))
         full = shapely.polygons([shapely.linearrings(folded[ring]) for ring in rings])
@@ -207,7 +208,7 @@ def layer_order(conditions: OrderSolver) -> list[int]:
     if any(conditions.contradictory):
         raise UnfoldableError(NO_ORDER)
     with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
-        for _ in range(MOST_ROUNDS):
+        for conditions.rounds in range(1, MOST_ROUNDS + 1):
             solver.conf_budget(MOST_CONFLICTS)
             found = solver.solve_limited()
             if found is False:

@@ -40,8 +40,8 @@ least with its corners moved."""
 FIRST = 2 / 3
 """The part of that time for the fewest perpendiculars and those away from a root; the rest is for what is near."""
 
-TYPICAL_FACETS = 400
-"""Patterns with too many creases cost as much as those of so many facets."""
+TYPICAL_FACETS, USUAL_ROUNDS = 400, 10
+"""Patterns with too many creases cost as much as those of so many facets; orders take so many rounds of the solver."""
 
 LESS = 0.2
 """Corners are also moved by only so much of what is allowed: less is sometimes better."""
@@ -254,8 +254,10 @@ class _Search:
                 cause = _perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
             if any(contradictory):
                 raise UnfoldableError(NO_ORDER)
-            self.spent += _cost(len(facets.rings))
-            made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+            try:
+                made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+            finally:
+                self.spent += _cost(len(facets.rings), conditions.rounds)
         except UnfoldableError as error:
             self.problem = self.problem or str(error)
         trial = _Trial(drawing, taken, made, contradictory, cause)
@@ -268,9 +270,9 @@ def _rank(made: Skeletal) -> Rank:
     return rank(crease_numbers(made.creases).lines, shortest_crease(made.creases))
 
 
-def _cost(facets: int) -> float:
-    """About how many seconds it takes to order so many facets, and to verify what that makes."""
-    return float((facets / 120) ** 2.5) / 10
+def _cost(facets: int, rounds: int = USUAL_ROUNDS) -> float:
+    """About how many seconds it takes to order so many facets in so many rounds, and to verify what that makes."""
+    return (facets / 120) * (0.05 + 0.03 * rounds)
 
 
 def _test_cost(facets: int) -> float:
