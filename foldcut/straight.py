@@ -37,7 +37,7 @@ PATIENCE, LEAST_PATIENCE = 3.0, 3.0
 """How many times as long choices are tried for the drawing as it is while none has an order; for how many seconds at
 least with its corners moved."""
 
-FIRST = 2 / 3
+FIRST = 3 / 4
 """The part of that time for the fewest perpendiculars and those away from a root; the rest is for what is near."""
 
 TYPICAL_FACETS, USUAL_ROUNDS = 400, 10
@@ -272,7 +272,7 @@ def _rank(made: Skeletal) -> Rank:
 
 def _cost(facets: int, rounds: int = USUAL_ROUNDS) -> float:
     """About how many seconds it takes to order so many facets in so many rounds, and to verify what that makes."""
-    return (facets / 120) * (0.05 + 0.03 * rounds)
+    return (facets / 120) * (0.05 + 0.02 * rounds)
 
 
 def _test_cost(facets: int) -> float:
