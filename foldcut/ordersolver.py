@@ -13,7 +13,6 @@ Source: Akitaya, Demaine and Ku, "Computing Flat-Folded States", 2024 (the unkno
 from __future__ import annotations
 
 import itertools
-import time
 from collections.abc import Sequence
 
 import numpy as np
@@ -36,6 +35,9 @@ MOST_CONFLICTS, MOST_CIRCLES = 100_000, 20_000
 """What the solver may run into before it gives up, and how many circles are forbidden at a time."""
 
 NO_ORDER = "the facets cannot be put in an order in which no paper passes through paper"
+
+MOST_ROUNDS = 40
+"""So many times circles are forbidden; 26 were needed for 460 facets."""
 
 WAYS = 8
 """Of so many pairs that would have to lie both ways the reason is looked for."""
@@ -60,6 +62,7 @@ class OrderSolver:
         except ImportError as error:
             raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
         self.count = len(rings)
+        self.rounds = 0  # how many the solver took
         self.beside: Ints = np.array([facets for _, facets in creases], dtype=np.intp).reshape(-1, 2)
         self.tolerance = OVERLAP * float(np.hypot(*np.ptp(folded, axis=0)))
         full = shapely.polygons([shapely.linearrings(folded[ring]) for ring in rings])
@@ -195,30 +198,30 @@ def _different(clauses: Ints) -> list[list[int]]:
     return [row for row in (list(set(row)) for row in rows.tolist()) if not any(-x in row for x in row)]
 
 
-def layer_order(conditions: OrderSolver, *, seconds: float = 20.0) -> list[int]:
+def layer_order(conditions: OrderSolver) -> list[int]:
     """Return the facets from bottom to top, in an order in which no paper passes through paper.
 
-    Raises ``UnfoldableError`` when there is no such linear order, or when none is found in ``seconds``.
+    Raises ``UnfoldableError`` when there is no such linear order, or when none is found soon.
     """
     from pysat.solvers import Solver
 
-    end = time.monotonic() + seconds
     if any(conditions.contradictory):
         raise UnfoldableError(NO_ORDER)
     with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
-        while True:
+        for conditions.rounds in range(1, MOST_ROUNDS + 1):
             solver.conf_budget(MOST_CONFLICTS)
             found = solver.solve_limited()
             if found is False:
                 raise UnfoldableError(NO_ORDER)
-            if found is None or time.monotonic() > end:
-                raise UnfoldableError(f"no order of the {conditions.count} facets was found; there may be one")
+            if found is None:
+                break
             order = conditions.above(solver.get_model() or [])
             circles = list(_circles(order, conditions))
             if not circles:
                 return _sorted(order)
             for clause in circles:
                 solver.add_clause(clause)
+    raise UnfoldableError(f"no order of the {conditions.count} facets was found; there may be one")
 
 
 def _reaches(order: Bools) -> Bools:

@@ -37,11 +37,11 @@ PATIENCE, LEAST_PATIENCE = 3.0, 3.0
 """How many times as long choices are tried for the drawing as it is while none has an order; for how many seconds at
 least with its corners moved."""
 
-TEST = 0.3
-"""How long it takes to find out that a choice has no order for a simple reason, relative to ordering it."""
+FIRST = 3 / 4
+"""The part of that time for the fewest perpendiculars and those away from a root; the rest is for what is near."""
 
-TYPICAL_FACETS = 400
-"""Patterns with too many creases cost as much as those of so many facets."""
+TYPICAL_FACETS, USUAL_ROUNDS = 400, 10
+"""Patterns with too many creases cost as much as those of so many facets; orders take so many rounds of the solver."""
 
 LESS = 0.2
 """Corners are also moved by only so much of what is allowed: less is sometimes better."""
@@ -200,7 +200,7 @@ class _Search:
             self.spent = 0.0
         nearest: _Trial | None = None
         for perpendiculars, taken in _choices(lambda: _perpendiculars(shape, self.sheet, self.ribbon)):
-            if self.spent > (self.limit / 2 if self.best else self.limit):
+            if self.spent > (self.limit / 2 if self.best else FIRST * patience):
                 break
             trial = self.attempt(_Drawing(shape, moved, perpendiculars), frozenset(taken))
             if nearest is None or trial.quality < nearest.quality:
@@ -223,7 +223,7 @@ class _Search:
         drawing, pieces, folds = here.drawing, here.drawing.pieces, here.made is not None
         exchanges = drawing.perpendiculars.exchanges()
         random, seen = np.random.default_rng(0), {here.taken}
-        while self.spent <= end:
+        while self.spent + (_cost(len(here.made.creases.faces_vertices)) if here.made else 0.0) <= end:
             ways = [one for one in exchanges if one & here.cause and here.taken ^ one not in seen]
             if folds:
                 ways = [one for one in ways if pieces(here.taken ^ one) <= pieces(here.taken)]
@@ -245,18 +245,19 @@ class _Search:
         contradictory: tuple[float, float] = (np.inf, np.inf)
         cause = frozenset(range(len(drawing.perpendiculars.paths)))
         try:
-            self.spent += TEST * _cost(TYPICAL_FACETS)  # should it be too large
+            self.spent += _test_cost(TYPICAL_FACETS)  # should it be too large
             facets = _divided(drawing.perpendiculars, sorted(taken))
-            cost = _cost(len(facets.rings))
-            self.spent += TEST * (cost - _cost(TYPICAL_FACETS))
+            self.spent += _test_cost(len(facets.rings)) - _test_cost(TYPICAL_FACETS)
             conditions = _conditions(facets)
             contradictory = conditions.contradictory
             if contradictory[0]:
                 cause = _perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
             if any(contradictory):
                 raise UnfoldableError(NO_ORDER)
-            self.spent += cost
-            made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+            try:
+                made = _ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+            finally:
+                self.spent += _cost(len(facets.rings), conditions.rounds)
         except UnfoldableError as error:
             self.problem = self.problem or str(error)
         trial = _Trial(drawing, taken, made, contradictory, cause)
@@ -269,9 +270,14 @@ def _rank(made: Skeletal) -> Rank:
     return rank(crease_numbers(made.creases).lines, shortest_crease(made.creases))
 
 
-def _cost(facets: int) -> float:
-    """About how many seconds it takes to order so many facets, and to verify what that makes."""
-    return float((facets / 120) ** 1.5) / 10
+def _cost(facets: int, rounds: int = USUAL_ROUNDS) -> float:
+    """About how many seconds it takes to order so many facets in so many rounds, and to verify what that makes."""
+    return (facets / 120) * (0.05 + 0.02 * rounds)
+
+
+def _test_cost(facets: int) -> float:
+    """About how many seconds it takes to divide the sheet into so many facets and to look for contradictions."""
+    return float((facets / 120) ** 1.5) / 30
 
 
 def _choices(perpendiculars_of: Callable[[], Perpendiculars]) -> Iterator[tuple[Perpendiculars, list[int]]]:

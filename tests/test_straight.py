@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Iterable
+from itertools import islice, product
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +22,7 @@ from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.model import Shape, Sheet, index_array
 from foldcut.ordersolver import OrderSolver, layer_order
-from foldcut.perpendiculars import Perpendiculars, divide_sheet, straight_skeleton
+from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.planar import edge_faces
 from foldcut.readers import read_shape
 from foldcut.samples import sample_path
@@ -183,6 +185,70 @@ def test_choices_without_a_layer_order_are_refused_by_the_solver() -> None:
     rooted = divide_sheet(found, found.rooted()[0])
     order = layer_order(OrderSolver(rooted.folded, rooted.rings, rooted.creases, rooted.up))
     assert sorted(order) == list(range(len(rooted.rings)))
+
+
+def conditions_of(found: Perpendiculars, taken: Iterable[int]) -> tuple[Facets, OrderSolver]:
+    facets = divide_sheet(found, sorted(taken))
+    return facets, OrderSolver(facets.folded, facets.rings, facets.creases, facets.up)
+
+
+def may_have_order(conditions: OrderSolver) -> bool:
+    """Whether the conditions on pairs can be kept, circles left aside, with an unknown for every pair."""
+    from pysat.solvers import Solver
+
+    def literal(above: int, below: int) -> int:
+        number = int(conditions.number[min(above, below), max(above, below)])
+        return number if above > below else -number
+
+    with Solver(name="minisat22") as solver:
+        for facet, left, right in conditions._across().tolist():
+            one, other = literal(facet, left), literal(facet, right)
+            solver.add_clause([one, -other])
+            solver.add_clause([-one, other])
+        for a, b, c, d in conditions.coinciding.tolist():
+            four = [literal(a, c), literal(b, c), literal(a, d), literal(b, d)]
+            for signs in product((1, -1), repeat=4):
+                if np.prod(signs) < 0:
+                    solver.add_clause([sign * one for sign, one in zip(signs, four, strict=True)])
+        return bool(solver.solve())
+
+
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_contradictions_are_found_just_where_a_solver_with_an_unknown_for_every_pair_finds_no_order(seed: int) -> None:
+    found = perpendiculars([loop.tolist() for loop in random_loops(seed, holes=True)])
+    start = frozenset(next(found.fewest(1)))
+    said = set()
+    for taken in [start, *map(frozenset, found.rooted()[:6]), *(start ^ one for one in found.exchanges()[:6])]:
+        _, conditions = conditions_of(found, taken)
+        said.add(may_have_order(conditions))
+        assert may_have_order(conditions) == (conditions.contradictory == (0, 0))
+    assert said == {True, False}
+
+
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_without_a_change_in_its_cause_a_contradiction_stays(seed: int) -> None:
+    found = perpendiculars([loop.tolist() for loop in random_loops(seed, holes=True)])
+    start = frozenset(next(found.fewest(1)))
+    facets, conditions = conditions_of(found, start)
+    assert conditions.contradictory[0]
+    cause = straight._perpendiculars_in(found, facets, conditions.facets_of_contradiction())
+    elsewhere = [one for one in found.exchanges() if not one & cause]
+    assert elsewhere
+    for one in found.exchanges():
+        assert found._is_even(set(start ^ one))
+    for one in elsewhere:
+        assert conditions_of(found, start ^ one)[1].contradictory[0]
+
+
+def test_from_a_set_without_an_order_the_search_walks_to_one_that_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    choices = straight._choices
+    monkeypatch.setattr(straight, "_choices", lambda of: islice(choices(of), 1))
+    shape, _ = place(make_shape(random_loops(6, holes=True)), SHEET, margin=40)
+    made = fold_skeletal(shape, SHEET, near=0.0, effort="fast")
+    assert verify(made.creases, made.folded.layers, made.shape) == []
+    monkeypatch.setattr(straight._Search, "walk", lambda *_: None)
+    with pytest.raises(UnfoldableError, match="cannot be put in an order"):
+        fold_skeletal(shape, SHEET, near=0.0, effort="fast")
 
 
 def test_an_order_with_one_pair_the_other_way_is_rejected() -> None:
