@@ -211,8 +211,9 @@ class _Sheet:
             keys += [Key("later", stroke=LATER)] if later else []
             shortest = min(math.dist(*line) for line in lines)
             title = f"Press group {number + 1} of {len(groups)}" if len(groups) > 1 else "Press creases"
+            what, them = ("marked line", "it") if len(lines) == 1 else (f"{len(lines)} marked lines", "them")
             text = (
-                f"Crease the {len(lines)} marked lines{through}, sharply and both ways, and open them again. "
+                f"Crease the {what}{through}, sharply and both ways, and open {them} again. "
                 f"The shortest is {shortest:.1f} mm long."
             )
             made.append(Instruction(title, text, Panel([*paper, *items], keys)))

@@ -7,7 +7,6 @@ import re
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +20,6 @@ from foldcut.cli import main
 from foldcut.errors import UnfoldableError
 from foldcut.flatfold import fold_faces
 from foldcut.gate import MOST_DISKS, ROOMS, build_gated, fold_gated
-from foldcut.model import Finding
 from foldcut.packing import packing_faults
 from foldcut.planar import edge_faces
 from foldcut.ring import MOST, Parts, Ring, divide_faces, plan_rings
@@ -159,16 +157,3 @@ def test_rings_that_overlap_are_refused_before_packing(monkeypatch: pytest.Monke
     monkeypatch.setattr("foldcut.gate.fill_gaps", None)
     with pytest.raises(UnfoldableError, match=r"disks of the rings overlap near \("):
         build_gated(shape, SHEET, 0.1, ROOMS[0])
-
-
-def test_a_gated_pattern_is_verified_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[int] = []
-
-    def counted(*arguments: Any) -> list[Finding]:
-        asked.append(1)
-        return verify(*arguments)
-
-    monkeypatch.setattr("foldcut.gate.verify", counted)
-    monkeypatch.setattr("foldcut.pipeline.verify", counted)
-    assert foldcut.fold([rectangle(10, 10), rectangle(5, 5)], method="gate").findings == ()
-    assert len(asked) == 1
