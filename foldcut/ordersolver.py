@@ -89,7 +89,7 @@ class OrderSolver:
         """Make one unknown of all pairs that are known to lie the same way, or opposite ways."""
         # every pair twice: the lesser facet below, and above
         n = len(self.pair[0]) + 1
-        group = np.arange(2 * n)
+        group: Ints = np.arange(2 * n)
         if len(across):  # scipy takes a while to load
             from scipy.sparse import coo_array
             from scipy.sparse.csgraph import connected_components
@@ -97,7 +97,7 @@ class OrderSolver:
             one, other = (self._signed(across[:, 0], across[:, k]) for k in (1, 2))
             i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
             self.alike = coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)).tocsr()
-            _, group = connected_components(self.alike, directed=False)
+            group = connected_components(self.alike, directed=False)[1].astype(np.intp)
         straight, turned = group[:n], group[n:]
         _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
         self.unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
