@@ -101,8 +101,8 @@ def _is_surely_cut(
     _, _, landed = _fold_pieces(pattern, faces_of_edges, maps, sides[sample], near, tolerance)
     guess = _vertex_heights(pattern, maps, *_line_through(landed.reshape(-1, 2)))
     reach = REACH * tolerance
-    side_of_line = ((guess > reach).astype(np.int8) - (guess < -reach))[pattern.edges_vertices]
-    close = np.flatnonzero((side_of_line[:, 0] != side_of_line[:, 1]) | (side_of_line[:, 0] == 0))
+    asked = _reaching(pattern, guess, reach)
+    close = np.flatnonzero(asked)
     if not len(close):
         return False
     side, edge = _edges_near(pattern, sides, 2 * tolerance, close)
@@ -111,8 +111,8 @@ def _is_surely_cut(
     pieces, faces, landed = _fold_pieces(pattern, faces_of_edges, maps, sides, (side, edge), tolerance)
     along, level = _line_through(landed.reshape(-1, 2))
     height = _vertex_heights(pattern, maps, along, level)
-    same = min(np.abs(guess - height).max(), np.abs(guess + height).max()) <= reach / 2
-    if not same or (np.abs(_heights(landed.reshape(-1, 2), along, level)) > 2 * tolerance).any():
+    missed = _reaching(pattern, height, reach / 2) & ~asked
+    if missed.any() or (np.abs(_heights(landed.reshape(-1, 2), along, level)) > 2 * tolerance).any():
         return False
     middles = pieces.mean(axis=1)
     unsure = np.flatnonzero(_depths(pattern, middles, faces) < -tolerance)
@@ -120,6 +120,13 @@ def _is_surely_cut(
         return False
     coords = pattern.vertices_coords
     return not (_check_sides(coords, height, shape, 2 * tolerance) or _check_severed(pattern, height, shape))
+
+
+def _reaching(pattern: CreasePattern, height: Floats, reach: float) -> Bools:
+    """Which edges come as near as ``reach`` to the cut line, or across it, ``(e,)``; ``height`` of the vertices."""
+    side_of_line = ((height > reach).astype(np.int8) - (height < -reach))[pattern.edges_vertices]
+    there: Bools = (side_of_line[:, 0] != side_of_line[:, 1]) | (side_of_line[:, 0] == 0)
+    return there
 
 
 def fold_boundary(
