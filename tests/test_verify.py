@@ -17,7 +17,7 @@ from foldcut import cutline, flatfold, layertree
 from foldcut import verify as verify_module
 from foldcut.cutline import check_cut
 from foldcut.flatfold import fold_faces
-from foldcut.model import CreasePattern, Finding, Ints, Ragged, Shape, index_array, points_array
+from foldcut.model import CreasePattern, Finding, Floats, Ints, Ragged, Shape, index_array, points_array
 from foldcut.outlines import Outlines
 from foldcut.planar import edge_faces, trace_faces
 from foldcut.stacking import check_mountains, check_stacking
@@ -651,6 +651,22 @@ def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: py
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         turned = points_array((shape.loops[0] - 50) @ turn.T + 50 + shift)
         assert cut_verdicts(pattern, Shape((turned,), (-1,)), monkeypatch) == [False, False]
+
+
+@pytest.mark.parametrize(("off", "believed"), [(0.0, True), (40 * TINY, True), (30.0, False)])
+def test_a_guess_of_the_line_need_not_be_good(off: float, believed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    paper, shape = rectangle_fold(60.0, 40.0)
+    pattern, _ = paper.pattern()
+    honest, asked = cutline._line_through, []
+
+    def guessed(points: Floats) -> tuple[Floats, float]:
+        along, level = honest(points)
+        asked.append(along)
+        turn = off if len(asked) == 2 else 0.0  # the first is that of the slow check
+        return along + turn / 100 * np.array([-along[1], along[0]]), level + turn
+
+    monkeypatch.setattr(cutline, "_line_through", guessed)
+    assert cut_verdicts(pattern, shape, monkeypatch) == [believed, True]
 
 
 def test_faces_that_pieces_of_the_boundary_are_not_in_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
