@@ -9,7 +9,7 @@ import pytest
 from icons import SETS, fold_icon, icon_folders, silhouettes
 from programs import missing
 
-ICONS = 210
+ICONS = 200
 CHUNK = 10
 BUDGETS = (12, 20, 30)
 
