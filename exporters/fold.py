@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from foldcut.model import Bools, Floats, FoldedPattern, Ints, Ragged
+from foldcut.planar import half_edges, pair_keys
 from foldcut.profiles import Profile
 
 FOLD_ANGLES = {"M": -180, "V": 180}
@@ -125,7 +126,7 @@ def _surely_more(points: Floats, faces: Ragged, tolerance: float, most: int) -> 
     """Return whether more than ``most`` pairs overlap for sure: of the convex faces well around one place, each two."""
     if len(faces) * (len(faces) - 1) // 2 <= most:
         return False
-    starts, following = faces.offsets[:-1], _next_in_row(faces)
+    starts, following = faces.offsets[:-1], faces.following
     corner = points[faces.values]
     side = corner[following] - corner
     length = np.hypot(side[:, 0], side[:, 1])
@@ -197,7 +198,7 @@ def _convex_pieces(points: Floats, faces: Ragged) -> tuple[Ints, NDArray[np.int6
 
 def _faces_with_bends(points: Floats, faces: Ragged) -> set[int]:
     """Return the faces that are not convex."""
-    following = _next_in_row(faces)
+    following = faces.following
     corner = points[faces.values]
     vector = corner[following] - corner
     turn = _cross(vector, vector[following]) * np.sign(_doubled_areas(points, faces))[faces.rows]
@@ -208,26 +209,19 @@ def _faces_with_bends(points: Floats, faces: Ragged) -> set[int]:
 
 def _faces_across_creases(faces: Ragged) -> Ints:
     """Return the pairs of faces that share an edge, ``(m, 2)`` with f < g."""
-    one, other = faces.values.astype(np.int64), faces.values[_next_in_row(faces)]
-    ends = np.minimum(one, other) * (int(faces.values.max(initial=0)) + 1) + np.maximum(one, other)
+    one, other = half_edges(faces)
+    ends = pair_keys(np.minimum(one, other), np.maximum(one, other))
     order = np.argsort(ends, kind="stable")
     shared = np.flatnonzero(np.diff(ends[order]) == 0)
     f, g = (faces.rows[order[shared + n]].astype(np.int64) for n in (0, 1))
     return np.column_stack(np.divmod(_distinct(f * len(faces) + g), len(faces))).astype(np.int32)
 
 
-def _next_in_row(rows: Ragged) -> Ints:
-    """Return for every value the position of the next one in its row, cyclically."""
-    following = np.arange(1, len(rows.values) + 1, dtype=np.int32)
-    following[rows.offsets[1:] - 1] = rows.offsets[:-1]
-    return following
-
-
 def _doubled_areas(points: Floats, faces: Ragged) -> Floats:
     """Return twice the signed area of every face; below 0 = clockwise."""
     # From each face's own first corner, so that small faces far from the origin keep their digits.
     corner = points[faces.values] - points[faces.values[faces.offsets[:-1]]][faces.rows]
-    return np.add.reduceat(_cross(corner, corner[_next_in_row(faces)]), faces.offsets[:-1])
+    return np.add.reduceat(_cross(corner, corner[faces.following]), faces.offsets[:-1])
 
 
 def _cross(a: Floats, b: Floats) -> Floats:

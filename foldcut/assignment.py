@@ -125,9 +125,7 @@ class _Loops:
 def _corner_tree(molecules: Molecules, loops: _Loops) -> Ints:
     """T_C by breadth-first search in each face, rows (child corner, tangency point of the side to its parent)."""
     corner, foot, rows = molecules.corners.values, molecules.feet.values, molecules.corners.rows
-    following = np.arange(1, len(corner) + 1)
-    following[molecules.corners.offsets[1:] - 1] = molecules.corners.offsets[:-1]
-    other = corner[following]
+    other = corner[molecules.corners.following]
     one_node, other_node = loops.contracted[corner], loops.contracted[other]
     usable = (loops.of_vertex[foot] < 0) & (one_node != other_node)
     face = molecules.face[rows]

@@ -180,8 +180,7 @@ class _Joined:
         self.collar = parts.collar
         self.inside = packing.face_inside.tolist()
         self.corner, self.foot, self.row = molecules.corners.values, molecules.feet.values, molecules.corners.rows
-        self.following = np.arange(1, len(self.corner) + 1)
-        self.following[molecules.corners.offsets[1:] - 1] = molecules.corners.offsets[:-1]
+        self.following = molecules.corners.following
         self.next_corner = self.corner[self.following]
         self.part = molecules.face[self.row]
         self.opposite = opposite_sides(self.foot)

@@ -65,8 +65,7 @@ def walks(molecules: Molecules, entry_side: Numbers, parent: Ints, roots: Iterab
     """
     feet = molecules.feet
     first = feet.offsets[:-1].astype(np.int64)
-    following = np.arange(1, len(feet.values) + 1)
-    following[feet.offsets[1:] - 1] = first
+    following = feet.following
     entry = first + entry_side
     begin = following[entry]
     child = np.flatnonzero(parent >= 0)
@@ -177,7 +176,7 @@ def _joined(facets: Ragged, face: Ints, shared: Bools) -> tuple[Numbers, Numbers
     gone = np.zeros(len(start), dtype=np.bool_)
     gone[by[1:][twice]] = gone[by[:-1][twice]] = True
     left = ~gone
-    key, to = (owner[left] << 32) | start[left], end[left]
+    key, to = pair_keys(owner[left], start[left]), end[left]
     way = np.argsort(key, kind="stable")
     key, to = key[way], to[way]
     names, first, counts = np.unique(key >> 32, return_index=True, return_counts=True)
@@ -188,7 +187,7 @@ def _joined(facets: Ragged, face: Ints, shared: Bools) -> tuple[Numbers, Numbers
     for step in range(longest):
         going = np.flatnonzero(step < counts)
         walked[going, step] = here[going]
-        at = np.searchsorted(key, (names[going] << 32) | here[going])
+        at = np.searchsorted(key, pair_keys(names[going], here[going]))
         here[going] = to[np.minimum(at, len(to) - 1)]
     if not np.array_equal(here, vertex) or (np.diff(key) == 0).any() or _repeats(walked):
         return None

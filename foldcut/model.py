@@ -102,6 +102,13 @@ class Ragged:
         return np.diff(self.offsets)
 
     @property
+    def following(self) -> Numbers:
+        """For every value the place of the next one in its row, after the last the first, ``(m,)``; no row is empty."""
+        following = np.arange(1, len(self.values) + 1)
+        following[self.offsets[1:] - 1] = self.offsets[:-1]
+        return following
+
+    @property
     def rows(self) -> Ints:
         """The row number of every value, ``(m,)``."""
         return np.repeat(np.arange(len(self), dtype=np.int32), self.lengths)

@@ -24,6 +24,7 @@ import numpy as np
 from foldcut.errors import UnfoldableError
 from foldcut.model import BLOCK, Bools, Bytes, Floats, Ints, Numbers, Ragged, Region, index_array, points_array, sealed
 from foldcut.packing import Packing
+from foldcut.planar import pair_keys
 from foldcut.plane import signed_area
 from foldcut.tolerance import Tolerance
 
@@ -172,10 +173,8 @@ class _Builder:
         self.first = packing.gaps.offsets[:-1]
         self.size = packing.gaps.lengths
         self.molecule = packing.gaps.rows  # of each side
-        following = np.arange(1, len(self.disk) + 1)
-        following[packing.gaps.offsets[1:] - 1] = self.first
-        self.following = self.disk[following]
-        self.next_side = following
+        self.next_side = packing.gaps.following
+        self.following = self.disk[self.next_side]
         self.sign = np.where(packing.face_inside, 1.0, -1.0)[packing.gap_face]
         self.height = self.sign * packing.ribbon  # of a molecule's sides
 
@@ -290,7 +289,7 @@ class _Builder:
         key = self.packing.node[self.disk] if self.packing.ribbon == 0 else self.disk
         first_corner = _first_with(key)
         other = key[self.next_side]
-        pair = (np.minimum(key, other).astype(np.int64) << 32) | np.maximum(key, other)
+        pair = pair_keys(np.minimum(key, other), np.maximum(key, other))
         _, at, inverse = np.unique(pair, return_index=True, return_inverse=True)
         first_foot = at[inverse]
         side = np.arange(len(self.disk))
@@ -386,17 +385,16 @@ class _Builder:
         """The sides along the loops, and of those with a ribbon the sides across it."""
         packing = self.packing
         nodes = packing.loop_nodes.values
-        following = np.arange(1, len(nodes) + 1)
-        following[packing.loop_nodes.offsets[1:] - 1] = packing.loop_nodes.offsets[:-1]
+        following = packing.loop_nodes.following
         loop = packing.loop_nodes.rows
         count = int(nodes.max(initial=-1)) + 1
         mine, other = packing.node[self.disk], packing.node[self.following]
         sides = np.flatnonzero((mine < count) & (other < count))
-        keys = (mine[sides].astype(np.int64) << 32) | other[sides]
+        keys = pair_keys(mine[sides], other[sides])
         sides, keys = sides[np.argsort(keys, kind="stable")], np.sort(keys)
 
         def found(one: Ints, following: Ints) -> Numbers:
-            at = np.searchsorted(keys, (one.astype(np.int64) << 32) | following, side="right") - 1
+            at = np.searchsorted(keys, pair_keys(one, following), side="right") - 1
             return sides[at]
 
         left = found(nodes, nodes[following])

@@ -36,12 +36,10 @@ def half_edges(faces: Ragged) -> tuple[Ints, Ints]:
 
     No face may be empty.
     """
-    following = np.arange(1, len(faces.values) + 1)
-    following[faces.offsets[1:] - 1] = faces.offsets[:-1]
-    return faces.values, faces.values[following]
+    return faces.values, faces.values[faces.following]
 
 
-def pair_keys(start: Ints, end: Ints) -> Keys:
+def pair_keys(start: Numbers, end: Numbers) -> Keys:
     """Return one number for each directed pair of vertices."""
     return (start.astype(np.int64) << 32) | end
 

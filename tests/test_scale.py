@@ -207,7 +207,7 @@ def test_edges_on_the_cut_line_tell_what_all_edges_tell(name: str, monkeypatch: 
         return all_edges(pattern, sides, distance, among)
 
     monkeypatch.setattr(cutline, "_edges_near", counted)
-    assert verify(replace(good.creases), good.folded.layers, good.shape) == []
+    assert verify(good.creases, good.folded.layers, good.shape) == []
     assert asked == [False]
 
 
