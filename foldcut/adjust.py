@@ -227,6 +227,8 @@ def _moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie], meetings: Sequence[M
     nodes: list[Floats] = []
     exact, snap = EXACT * sheet.diagonal / 10, SNAP * sheet.diagonal / 100
     for step in range(NEWTON_STEPS):
+        if not (np.hypot(*(corners[following] - corners).T) > exact).all():
+            return None  # a side of no length has no direction
         along, normal, length = _sides(corners, following)
         rows: list[Floats] = []
         values: list[float] = []

@@ -168,7 +168,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a title that the terminal has no letters for
     try:
-        with _sigterm_raises():
+        with _signals_raise():
             args = _parsed(argv)
             with _time_limit(getattr(args, "timeout", None)):
                 status: int = args.run(args)
@@ -871,21 +871,28 @@ def _time_limit(seconds: float | None) -> Iterator[None]:
 
 
 @contextmanager
-def _sigterm_raises() -> Iterator[None]:
-    """Let SIGTERM unwind the stack like Ctrl-C does, where signals can be caught at all."""
+def _signals_raise() -> Iterator[None]:
+    """Let SIGTERM unwind the stack as Ctrl-C does, and Ctrl-C too where the parent has it ignored.
+
+    A shell without job control starts what it runs in the background with SIGINT ignored.
+    """
 
     def raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
         raise _Terminated
 
+    handlers: dict[signal.Signals, Any] = {signal.SIGTERM: raise_terminated}
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        handlers[signal.SIGINT] = signal.default_int_handler
     try:
-        before = signal.signal(signal.SIGTERM, raise_terminated)
+        before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
     except ValueError:  # not the main thread
         yield
         return
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _parser() -> _Parser:

@@ -36,8 +36,13 @@ def run_node(script: str, *arguments: object, timeout: float = 120) -> Any:
 
 
 def run_program(program: str, *arguments: object, timeout: float = 120) -> str:
-    """Run a program and return what it prints; its standard error is shown if it fails."""
+    """Run a program and return what it prints; its standard error is shown if it fails.
+
+    Not every program prints UTF-8: admesh prints the header of an STL file as it is.
+    """
     command = [program, *map(str, arguments)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+    done = subprocess.run(
+        command, capture_output=True, encoding="utf-8", errors="replace", timeout=timeout, check=False
+    )
     assert done.returncode == 0, f"{' '.join(command)} exited with {done.returncode}:\n{done.stderr}"
     return done.stdout

@@ -340,6 +340,23 @@ def test_an_interrupt_while_writing_leaves_the_old_files_and_no_others(
     assert signal.getsignal(signal.SIGTERM) is before
 
 
+IGNORING = """
+import os, signal, sys
+signal.signal(signal.SIGINT, signal.SIG_IGN)  # as a shell without job control does for what it runs in the background
+from foldcut.cli import main
+os.fsync = lambda _: signal.raise_signal(signal.SIGINT)
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_ctrl_c_works_where_the_parent_ignores_it(folder: Path, drawing: str) -> None:
+    command = [sys.executable, "-c", IGNORING, "make", drawing, *SMALL, "-o", "box.svg"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 130
+    assert_one_line(done.stderr)
+    assert names(folder) == {drawing}
+
+
 def test_check_accepts_what_make_wrote_and_rejects_another_shape(
     drawing: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

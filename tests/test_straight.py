@@ -359,3 +359,14 @@ def test_ctrl_c_takes_the_best_so_far_and_tries_no_other_method(monkeypatch: pyt
     assert result.findings == ()
     assert result.folded_pattern.creases is made[0].creases
     assert [attempt.method for attempt in result.attempts] == ["mirror", "skeleton"]
+
+
+@pytest.mark.parametrize("degrees", [0.2, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("margin", [10.0, 60.0, 90.0])
+def test_a_needle_whose_sides_would_vanish_is_left_as_it_is(degrees: float, margin: float) -> None:
+    tip = 100 * np.tan(np.radians(degrees / 2))
+    shape = placed([[(0, 0), (100, -tip), (100, tip)]], margin)
+    for near in (0.25, 0.05):
+        moved, farthest = tie_perpendiculars(shape, SHEET, near)  # a division by nothing would be a RuntimeWarning
+        assert farthest <= near
+        assert all(np.hypot(*(np.roll(loop, -1, axis=0) - loop).T).min() > 1e-9 for loop in moved.loops)
