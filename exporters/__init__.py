@@ -11,9 +11,9 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import cast
 
-from foldcut.errors import FileFormatError
-from foldcut.job import Job, check_job, steps_of
-from foldcut.model import FoldedPattern, Sheet
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import FoldedPattern, Sheet
+from foldcut.jobs.job import Job, check_job, steps_of
 from foldcut.profiles import Profile, load_profile
 
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
@@ -21,25 +21,25 @@ JobExporter = Callable[[Job, Profile], bytes]
 
 # Imported when they are used: ezdxf alone takes longer to import than all the rest.
 PATTERN_EXPORTERS = {
-    ".fold": "fold.export",
-    ".svg": "svg.export",
-    ".cp": "lines.export_cp",
-    ".opx": "lines.export_opx",
-    ".png": "png.export",
-    ".html": "page.export",
-    ".stl": "stl.export",
-    ".3mf": "threemf.export",
-    ".step": "step.export",
+    ".fold": "pattern.fold.export",
+    ".svg": "pattern.svg.export",
+    ".cp": "pattern.lines.export_cp",
+    ".opx": "pattern.lines.export_opx",
+    ".png": "pattern.png.export",
+    ".html": "pattern.page.export",
+    ".stl": "solids.stl.export",
+    ".3mf": "solids.threemf.export",
+    ".step": "solids.step.export",
 }
 SOLIDS = (".stl", ".3mf", ".step")
-SOFTWARE_SVG = "lines.export_svg"
+SOFTWARE_SVG = "pattern.lines.export_svg"
 JOB_EXPORTERS = {
-    ".svg": "layered_svg.export",
-    ".dxf": "dxf.export",
-    ".hpgl": "hpgl.export",
-    ".gcode": "gcode.export",
-    ".pdf": "pdf.export",
-    ".lbrn2": "lbrn2.export",
+    ".svg": "job.layered_svg.export",
+    ".dxf": "job.dxf.export",
+    ".hpgl": "job.hpgl.export",
+    ".gcode": "job.gcode.export",
+    ".pdf": "job.pdf.export",
+    ".lbrn2": "job.lbrn2.export",
 }
 
 
@@ -52,7 +52,7 @@ def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile |
     known = {**PATTERN_EXPORTERS, **(JOB_EXPORTERS if machine else {})}
     if suffix.lower() in known:
         if suffix.lower() in SOLIDS:
-            from .solid import check_solid, needs
+            from .solids.solid import check_solid, needs
 
             check_solid(profile or load_profile())
             if suffix.lower() == ".step":
@@ -101,5 +101,5 @@ def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
 
 
 def _imported(name: str) -> object:
-    module, _, function = name.partition(".")
+    module, _, function = name.rpartition(".")
     return getattr(import_module(f"{__package__}.{module}"), function)

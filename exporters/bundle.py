@@ -9,8 +9,8 @@ import io
 import zipfile
 from collections.abc import Mapping
 
-from foldcut.job import Job
-from foldcut.model import FoldedPattern
+from foldcut.core.model import FoldedPattern
+from foldcut.jobs.job import Job
 from foldcut.profiles import Profile
 
 from .text import number, printable

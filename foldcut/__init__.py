@@ -16,7 +16,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from foldcut.errors import (
+    from foldcut.core.errors import (
         BadInputError,
         CreaseTooShortError,
         FileFormatError,
@@ -27,8 +27,8 @@ if TYPE_CHECKING:
         UnfoldableError,
         VerificationError,
     )
-    from foldcut.foldability import Foldability
-    from foldcut.model import CreasePattern, Finding, FoldedPattern, FoldedState, Placement, Shape, Sheet
+    from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedState, Placement, Shape, Sheet
+    from foldcut.pattern.foldability import Foldability
     from foldcut.pipeline import Result, fold
 
 __all__ = [
@@ -53,7 +53,7 @@ __all__ = [
     "fold",
 ]
 
-_HOMES = ("foldcut.errors", "foldcut.model", "foldcut.foldability", "foldcut.pipeline")
+_HOMES = ("foldcut.core.errors", "foldcut.core.model", "foldcut.pattern.foldability", "foldcut.pipeline")
 
 
 def __getattr__(name: str) -> object:

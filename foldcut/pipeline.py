@@ -20,18 +20,8 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from foldcut import compact, molecules
-from foldcut.assignment import Assignment, assign_creases, require_one_loop
-from foldcut.boundary import boundary_disks, default_ribbon
-from foldcut.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
-from foldcut.fewest import fewest_folds
-from foldcut.foldability import Foldability, crease_numbers, foldability, remedies
-from foldcut.gate import Gated, fold_gated
-from foldcut.layers import fold_layers
-from foldcut.limits import Limits
-from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
-from foldcut.mirror import Half, Mirrored, fold_mirrored, halves
-from foldcut.model import (
+from foldcut.core.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
+from foldcut.core.model import (
     CreasePattern,
     Finding,
     Floats,
@@ -43,18 +33,29 @@ from foldcut.model import (
     Sheet,
     points_array,
 )
-from foldcut.molecules import Molecules, build_molecules
-from foldcut.packing import Packing, fill_gaps
-from foldcut.prepare import Preparation, Prepared, prepare, refuse_changes
+from foldcut.drawing.limits import Limits
+from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
+from foldcut.drawing.placement import Layout, parse_sheet
+from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
+from foldcut.drawing.simplify import simplify as simplify_shape
+from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symmetric
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
+from foldcut.methods.compact import pattern as compact
+from foldcut.methods.compact.search import Compact, fold_compact, rank, shortest_crease
+from foldcut.methods.disks import molecules
+from foldcut.methods.disks.boundary import boundary_disks, default_ribbon
+from foldcut.methods.disks.layers import fold_layers
+from foldcut.methods.disks.molecules import Molecules, build_molecules
+from foldcut.methods.disks.packing import Packing, fill_gaps
+from foldcut.methods.disks.trees import Assignment, assign_creases, require_one_loop
+from foldcut.methods.fewest_folds import fewest_folds
+from foldcut.methods.gate.method import Gated, fold_gated
+from foldcut.methods.mirror.method import Half, Mirrored, fold_mirrored, halves
+from foldcut.methods.skeleton.method import Skeletal, fold_ridges, fold_skeletal
+from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
+from foldcut.proof.verify import COINCIDENT, verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
-from foldcut.search import Compact, fold_compact, rank, shortest_crease
-from foldcut.shape import LARGEST_NUMBER, make_shape
-from foldcut.sheet import Layout, parse_sheet
-from foldcut.simplify import simplify as simplify_shape
-from foldcut.straight import Skeletal, fold_ridges, fold_skeletal
-from foldcut.symmetry import ROUNDING, mirror_axes, sheet_axes, symmetric
-from foldcut.tolerance import Tolerance
-from foldcut.verify import COINCIDENT, verify
 
 __all__ = ["EFFORTS", "METHODS", "PaperStages", "Progress", "Result", "fold"]
 

@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from foldcut.errors import FileFormatError
+from foldcut.core.errors import FileFormatError
 
 Colour = Annotated[str, Field(pattern="^#[0-9a-f]{6}$")]
 Millimetres = Annotated[float, Field(gt=0, allow_inf_nan=False)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from importlib.resources import files
 from pathlib import Path
 
-from foldcut.errors import BadInputError
+from foldcut.core.errors import BadInputError
 
 _SUFFIXES = (".svg", ".json", ".wkt")
 

@@ -62,7 +62,7 @@ Found = dict[str, str]
 
 def run(arguments: list[str]) -> tuple[int, str]:
     """Run one command in this process; return its exit status and what it prints on standard output."""
-    from foldcut.cli import main
+    from foldcut.cli.main import main
 
     out = io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(io.StringIO()):

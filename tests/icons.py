@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 
 import foldcut
-from foldcut.prepare import Preparation
+from foldcut.drawing.mend import Preparation
 from foldcut.readers import read_shape
 
 NODE_MODULES = Path(__file__).parent / "node" / "node_modules"

@@ -22,8 +22,10 @@ from pathlib import Path
 import ezdxf
 from patterns import square_out_of_square
 
-from foldcut import cli, files, pipeline
-from foldcut.readers.fold import read_fold
+from foldcut import pipeline
+from foldcut.cli import main as cli
+from foldcut.foldfile.read import read_fold
+from foldcut.output import atomic as files
 
 SIZES = ("60x60", "64x64")
 OUTPUTS = [Path("box.fold"), Path("box.svg"), Path("box.dxf")]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.model import CreasePattern, Floats, Ints, Ragged, Shape, index_array, points_array
+from foldcut.core.model import CreasePattern, Floats, Ints, Ragged, Shape, index_array, points_array
 
 Point = tuple[float, float]
 

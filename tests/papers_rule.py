@@ -8,8 +8,8 @@ from collections import defaultdict, deque
 
 import numpy as np
 
-from foldcut.model import Bools, Chars
-from foldcut.molecules import Kind, Molecules
+from foldcut.core.model import Bools, Chars
+from foldcut.methods.disks.molecules import Kind, Molecules
 
 
 def papers_assignment(molecules: Molecules, face_inside: Bools) -> Chars:

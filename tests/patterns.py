@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.model import (
+from foldcut.core.model import (
     CreasePattern,
     FoldedPattern,
     FoldedState,

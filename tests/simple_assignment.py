@@ -22,10 +22,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from foldcut.assignment import Assignment
-from foldcut.errors import UnfoldableError
-from foldcut.model import Chars, index_array
-from foldcut.molecules import Kind, Molecules
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import Chars, index_array
+from foldcut.methods.disks.molecules import Kind, Molecules
+from foldcut.methods.disks.trees import Assignment
 
 Vertices = tuple[int, int]
 SHAPE, BORDER = -1, -2  # the nodes of T_C that stand for a whole boundary

@@ -1,4 +1,4 @@
-"""Distances from corners to edges, all with all: what ``foldcut.boundary`` looks up in a tree."""
+"""Distances from corners to edges, all with all: what ``foldcut.methods.disks.boundary`` looks up in a tree."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.model import Floats
+from foldcut.core.model import Floats
 
 
 def distances_to_edges(starts: Sequence[Floats], ends: Sequence[Floats]) -> list[Floats]:

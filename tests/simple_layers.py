@@ -1,4 +1,4 @@
-"""The folded state, face by face: what ``foldcut.layers`` and ``foldcut.faces`` do on arrays."""
+"""The folded state, face by face: what ``disks.layers`` and ``pattern.assemble`` do on arrays."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.assignment import Assignment
-from foldcut.faces import Ring, merge_stacks, outlines
-from foldcut.layers import sheet_corners
-from foldcut.model import CreasePattern, Floats, FoldedState, Ints, Ragged, index_array, points_array
-from foldcut.molecules import Molecules
-from foldcut.plane import signed_area
+from foldcut.core.model import CreasePattern, Floats, FoldedState, Ints, Ragged, index_array, points_array
+from foldcut.geometry.vectors import signed_area
+from foldcut.methods.disks.layers import sheet_corners
+from foldcut.methods.disks.molecules import Molecules
+from foldcut.methods.disks.trees import Assignment
+from foldcut.pattern.assemble import Ring, merge_stacks, outlines
 
 Edge = tuple[int, int]
 

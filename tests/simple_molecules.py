@@ -1,4 +1,4 @@
-"""The molecules one by one, as simply as can be: what ``foldcut.molecules`` makes all at once, number by number."""
+"""The molecules one by one, as simply as can be: what ``disks.molecules`` makes all at once, number by number."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.errors import UnfoldableError
-from foldcut.model import Floats, Ragged, index_array, points_array
-from foldcut.molecules import Kind, Molecules
-from foldcut.packing import Packing
-from foldcut.tolerance import Tolerance
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import Floats, Ragged, index_array, points_array
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks.molecules import Kind, Molecules
+from foldcut.methods.disks.packing import Packing
 
 
 def build_molecules(packing: Packing, tolerance: Tolerance) -> Molecules:

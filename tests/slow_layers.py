@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from foldcut.model import CreasePattern, Floats, Ints
+from foldcut.core.model import CreasePattern, Floats, Ints
 
 NEAR = 1e-6
 

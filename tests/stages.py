@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 from numpy.typing import ArrayLike
 
-from foldcut.assignment import Assignment, assign_creases
-from foldcut.boundary import BoundaryDisks, boundary_disks
-from foldcut.model import Shape, Sheet
-from foldcut.molecules import Molecules, build_molecules
-from foldcut.packing import Packing, fill_gaps
-from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
-from foldcut.tolerance import Tolerance
+from foldcut.core.model import Shape, Sheet
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks
+from foldcut.methods.disks.molecules import Molecules, build_molecules
+from foldcut.methods.disks.packing import Packing, fill_gaps
+from foldcut.methods.disks.trees import Assignment, assign_creases
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ import numpy as np
 from hypothesis import settings
 from hypothesis import strategies as st
 
-from foldcut.errors import ShapeError
-from foldcut.shape import make_shape, minimum_feature
+from foldcut.core.errors import ShapeError
+from foldcut.drawing.shape import make_shape, minimum_feature
 
 Points = list[tuple[float, float]]
 

@@ -9,10 +9,10 @@ import pytest
 from stages import Stages, run_stages
 from strategies import rectangle, regular, star, star_shaped
 
-from foldcut.assignment import assign_creases, require_one_loop
-from foldcut.errors import UnfoldableError
-from foldcut.molecules import Kind
-from foldcut.shape import make_shape
+from foldcut.core.errors import UnfoldableError
+from foldcut.drawing.shape import make_shape
+from foldcut.methods.disks.molecules import Kind
+from foldcut.methods.disks.trees import assign_creases, require_one_loop
 
 LOOPS = {
     "triangle": [(0, 0), (4, 0), (1, 3)],

@@ -19,17 +19,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from foldcut import batch as batches
 from foldcut import pipeline
-from foldcut.batch import JOURNAL, RESULTS, Batch, find_drawings, run_batch
-from foldcut.cli import main
-from foldcut.errors import BadInputError
-from foldcut.exporters.contact import Thumbnail, contact_sheet
-from foldcut.exporters.png import rendered
-from foldcut.files import OutputError
-from foldcut.making import JobOptions
+from foldcut.batch import run as batches
+from foldcut.batch.run import JOURNAL, RESULTS, Batch, find_drawings, run_batch
+from foldcut.batch.worker import Outcome, Process, Recipe, Task, WorkerError, work
+from foldcut.cli.main import main
+from foldcut.core.errors import BadInputError
+from foldcut.exporters.pattern.png import rendered
+from foldcut.exporters.pictures.contact import Thumbnail, contact_sheet
+from foldcut.output.atomic import OutputError
+from foldcut.output.render import JobOptions
 from foldcut.profiles import load_profile
-from foldcut.worker import Outcome, Process, Recipe, Task, WorkerError, work
 
 QUICK = {"sheet": "60x60", "effort": "fast"}
 FOLD = Recipe(QUICK, endings=(".fold",))
@@ -273,7 +273,7 @@ def test_a_drawing_that_takes_too_long_or_kills_its_process_costs_only_itself(
 ) -> None:
     (tmp_path / "site").mkdir()
     (tmp_path / "site/sitecustomize.py").write_text(
-        "import os, time, foldcut.worker as worker\n"
+        "import os, time, foldcut.batch.worker as worker\n"
         "work = worker.work\n"
         "def wild(recipe, task):\n"
         "    if task.stem == 'loops': time.sleep(60)\n"
@@ -391,8 +391,8 @@ CLUSTER = """
 import json, os, signal, sys, threading, time
 from pathlib import Path
 from distributed import Client, LocalCluster
-from foldcut.batch import run_batch
-from foldcut.worker import Recipe
+from foldcut.batch.run import run_batch
+from foldcut.batch.worker import Recipe
 
 def main():
     recipe = Recipe({"sheet": "60x60", "effort": "fast"}, endings=(".fold",))

@@ -7,8 +7,8 @@ import pytest
 from stages import Stages, run_stages
 from strategies import rectangle, regular, star, star_shaped
 
-from foldcut.boundary import boundary_disks, default_ribbon, largest_ribbon, near_disks, overlapping_disks
-from foldcut.errors import RibbonError
+from foldcut.core.errors import RibbonError
+from foldcut.methods.disks.boundary import boundary_disks, default_ribbon, largest_ribbon, near_disks, overlapping_disks
 
 RING = [[(0, 0), (30, 0), (30, 30), (0, 30)], [(10, 10), (20, 10), (20, 20), (10, 20)]]
 ISLAND = [*RING, [(13, 13), (17, 13), (17, 17), (13, 17)]]

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from strategies import simple_polygons
 
 import foldcut
-from foldcut.errors import FoldcutError
-from foldcut.limits import Limits
-from foldcut.prepare import Preparation, prepare
+from foldcut.core.errors import FoldcutError
+from foldcut.drawing.limits import Limits
+from foldcut.drawing.mend import Preparation, prepare
+from foldcut.drawing.shape import invariant_faults, make_shape
 from foldcut.readers import ReadOptions, read_shape
-from foldcut.shape import invariant_faults, make_shape
 
 NUMBERS = st.one_of(
     st.integers(-3, 3),

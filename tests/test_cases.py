@@ -13,12 +13,12 @@ import pytest
 from cases.run import arguments
 from cases.table import CASES
 
-from foldcut.errors import FoldcutError
-from foldcut.prepare import Preparation, prepare
+from foldcut.core.errors import FoldcutError
+from foldcut.drawing.mend import Preparation, prepare
+from foldcut.drawing.shape import invariant_faults, make_shape
+from foldcut.foldfile.read import read_fold
+from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
-from foldcut.readers.fold import read_fold
-from foldcut.shape import invariant_faults, make_shape
-from foldcut.verify import verify
 
 TESTS = Path(__file__).parent
 LONGEST_S = 10

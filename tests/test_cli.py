@@ -18,11 +18,11 @@ import pytest
 from patterns import square_out_of_square
 
 from foldcut import pipeline
-from foldcut.cli import main
+from foldcut.cli.main import main
+from foldcut.cli.progress import ProgressBar, progress_lines
+from foldcut.core.model import Finding, Sheet
 from foldcut.exporters import export
-from foldcut.model import Finding, Sheet
-from foldcut.progress import ProgressBar, progress_lines
-from foldcut.verify import CHECKS
+from foldcut.proof.verify import CHECKS
 
 SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
 SMALL = ["--sheet", "60x60"]
@@ -343,7 +343,7 @@ def test_an_interrupt_while_writing_leaves_the_old_files_and_no_others(
 IGNORING = """
 import os, signal, sys
 signal.signal(signal.SIGINT, signal.SIG_IGN)  # as a shell without job control does for what it runs in the background
-from foldcut.cli import main
+from foldcut.cli.main import main
 os.fsync = lambda _: signal.raise_signal(signal.SIGINT)
 sys.exit(main(sys.argv[1:]))
 """
@@ -568,7 +568,7 @@ def test_a_reader_that_stops_reading_causes_no_traceback() -> None:
 
 
 def test_start_up_imports_nothing_slow() -> None:
-    program = "import sys, foldcut.cli; print(sorted({'numpy', 'scipy', 'shapely', 'rich'} & set(sys.modules)))"
+    program = "import sys, foldcut.cli.main; print(sorted({'numpy', 'scipy', 'shapely', 'rich'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 
@@ -579,7 +579,7 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
     with ProgressBar(enabled=True) as bar:
         bar("packing", 0.5)
     assert capsys.readouterr() == ("", "")
-    monkeypatch.setattr("foldcut.progress.PATIENCE_S", -1.0)
+    monkeypatch.setattr("foldcut.cli.progress.PATIENCE_S", -1.0)
     monkeypatch.setenv("FORCE_COLOR", "1")  # rich takes any stream for a terminal then
     with ProgressBar(enabled=False) as bar:
         bar("packing", 0.5)
@@ -607,7 +607,7 @@ def test_progress_for_programs_is_lines_of_json_with_every_stage(
 
 
 def test_progress_for_programs_tells_a_stage_once_in_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("foldcut.progress.BETWEEN_LINES_S", 1e6)
+    monkeypatch.setattr("foldcut.cli.progress.BETWEEN_LINES_S", 1e6)
     out = io.StringIO()
     tell = progress_lines(out)
     for step in range(1000):

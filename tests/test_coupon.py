@@ -7,9 +7,9 @@ import pypdfium2
 import pytest
 import shapely
 
-from foldcut.coupon import DASHES, POWERS, make_coupon
 from foldcut.exporters import export_job
-from foldcut.job import JobError
+from foldcut.jobs.coupon import DASHES, POWERS, make_coupon
+from foldcut.jobs.job import JobError
 from foldcut.profiles import load_profile, profile_names
 
 

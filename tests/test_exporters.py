@@ -22,11 +22,11 @@ from numpy.testing import assert_allclose
 from patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 from PIL import Image
 
-from foldcut.errors import FileFormatError
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Floats, FoldedPattern
 from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
-from foldcut.exporters.fold import face_orders, overlapping_faces
-from foldcut.job import mountain_pieces, valley_pieces
-from foldcut.model import Floats, FoldedPattern
+from foldcut.exporters.pattern.fold import face_orders, overlapping_faces
+from foldcut.jobs.job import mountain_pieces, valley_pieces
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_names, sample_path
@@ -231,7 +231,7 @@ def test_overlapping_faces_are_those_that_shapely_finds(seed: int) -> None:
 def test_overlaps_do_not_depend_on_how_the_work_is_cut_up(monkeypatch: pytest.MonkeyPatch) -> None:
     pattern = stack_of_polygons(7, 80)
     whole = overlapping_faces(pattern)
-    monkeypatch.setattr("foldcut.exporters.fold.CHUNK", 7)
+    monkeypatch.setattr("foldcut.exporters.pattern.fold.CHUNK", 7)
     parts = overlapping_faces(pattern)
     assert whole is not None
     assert parts is not None
@@ -250,13 +250,13 @@ def test_faces_at_a_glance_are_never_more_than_there_are(seed: int) -> None:
 
 
 def test_too_many_overlaps_are_seen_without_comparing_faces(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("foldcut.exporters.fold._wholly_outside", None)
+    monkeypatch.setattr("foldcut.exporters.pattern.fold._wholly_outside", None)
     assert overlapping_faces(letter_fold(), 2) is None
 
 
 def test_fold_files_are_what_the_json_module_writes(monkeypatch: pytest.MonkeyPatch) -> None:
     pattern = fold(sample_path("square"), "a4", method="paper", min_crease=0).folded_pattern
-    monkeypatch.setattr("foldcut.exporters.fold.ROWS", 3)
+    monkeypatch.setattr("foldcut.exporters.pattern.fold.ROWS", 3)
     data = export(pattern, ".fold")
     document = json.loads(data)
     lines = (f"{json.dumps(key)}: {json.dumps(value, separators=(',', ':'))}" for key, value in document.items())

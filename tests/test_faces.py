@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from foldcut.faces import assemble, creases_of_stack
-from foldcut.model import CreasePattern
+from foldcut.core.model import CreasePattern
+from foldcut.pattern.assemble import assemble, creases_of_stack
 
 # a square sheet whose sides have a vertex in their middles, folded along a diagonal that has one, too
 FLAT = np.array([(0, 0), (5, 0), (10, 0), (10, 5), (10, 10), (5, 10), (0, 10), (0, 5), (5, 5)], dtype=float)

@@ -7,12 +7,12 @@ import pytest
 from strategies import Points, cross, rectangle, regular, star, star_shaped
 
 import foldcut
-from foldcut.errors import UnfoldableError
-from foldcut.fewest import Fewest, fewest_folds
-from foldcut.model import Sheet
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import Sheet
+from foldcut.drawing.placement import Layout, parse_sheet
+from foldcut.drawing.shape import make_shape
+from foldcut.methods.fewest_folds import Fewest, fewest_folds
 from foldcut.samples import sample_path
-from foldcut.shape import make_shape
-from foldcut.sheet import Layout, parse_sheet
 
 ISOSCELES = [(0.0, 0.0), (60.0, 0.0), (30.0, 50.0)]
 KITE = [(0.0, 0.0), (30.0, -20.0), (80.0, 0.0), (30.0, 20.0)]

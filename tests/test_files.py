@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from foldcut.errors import BadInputError
-from foldcut.files import OutputError, check_targets, write_files
+from foldcut.core.errors import BadInputError
+from foldcut.output.atomic import OutputError, check_targets, write_files
 
 
 def contents(folder: Path) -> dict[str, bytes]:

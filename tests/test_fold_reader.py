@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from paper import Paper, random_paper
 
-from foldcut.errors import FileFormatError
-from foldcut.flatfold import fold_faces
-from foldcut.model import Ints
-from foldcut.planar import edge_faces
-from foldcut.readers import fold
-from foldcut.readers.fold import FoldFile, read_fold
-from foldcut.verify import verify
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Ints
+from foldcut.foldfile import read as fold
+from foldcut.foldfile.read import FoldFile, read_fold
+from foldcut.geometry.planar_graph import edge_faces
+from foldcut.pattern.face_maps import fold_faces
+from foldcut.proof.verify import verify
 
 Document = dict[str, Any]
 

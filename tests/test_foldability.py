@@ -10,10 +10,10 @@ import shapely
 from paper import random_paper
 from patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 
-from foldcut.flatfold import fold_faces
-from foldcut.foldability import crease_numbers, foldability, layers_at_cut, most_layers, remedies, thickness
-from foldcut.model import CreasePattern, FoldedPattern, FoldedState, Sheet, index_array, points_array
-from foldcut.planar import edge_faces
+from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Sheet, index_array, points_array
+from foldcut.geometry.planar_graph import edge_faces
+from foldcut.pattern.face_maps import fold_faces
+from foldcut.pattern.foldability import crease_numbers, foldability, layers_at_cut, most_layers, remedies, thickness
 
 
 def pleats(count: int, width: float) -> FoldedPattern:

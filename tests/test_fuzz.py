@@ -11,7 +11,7 @@ from fuzz import targets
 from fuzz.run import main
 from fuzz.targets import TARGETS, BrokenPromiseError, Target, mend_png
 
-from foldcut.errors import FileFormatError
+from foldcut.core.errors import FileFormatError
 from foldcut.readers import READERS
 
 FOLDER = Path(__file__).parent / "fuzz"

@@ -15,20 +15,20 @@ from several_loops import random_loops
 from strategies import Points, rectangle, regular
 
 import foldcut
-from foldcut.boundary import BoundaryDisks, default_ribbon
-from foldcut.cli import main
-from foldcut.errors import UnfoldableError
-from foldcut.flatfold import fold_faces
-from foldcut.gate import MOST_DISKS, ROOMS, build_gated, fold_gated
-from foldcut.packing import packing_faults
-from foldcut.planar import edge_faces
-from foldcut.ring import MOST, Parts, Ring, divide_faces, plan_rings
+from foldcut.cli.main import main
+from foldcut.core.errors import UnfoldableError
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry.planar_graph import edge_faces
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks.boundary import BoundaryDisks, default_ribbon
+from foldcut.methods.disks.packing import packing_faults
+from foldcut.methods.gate.method import MOST_DISKS, ROOMS, build_gated, fold_gated
+from foldcut.methods.gate.rings import MOST, Parts, Ring, divide_faces, plan_rings
+from foldcut.pattern.face_maps import fold_faces
+from foldcut.proof.layers import check_stacking
+from foldcut.proof.verify import COINCIDENT, verify
 from foldcut.samples import sample_path
-from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
-from foldcut.stacking import check_stacking
-from foldcut.tolerance import Tolerance
-from foldcut.verify import COINCIDENT, verify
 
 SHEET = parse_sheet("a4")
 TRIANGULAR_HOLE: list[Points] = [
@@ -129,7 +129,7 @@ def test_the_command_reports_rings_and_why_the_others_lost(tmp_path: Path, capsy
 
 def test_too_many_disks_are_refused_before_packing(monkeypatch: pytest.MonkeyPatch) -> None:
     shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
-    monkeypatch.setattr("foldcut.gate.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.method.fill_gaps", None)
     monkeypatch.setitem(MOST_DISKS, "fast", 150)
     with pytest.raises(UnfoldableError, match=r"disks would be needed.* may have 150; give --effort best"):
         fold_gated(shape, SHEET, 0.1, "fast")
@@ -140,7 +140,7 @@ def test_too_many_disks_are_refused_before_packing(monkeypatch: pytest.MonkeyPat
 
 def test_no_disks_are_packed_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
-    monkeypatch.setattr("foldcut.gate.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.method.fill_gaps", None)
     with pytest.raises(UnfoldableError, match="the 0.0001 seconds are over; give more --seconds"):
         fold_gated(shape, SHEET, 0.1, seconds=0.0001)
 
@@ -153,7 +153,7 @@ def test_rings_that_overlap_are_refused_before_packing(monkeypatch: pytest.Monke
         parts = divide_faces(boundary, rings)
         return replace(parts, boundary=replace(parts.boundary, radii=1.2 * parts.boundary.radii))
 
-    monkeypatch.setattr("foldcut.gate.divide_faces", divide_wide)
-    monkeypatch.setattr("foldcut.gate.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.method.divide_faces", divide_wide)
+    monkeypatch.setattr("foldcut.methods.gate.method.fill_gaps", None)
     with pytest.raises(UnfoldableError, match=r"disks of the rings overlap near \("):
         build_gated(shape, SHEET, 0.1, ROOMS[0])

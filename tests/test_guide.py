@@ -13,8 +13,9 @@ import pytest
 import svgelements
 from programs import require_program, run_program
 
-from foldcut.cli import main
-from foldcut.exporters.guide import (
+from foldcut.cli.main import main
+from foldcut.core.model import FoldedPattern
+from foldcut.exporters.pictures.guide import (
     BACK,
     FRONT,
     MOVED,
@@ -25,12 +26,11 @@ from foldcut.exporters.guide import (
     export_pdf,
     instructions,
 )
-from foldcut.exporters.panels import laid_out
-from foldcut.model import FoldedPattern
+from foldcut.exporters.pictures.panels import laid_out
+from foldcut.folding_steps import folding_steps
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
-from foldcut.steps import folding_steps
 
 
 @pytest.fixture(scope="module", params=["letter-a", "fish", "triangle"])

@@ -26,12 +26,12 @@ from patterns import book_fold
 from programs import missing, require_program, run_node, run_program
 from scipy.optimize import linear_sum_assignment
 
-from foldcut import job as jobs
+from foldcut.core.model import Floats, FoldedPattern
 from foldcut.exporters import export_job
-from foldcut.exporters.pdf import tiles
-from foldcut.job import Job, JobError, Side, make_jobs, perforation
-from foldcut.lines import straight_lines
-from foldcut.model import Floats, FoldedPattern
+from foldcut.exporters.job.pdf import tiles
+from foldcut.jobs import job as jobs
+from foldcut.jobs.job import Job, JobError, Side, make_jobs, perforation
+from foldcut.pattern.straight_lines import straight_lines
 from foldcut.pipeline import fold
 from foldcut.profiles import Dash, Profile, load_profile, profile_names
 from foldcut.samples import sample_names, sample_path

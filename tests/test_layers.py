@@ -10,9 +10,9 @@ from stages import run_stages
 from strategies import star
 from test_assignment import LOOPS
 
-from foldcut.layers import fold_layers
-from foldcut.model import CreasePattern, FoldedState
-from foldcut.plane import signed_area
+from foldcut.core.model import CreasePattern, FoldedState
+from foldcut.geometry.vectors import signed_area
+from foldcut.methods.disks.layers import fold_layers
 
 
 def layer_faults(pattern: CreasePattern, folded: FoldedState) -> list[str]:

@@ -9,15 +9,15 @@ import pypdfium2
 import pytest
 import shapely
 
+from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.units import MM_PER_INCH
 from foldcut.exporters import export, export_job
 from foldcut.exporters.legend import Ground
-from foldcut.job import make_jobs
-from foldcut.marks import MARKS
-from foldcut.model import Floats, FoldedPattern
+from foldcut.jobs.job import make_jobs
+from foldcut.jobs.marks import MARKS
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
-from foldcut.units import MM_PER_INCH
 
 SVG = "{http://www.w3.org/2000/svg}"
 POINTS_A_MM = 72 / MM_PER_INCH

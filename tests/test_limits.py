@@ -14,14 +14,14 @@ import pytest
 from patterns import square_out_of_square
 
 from foldcut import pipeline
-from foldcut.cli import main
-from foldcut.errors import BadInputError, FileFormatError
-from foldcut.limits import Limits, parse_limits
+from foldcut.cli.main import main
+from foldcut.core.errors import BadInputError, FileFormatError
+from foldcut.drawing.limits import Limits, parse_limits
 
 MILLION = 1_000_000
 MEASURED = """
 import resource, sys
-from foldcut.cli import main
+from foldcut.cli.main import main
 status = main(sys.argv[1:])
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9)
 sys.exit(status)

@@ -9,15 +9,15 @@ import pytest
 import shapely
 from patterns import book_fold
 
-from foldcut import marks
-from foldcut.cutline import fold_boundary
-from foldcut.flatfold import fold_faces
-from foldcut.job import make_jobs
-from foldcut.marks import MARKS
-from foldcut.model import Floats, FoldedPattern
+from foldcut.core.model import Floats, FoldedPattern
+from foldcut.geometry.planar_graph import edge_faces
+from foldcut.jobs import marks
+from foldcut.jobs.job import make_jobs
+from foldcut.jobs.marks import MARKS
+from foldcut.pattern.face_maps import fold_faces
 from foldcut.pipeline import fold
-from foldcut.planar import edge_faces
 from foldcut.profiles import load_profile
+from foldcut.proof.cut import fold_boundary
 from foldcut.samples import sample_path
 
 LASER = load_profile("laser-dxf")

@@ -11,13 +11,13 @@ import shapely
 from strategies import Points, cross, rectangle, regular
 
 import foldcut
-from foldcut import mirror
-from foldcut.mirror import Mirrored, _beyond, halves
-from foldcut.model import Floats
+from foldcut.core.model import Floats
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.methods.mirror import method as mirror
+from foldcut.methods.mirror.method import Mirrored, _beyond, halves
+from foldcut.proof.verify import verify
 from foldcut.samples import sample_path
-from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
-from foldcut.verify import verify
 
 LETTER_D: Points = [(0, 0), (4, 0), (6, 2), (6, 5), (4, 7), (0, 7)]
 HOLE_D: Points = [(1.5, 1.5), (3.5, 1.5), (4.5, 2.5), (4.5, 4.5), (3.5, 5.5), (1.5, 5.5)]

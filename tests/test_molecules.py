@@ -10,10 +10,10 @@ from stages import run_stages
 from strategies import rectangle, star, star_shaped
 from test_boundary import SHAPES
 
-from foldcut.model import Ragged
-from foldcut.molecules import Kind, Molecules, build_molecules, molecule_faults
-from foldcut.packing import Packing
-from foldcut.tolerance import Tolerance
+from foldcut.core.model import Ragged
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks.molecules import Kind, Molecules, build_molecules, molecule_faults
+from foldcut.methods.disks.packing import Packing
 
 
 def one_molecule(centres: list[tuple[float, float]], radii: list[float]) -> Molecules:

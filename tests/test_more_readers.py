@@ -19,10 +19,10 @@ import pytest
 import shapely
 
 from foldcut import fold
-from foldcut.errors import FileFormatError
-from foldcut.limits import Limits
+from foldcut.core.errors import FileFormatError
+from foldcut.drawing.limits import Limits
+from foldcut.drawing.shape import make_shape
 from foldcut.readers import READERS, Drawing, ReadOptions, read_shape
-from foldcut.shape import make_shape
 
 SQUARE = [(0.0, 0.0), (20.0, 0.0), (20.0, 10.0), (0.0, 10.0)]
 

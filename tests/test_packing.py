@@ -10,11 +10,11 @@ from stages import run_stages
 from strategies import cross, rectangle, regular, star, star_shaped, two_opt
 from test_boundary import SHAPES
 
-from foldcut.boundary import boundary_disks
-from foldcut.model import Sheet
-from foldcut.packing import _Candidate, _Filler, fill_gaps, packing_faults
-from foldcut.shape import make_shape
-from foldcut.tolerance import Tolerance
+from foldcut.core.model import Sheet
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks.boundary import boundary_disks
+from foldcut.methods.disks.packing import _Candidate, _Filler, fill_gaps, packing_faults
 
 
 @pytest.mark.parametrize("name", SHAPES)

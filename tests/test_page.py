@@ -13,8 +13,8 @@ from numpy.testing import assert_allclose
 from patterns import book_fold, square_out_of_square
 from programs import require_program, run_node
 
+from foldcut.core.model import Finding, FoldedPattern
 from foldcut.exporters import export
-from foldcut.model import Finding, FoldedPattern
 from foldcut.pipeline import fold
 from foldcut.samples import sample_names, sample_path
 

@@ -14,9 +14,9 @@ from single_vertex import folds_flat
 from stages import Stages, run_stages
 from strategies import star
 
-from foldcut.layers import fold_layers
-from foldcut.model import CreasePattern, FoldedState
-from foldcut.verify import verify
+from foldcut.core.model import CreasePattern, FoldedState
+from foldcut.methods.disks.layers import fold_layers
+from foldcut.proof.verify import verify
 
 
 @pytest.fixture(scope="module")

@@ -12,11 +12,11 @@ import svgelements
 from numpy.testing import assert_allclose
 from PIL import Image
 
-from foldcut.cli import main
-from foldcut.errors import BadInputError
-from foldcut.exporters.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
-from foldcut.model import Floats, FoldedPattern
-from foldcut.molecules import Kind
+from foldcut.cli.main import main
+from foldcut.core.errors import BadInputError
+from foldcut.core.model import Floats, FoldedPattern
+from foldcut.exporters.pictures.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
+from foldcut.methods.disks.molecules import Kind
 from foldcut.pipeline import PaperStages, fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path

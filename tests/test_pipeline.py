@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from strategies import cross, rectangle, regular, simple_polygons, star, star_shaped, two_opt
 
 import foldcut
+from foldcut.drawing.shape import make_shape
 from foldcut.methods import METHODS
+from foldcut.proof.verify import verify
 from foldcut.samples import sample_names, sample_path
-from foldcut.shape import make_shape
-from foldcut.verify import verify
 
 SEVERAL_LOOPS = {"letter-a", "ring", "two-triangles"}
 RANDOM = int(os.environ.get("FOLDCUT_RANDOM", "24"))  # `make sweep` asks for 300

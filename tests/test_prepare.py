@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 import shapely
 
-from foldcut.cli import main
-from foldcut.errors import BadInputError, ShapeError
-from foldcut.model import Floats, points_array
-from foldcut.prepare import Preparation, prepare, preview
-from foldcut.shape import invariant_faults, make_shape
+from foldcut.cli.main import main
+from foldcut.core.errors import BadInputError, ShapeError
+from foldcut.core.model import Floats, points_array
+from foldcut.drawing.mend import Preparation, prepare, preview
+from foldcut.drawing.shape import invariant_faults, make_shape
 
 
 def square(x: float, y: float, side: float) -> Floats:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from foldcut.errors import FileFormatError
+from foldcut.core.errors import FileFormatError
 from foldcut.profiles import Profile, load_profile, parse_profile, profile_names
 
 ASKED_FOR = {

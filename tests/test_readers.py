@@ -15,11 +15,11 @@ import shapely
 from hypothesis import given
 from strategies import Points, simple_polygons
 
-from foldcut.cli import main
-from foldcut.errors import BadInputError, FileFormatError
-from foldcut.limits import DEEPEST, Limits
+from foldcut.cli.main import main
+from foldcut.core.errors import BadInputError, FileFormatError
+from foldcut.drawing.limits import DEEPEST, Limits
+from foldcut.drawing.shape import make_shape
 from foldcut.readers import READERS, Drawing, ReadOptions, read_shape
-from foldcut.shape import make_shape
 
 Reading = Callable[[str, str], Drawing]  # of a suffix and a text
 

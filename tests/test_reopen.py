@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from patterns import square_out_of_square
 
-from foldcut.cli import main
-from foldcut.errors import BadInputError
+from foldcut.cli.main import main
+from foldcut.core.errors import BadInputError
+from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export
-from foldcut.model import FoldedPattern
+from foldcut.foldfile.read import read_fold
+from foldcut.foldfile.reopen import Reopened, reopen
 from foldcut.pipeline import fold
-from foldcut.readers.fold import read_fold
-from foldcut.reopen import Reopened, reopen
 from foldcut.samples import sample_path
 
 

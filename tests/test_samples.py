@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from strategies import Points
 
-from foldcut.errors import BadInputError
+from foldcut.core.errors import BadInputError
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import invariant_faults, make_shape, minimum_feature
 from foldcut.readers import read_shape
 from foldcut.samples import sample_names, sample_path
-from foldcut.shape import invariant_faults, make_shape, minimum_feature
-from foldcut.sheet import parse_sheet, place
 
 NAMES = sample_names()
 MIRRORED = {

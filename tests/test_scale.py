@@ -22,23 +22,27 @@ from strategies import star, star_shaped, two_opt
 from test_boundary import SHAPES
 
 import foldcut
-from foldcut import boundary as boundary_module
-from foldcut import cutline, flatfold, layertree, packing, planar
-from foldcut.assignment import assign_creases
-from foldcut.boundary import BoundaryDisks, boundary_disks, near_disks
-from foldcut.flatfold import fold_faces
-from foldcut.layers import fold_layers
-from foldcut.layertree import LayerTree
-from foldcut.model import Ragged
-from foldcut.molecules import build_molecules
-from foldcut.packing import Packing, fill_gaps
-from foldcut.planar import edge_faces, edge_lengths, edge_sides, half_edges
+from foldcut.core.model import Ragged
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry import box_tree as layertree
+from foldcut.geometry import planar_graph as planar
+from foldcut.geometry.box_tree import LayerTree
+from foldcut.geometry.planar_graph import edge_faces, edge_lengths, edge_sides, half_edges
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks import boundary as boundary_module
+from foldcut.methods.disks import packing
+from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks, near_disks
+from foldcut.methods.disks.layers import fold_layers
+from foldcut.methods.disks.molecules import build_molecules
+from foldcut.methods.disks.packing import Packing, fill_gaps
+from foldcut.methods.disks.trees import assign_creases
+from foldcut.pattern import face_maps as flatfold
+from foldcut.pattern.face_maps import fold_faces
+from foldcut.proof import cut as cutline
+from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 from foldcut.samples import sample_names, sample_path
-from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
-from foldcut.tolerance import Tolerance
-from foldcut.verify import verify
 
 SHEET = parse_sheet("a4")
 TOLERANCE = Tolerance.for_sheet(SHEET)
@@ -98,13 +102,13 @@ def test_compiled_code_fills_gaps_as_the_simple_code_does(name: str, monkeypatch
     boundary = disks(name)
     monkeypatch.setattr(packing, "MANY_DISKS", 0)
     compiled = fill_gaps(boundary, TOLERANCE)
-    assert "foldcut.gapfill" in sys.modules
+    assert "foldcut.methods.disks.packing_compiled" in sys.modules
     monkeypatch.setattr(packing, "_compiled_filler", lambda _: None)
     assert differences(compiled, fill_gaps(boundary, TOLERANCE)) == []
 
 
 def test_once_loaded_compiled_code_fills_small_gaps_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    gapfill = pytest.importorskip("foldcut.gapfill", reason="needs numba")
+    gapfill = pytest.importorskip("foldcut.methods.disks.packing_compiled", reason="needs numba")
     asked = []
     fill = gapfill.GapFiller.fill
     monkeypatch.setattr(gapfill.GapFiller, "fill", lambda *args: asked.append(1) or fill(*args))
@@ -115,7 +119,7 @@ def test_once_loaded_compiled_code_fills_small_gaps_too(monkeypatch: pytest.Monk
 def test_who_waits_for_the_compiler_is_told(tmp_path: Path) -> None:
     pytest.importorskip("numba")
     code = (
-        "import foldcut, foldcut.packing, foldcut.gapfill as gapfill\n"
+        "import foldcut, foldcut.methods.disks.packing, foldcut.methods.disks.packing_compiled as gapfill\n"
         "class Enough(Exception): pass\n"
         "def stop(*args): raise Enough\n"
         "gapfill._add_chain = stop\n"
@@ -231,7 +235,7 @@ def test_compiled_code_folds_over_the_longer_of_two_edges() -> None:
     rng = np.random.default_rng(1)
     pattern, _ = random_paper(rng, folds=6, lines=3).pattern()
     faces = edge_faces(pattern)
-    from foldcut.facepaths import _tree
+    from foldcut.pattern.face_maps_compiled import _tree
 
     ends = np.ascontiguousarray(pattern.edges_vertices), pattern.vertices_coords.copy()
     via = _tree(*np.ascontiguousarray(faces.T), *ends, len(pattern.faces_vertices), 1e-300)
@@ -266,8 +270,9 @@ def test_half_edges_are_found_by_a_matrix_as_by_their_numbers(seed: int, monkeyp
 def test_without_numba_all_is_done_by_the_simple_code() -> None:
     code = (
         "import sys; sys.modules['numba'] = None\n"
-        "import foldcut, foldcut.flatfold, foldcut.layertree, foldcut.packing; foldcut.packing.MANY_DISKS = 0\n"
-        "foldcut.layertree.MANY_BOXES = foldcut.flatfold.MANY_FACES = 0\n"
+        "import foldcut; from foldcut.pattern import face_maps; from foldcut.geometry import box_tree\n"
+        "from foldcut.methods.disks import packing\n"
+        "packing.MANY_DISKS = box_tree.MANY_BOXES = face_maps.MANY_FACES = 0\n"
         "print(foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper').verified)"
     )
     environment = {**os.environ, "PYTHONPATH": python_path()}

@@ -12,21 +12,22 @@ import shapely
 from strategies import Points, cross, rectangle, regular, star, star_shaped, two_opt
 
 import foldcut
-from foldcut import crowded, search
-from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules
-from foldcut.crowded import crowded_solution
-from foldcut.foldability import crease_numbers
-from foldcut.model import CreasePattern, Finding, Floats, Shape, Sheet
+from foldcut.core.model import CreasePattern, Finding, Floats, Shape, Sheet
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry.wavefront import corner_lives, side_nodes
+from foldcut.methods.compact import many_disks as crowded
+from foldcut.methods.compact import search
+from foldcut.methods.compact.lengthen import Mover
+from foldcut.methods.compact.many_disks import crowded_solution
+from foldcut.methods.compact.molecule import NotClosedError
+from foldcut.methods.compact.pattern import Molecules, Walk, build_molecules, fold_molecules
+from foldcut.methods.compact.search import Compact, fold_compact
+from foldcut.methods.compact.sensitivity import vertex_slopes
+from foldcut.methods.compact.turns import Outline, Program, Solution, Turns, sees_each_other
+from foldcut.pattern.foldability import crease_numbers
+from foldcut.proof.verify import verify
 from foldcut.samples import sample_path
-from foldcut.search import Compact, fold_compact
-from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
-from foldcut.skeleton import corner_lives, side_nodes
-from foldcut.slopes import vertex_slopes
-from foldcut.ties import Mover
-from foldcut.universal import NotClosedError
-from foldcut.verify import verify
-from foldcut.zigzag import Outline, Program, Solution, Turns, sees_each_other
 
 A4 = parse_sheet("a4")
 

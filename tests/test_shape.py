@@ -22,9 +22,9 @@ from strategies import (
     star,
 )
 
-from foldcut.errors import ShapeError
-from foldcut.model import Shape, points_array
-from foldcut.shape import FEATURE_TOLERANCE, SHARPEST_CORNER, invariant_faults, make_shape, minimum_feature
+from foldcut.core.errors import ShapeError
+from foldcut.core.model import Shape, points_array
+from foldcut.drawing.shape import FEATURE_TOLERANCE, SHARPEST_CORNER, invariant_faults, make_shape, minimum_feature
 
 
 def square(x: float, y: float, side: float) -> Points:

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from strategies import Points, cross, moved, rectangle, regular, similarities, simple_polygons, star
 
-from foldcut.errors import FoldcutError, ShapeError, SheetError
-from foldcut.model import Placement, Shape, Sheet
-from foldcut.shape import invariant_faults, make_shape
-from foldcut.sheet import NAMED_SHEETS, Layout, parse_length, parse_sheet, place
+from foldcut.core.errors import FoldcutError, ShapeError, SheetError
+from foldcut.core.model import Placement, Shape, Sheet
+from foldcut.drawing.placement import NAMED_SHEETS, Layout, parse_length, parse_sheet, place
+from foldcut.drawing.shape import invariant_faults, make_shape
 
 A4 = parse_sheet("a4")
 WIDE = make_shape([[(0, 0), (230, 0), (230, 80), (0, 80)]])

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from strategies import regular, simple_polygons, star
 
-from foldcut.errors import BadInputError
-from foldcut.model import Shape
-from foldcut.shape import invariant_faults, make_shape
-from foldcut.simplify import Simplified, simplify
+from foldcut.core.errors import BadInputError
+from foldcut.core.model import Shape
+from foldcut.drawing.shape import invariant_faults, make_shape
+from foldcut.drawing.simplify import Simplified, simplify
 
 BUMPY = [(0, 0), (50, 0.3), (100, 0), (100, 60), (0, 60)]
 

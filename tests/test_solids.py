@@ -13,11 +13,12 @@ import pytest
 from patterns import book_fold
 from programs import require_program, run_program
 
-from foldcut.errors import FileFormatError
-from foldcut.exporters import check_suffix, export, step
-from foldcut.exporters.solid import sheet_solid
-from foldcut.job import JobError
-from foldcut.model import FoldedPattern
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import FoldedPattern
+from foldcut.exporters import check_suffix, export
+from foldcut.exporters.solids import step
+from foldcut.exporters.solids.solid import sheet_solid
+from foldcut.jobs.job import JobError
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path

@@ -12,7 +12,9 @@ import pytest
 from scipy.linalg import null_space
 
 import foldcut
-from foldcut import flatfold, slopes, ties
+from foldcut.methods.compact import lengthen as ties
+from foldcut.methods.compact import sensitivity as slopes
+from foldcut.pattern import face_maps as flatfold
 
 SAMPLES = Path(__file__).parents[1] / "samples"
 HEAVY = (
@@ -34,7 +36,8 @@ STAR = ["make", str(SAMPLES / "star.svg"), "--effort", "fast", "--quiet"]
 
 def loaded(folder: Path, *arguments: str) -> set[str]:
     """Return the packages that are imported by a command, in a process of its own."""
-    code = "import json, sys; from foldcut.cli import main\ntry: main(sys.argv[1:])\nexcept SystemExit: pass\nfinally: "
+    code = "import json, sys; from foldcut.cli.main import main\n"
+    code += "try: main(sys.argv[1:])\nexcept SystemExit: pass\nfinally: "
     code += "print(json.dumps(sorted({name.partition('.')[0] for name in sys.modules})))"
     done = subprocess.run(
         [sys.executable, "-c", code, *arguments], cwd=folder, capture_output=True, text=True, check=True, timeout=120
@@ -58,7 +61,7 @@ def test_a_small_pattern_takes_no_scipy_and_only_its_own_formats(tmp_path: Path)
 def test_garbage_is_looked_for_a_few_times_and_not_at_the_end(tmp_path: Path) -> None:
     code = """
 import atexit, gc, sys
-from foldcut.cli import main
+from foldcut.cli.main import main
 def looks():
     return sum(generation["collections"] for generation in gc.get_stats())
 before = looks()

@@ -10,11 +10,11 @@ import pytest
 import shapely
 from patterns import book_fold, build_pattern, letter_fold, square_out_of_square
 
-from foldcut.model import CreasePattern, FoldedPattern, FoldedState, Region
+from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Region
+from foldcut.folding_steps import LEAST_GROUP, MOST_GROUPS, Step, folding_steps
 from foldcut.pipeline import fold
+from foldcut.proof.verify import verify
 from foldcut.samples import sample_names, sample_path
-from foldcut.steps import LEAST_GROUP, MOST_GROUPS, Step, folding_steps
-from foldcut.verify import verify
 
 
 @cache

@@ -16,21 +16,21 @@ from several_loops import random_loops
 from strategies import Points, rectangle, star
 
 import foldcut
-from foldcut import straight
-from foldcut.adjust import tie_nodes, tie_perpendiculars
-from foldcut.cli import main
-from foldcut.errors import UnfoldableError
-from foldcut.model import Shape, Sheet, index_array
-from foldcut.ordersolver import OrderSolver, layer_order
-from foldcut.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
-from foldcut.planar import edge_faces
+from foldcut.cli.main import main
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import Shape, Sheet, index_array
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry.planar_graph import edge_faces
+from foldcut.methods.compact.search import shortest_crease
+from foldcut.methods.skeleton import method as straight
+from foldcut.methods.skeleton.layer_order import OrderSolver, layer_order
+from foldcut.methods.skeleton.method import fold_skeletal
+from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
+from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
+from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 from foldcut.samples import sample_path
-from foldcut.search import shortest_crease
-from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
-from foldcut.straight import fold_skeletal
-from foldcut.verify import verify
 
 SHEET = parse_sheet("a4-portrait")
 # No side is on a line with another: the hole turned by a little.

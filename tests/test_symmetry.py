@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from strategies import Points, cross, rectangle, regular, star
 
-from foldcut.model import Shape
-from foldcut.shape import make_shape
-from foldcut.symmetry import mirror_axes, sheet_axes, symmetric
+from foldcut.core.model import Shape
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry.mirror_axes import mirror_axes, sheet_axes, symmetric
 
 LETTER_F: Points = [(0, 0), (1, 0), (1, 2), (2, 2), (2, 3), (1, 3), (1, 4), (3, 4), (3, 5), (0, 5)]
 

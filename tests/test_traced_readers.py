@@ -19,12 +19,12 @@ from PIL import Image, ImageDraw
 from reportlab.pdfgen.canvas import Canvas
 
 from foldcut import fold
-from foldcut.cli import main
-from foldcut.errors import BadInputError, FileFormatError
-from foldcut.limits import Limits
+from foldcut.cli.main import main
+from foldcut.core.errors import BadInputError, FileFormatError
+from foldcut.drawing.limits import Limits
+from foldcut.drawing.shape import make_shape
 from foldcut.readers import Drawing, ReadOptions, read_shape
-from foldcut.readers.text import draw_text, find_font, font_families
-from foldcut.shape import make_shape
+from foldcut.readers.typed_text import draw_text, find_font, font_families
 
 MM = 25.4 / 72
 

@@ -14,19 +14,19 @@ import pytest
 from strategies import cross, rectangle, regular, star
 
 import foldcut
-from foldcut import universal
-from foldcut.compact import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
-from foldcut.crowded import crowded_solution
-from foldcut.events import Queue, Table, looks_inside
-from foldcut.model import Finding, Floats, Shape, Sheet, points_array
-from foldcut.molecules import Kind
+from foldcut.core.model import Finding, Floats, Shape, Sheet, points_array
+from foldcut.drawing.placement import place
+from foldcut.drawing.shape import make_shape
+from foldcut.methods.compact import molecule as universal
+from foldcut.methods.compact.events import Queue, Table, looks_inside
+from foldcut.methods.compact.many_disks import crowded_solution
+from foldcut.methods.compact.pattern import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
+from foldcut.methods.compact.search import fold_compact
+from foldcut.methods.compact.turns import Outline
+from foldcut.methods.disks.molecules import Kind
+from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 from foldcut.samples import sample_path
-from foldcut.search import fold_compact
-from foldcut.shape import make_shape
-from foldcut.sheet import place
-from foldcut.verify import verify
-from foldcut.zigzag import Outline
 
 SHEET = Sheet(200.0, 200.0)
 

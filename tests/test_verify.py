@@ -13,15 +13,17 @@ from paper import Paper, Point, box_shape, random_paper, rectangle_fold, square_
 from single_vertex import folds_flat
 from slow_layers import slow_check
 
-from foldcut import cutline, flatfold, layertree
-from foldcut import verify as verify_module
-from foldcut.cutline import check_cut
-from foldcut.flatfold import fold_faces
-from foldcut.model import CreasePattern, Finding, Floats, Ints, Ragged, Shape, index_array, points_array
-from foldcut.outlines import Outlines
-from foldcut.planar import edge_faces, trace_faces
-from foldcut.stacking import check_mountains, check_stacking
-from foldcut.verify import CHECKS, verify
+from foldcut.core.model import CreasePattern, Finding, Floats, Ints, Ragged, Shape, index_array, points_array
+from foldcut.geometry import box_tree as layertree
+from foldcut.geometry.planar_graph import edge_faces, trace_faces
+from foldcut.geometry.polygons import Outlines
+from foldcut.pattern import face_maps as flatfold
+from foldcut.pattern.face_maps import fold_faces
+from foldcut.proof import cut as cutline
+from foldcut.proof import verify as verify_module
+from foldcut.proof.cut import check_cut
+from foldcut.proof.layers import check_mountains, check_stacking
+from foldcut.proof.verify import CHECKS, verify
 
 TINY = 1e-6
 

@@ -22,7 +22,7 @@ import pytest
 from programs import require_program, run_node
 from starlette.testclient import TestClient
 
-from foldcut.cli import main
+from foldcut.cli.main import main
 from foldcut.samples import sample_path
 from foldcut.web.app import Jobs, Settings, make_app
 

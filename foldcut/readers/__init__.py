@@ -14,7 +14,7 @@ from pathlib import Path
 
 from shapely.errors import ShapelyError
 
-from foldcut.errors import BadInputError, FileFormatError
+from foldcut.core.errors import BadInputError, FileFormatError
 from foldcut.readers.base import Drawing, ReadOptions, Source
 
 __all__ = ["READERS", "Drawing", "ReadOptions", "read_shape"]

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from foldcut.errors import BadInputError, FileFormatError, needed_extra
-from foldcut.limits import Limits
-from foldcut.model import Floats
+from foldcut.core.errors import BadInputError, FileFormatError, needed_extra
+from foldcut.core.model import Floats
+from foldcut.drawing.limits import Limits
 
 _JSON_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import re
 
-from foldcut.errors import FileFormatError
-from foldcut.model import points_array
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source
-from foldcut.readers.fills import closed_rings
+from foldcut.readers.join_outlines import closed_rings
 
 _EXAMPLE = 'give rows such as "40,0", with a blank line between loops'
 _SEPARATOR = re.compile(r"\s*[,;\t]\s*|\s+")

@@ -20,11 +20,11 @@ from ezdxf import recover
 from ezdxf.enums import InsertUnits
 from ezdxf.units import conversion_factor
 
-from foldcut.errors import FileFormatError
-from foldcut.limits import Limits
-from foldcut.model import Floats, points_array
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Floats, points_array
+from foldcut.drawing.limits import Limits
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
-from foldcut.readers.fills import Outline, loops_of
+from foldcut.readers.join_outlines import Outline, loops_of
 
 # It logs what it mends line by line, even letters that are no text; what matters of that is said in an error.
 logging.getLogger("ezdxf").setLevel(logging.CRITICAL)

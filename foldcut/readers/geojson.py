@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from foldcut.errors import FileFormatError
-from foldcut.model import Floats, points_array
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Floats, points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source, json_of
-from foldcut.readers.fills import drawing_of
+from foldcut.readers.join_outlines import drawing_of
 
 _EXAMPLE = 'give {"type": "Polygon", "coordinates": [[[0, 0], [40, 0], [0, 30], [0, 0]]]}'
 

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 from scipy import ndimage
 
-from foldcut.errors import FileFormatError
+from foldcut.core.errors import FileFormatError
+from foldcut.core.units import MM_PER_INCH
 from foldcut.readers import svg
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted, missing
-from foldcut.units import MM_PER_INCH
 
 SPECK = 2e-4
 """The part of the picture's area that a speck may have."""

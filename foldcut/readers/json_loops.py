@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import json
 
-from foldcut.errors import FileFormatError
-from foldcut.model import Floats, points_array
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Floats, points_array
+from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers import geojson
 from foldcut.readers.base import Drawing, ReadOptions, Source, json_of
-from foldcut.readers.fills import closed_rings
-from foldcut.units import MM_PER_UNIT
+from foldcut.readers.join_outlines import closed_rings
 
 _EXAMPLE = 'give {"loops": [[[0, 0], [40, 0], [0, 30]]], "units": "mm"}'
 _UNITS = ("mm", "cm", "in", "px")

@@ -12,8 +12,8 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any
 
-from foldcut.errors import FileFormatError
-from foldcut.limits import Limits
+from foldcut.core.errors import FileFormatError
+from foldcut.drawing.limits import Limits
 from foldcut.readers import svg
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted, missing
 

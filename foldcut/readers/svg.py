@@ -25,12 +25,12 @@ from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import fromstring
 from svgelements import Matrix
 
-from foldcut.errors import FileFormatError
-from foldcut.model import Floats, points_array
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Floats, points_array
+from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
-from foldcut.readers.fills import Outline, loops_of
+from foldcut.readers.join_outlines import Outline, loops_of
 from foldcut.readers.svg_paths import NEXT, NUMBER, Size, flattened, number_list, path_of, tag_of, user_units
-from foldcut.units import MM_PER_UNIT
 
 #: A file that shows more elements, clones counted as often as they are shown, is refused.
 MOST_ELEMENTS = 200_000

@@ -16,8 +16,8 @@ from typing import Any
 from svgelements import Arc, Close, CubicBezier, Line, Move, QuadraticBezier
 from svgelements import Path as PathData
 
-from foldcut.errors import FileFormatError
-from foldcut.units import MM_PER_UNIT
+from foldcut.core.errors import FileFormatError
+from foldcut.core.units import MM_PER_UNIT
 
 #: A curve has no more segments than this.
 MOST_STEPS = 1000

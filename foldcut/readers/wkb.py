@@ -8,7 +8,7 @@ import struct
 import numpy as np
 import shapely
 
-from foldcut.errors import FileFormatError
+from foldcut.core.errors import FileFormatError
 from foldcut.readers.base import Drawing, ReadOptions, Source
 from foldcut.readers.wkt import read_geometry
 

@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
-from foldcut.errors import FileFormatError
-from foldcut.model import Floats, points_array
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Floats, points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source, brackets_depth
-from foldcut.readers.fills import drawing_of
+from foldcut.readers.join_outlines import drawing_of
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:

@@ -38,14 +38,14 @@ from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from foldcut.errors import BadInputError
+from foldcut.core.errors import BadInputError
+from foldcut.drawing.placement import parse_length, parse_sheet
 from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS
-from foldcut.marks import DEFAULT_MARKS, MARKS
+from foldcut.jobs.marks import DEFAULT_MARKS, MARKS
 from foldcut.profiles import Treatment, load_profile, profile_names
 from foldcut.readers import READERS
-from foldcut.readers.text import font_families
+from foldcut.readers.typed_text import font_families
 from foldcut.samples import sample_names
-from foldcut.sheet import parse_length, parse_sheet
 
 QUICK_FILES = ("pattern.html",)
 FILES = ("pattern.svg", "pattern.fold", "pattern.html", "pattern.png", "pattern.zip")

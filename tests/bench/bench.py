@@ -44,15 +44,17 @@ from report import markdown, plot
 from yardsticks import YARDSTICKS
 
 import foldcut
-from foldcut import flatfold, layertree, packing
-from foldcut.assignment import assign_creases
-from foldcut.boundary import boundary_disks
-from foldcut.layers import fold_layers
-from foldcut.model import FoldedPattern
-from foldcut.molecules import build_molecules
-from foldcut.shape import make_shape
-from foldcut.sheet import parse_sheet, place
-from foldcut.tolerance import Tolerance
+from foldcut.core.model import FoldedPattern
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry import box_tree as layertree
+from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks import packing
+from foldcut.methods.disks.boundary import boundary_disks
+from foldcut.methods.disks.layers import fold_layers
+from foldcut.methods.disks.molecules import build_molecules
+from foldcut.methods.disks.trees import assign_creases
+from foldcut.pattern import face_maps as flatfold
 
 ITEMS = {item.name: item for item in (VERIFY, *EXPORTERS, *YARDSTICKS)}
 STAGES = ("boundary", "packing", "molecules", "assignment", "layers")

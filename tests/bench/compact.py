@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import foldcut
+from foldcut.drawing.shape import make_shape
 from foldcut.readers import read_shape
 from foldcut.samples import sample_names, sample_path
-from foldcut.shape import make_shape
 
 
 def peers(folders: list[Path]) -> dict[str, str]:

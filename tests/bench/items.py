@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
-from foldcut.errors import UnfoldableError
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import FoldedPattern
 from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS, export, export_job
-from foldcut.job import Job, Lay, make_jobs, steps_of
-from foldcut.model import FoldedPattern
+from foldcut.jobs.job import Job, Lay, make_jobs, steps_of
 from foldcut.profiles import load_profile
-from foldcut.verify import verify
+from foldcut.proof.verify import verify
 
 MACHINES = {
     ".svg": "glowforge",

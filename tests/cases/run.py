@@ -11,7 +11,7 @@ import time
 import traceback
 
 from cases.table import CASES
-from foldcut.cli import main
+from foldcut.cli.main import main
 
 
 def arguments(name: str) -> list[str]:

@@ -22,14 +22,14 @@ from fontTools.pens.ttGlyphPen import TTGlyphPen
 from PIL import Image, ImageDraw
 from reportlab.pdfgen.canvas import Canvas
 
-from foldcut.errors import FoldcutError
-from foldcut.prepare import Preparation, prepare
+from foldcut.core.errors import FoldcutError
+from foldcut.drawing.mend import Preparation, prepare
+from foldcut.drawing.shape import invariant_faults, make_shape
+from foldcut.foldfile.read import read_fold
+from foldcut.proof.verify import verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
-from foldcut.readers.fold import read_fold
-from foldcut.readers.text import draw_text
+from foldcut.readers.typed_text import draw_text
 from foldcut.samples import sample_names, sample_path
-from foldcut.shape import invariant_faults, make_shape
-from foldcut.verify import verify
 
 LONGEST_SEED = 20_000
 """Bytes: cases beyond this are about size, which fuzzing is not."""

@@ -1,0 +1,1 @@
+"""Files of the job that a machine does."""

@@ -1,0 +1,79 @@
+"""G-code: a job for machines with GRBL, a laser or a pen on a Z axis or a servo.
+
+Input: a ``Job`` and a ``Profile``; output: G-code in mm, absolute, one block a line. A laser is in dynamic mode (M4):
+its power follows the speed, and G0 never fires; power is relative to ``$30``. Source: GRBL 1.1, *Laser Mode*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from foldcut.jobs.job import Job, JobError, Step
+from foldcut.profiles import Gcode, Profile
+
+from ..text import number
+
+
+def export(job: Job, profile: Profile) -> bytes:
+    """Return a job as a G-code file.
+
+    Raises JobError: the profile does not say how the tool is switched, or a laser's setting is missing.
+    """
+    code = profile.gcode
+    if code is None:
+        raise JobError(f"the profile {profile.title!r} lacks what G-code needs: --set gcode.tool=laser, z or servo")
+    lines = [_comment(f"foldcut: {job.title}"), "G21", "G90"]
+    lines += _laser(job, profile, code) if code.tool == "laser" else _pen(job, code)
+    lines += ["G0 X0 Y0", "M2"]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _laser(job: Job, profile: Profile, code: Gcode) -> Iterator[str]:
+    yield "M4 S0"
+    for step in job.steps:
+        setting = step.setting
+        if setting is None:
+            raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")
+        power = round(setting.power_percent / 100 * code.most_power)
+        yield _comment(step.operation.layer)
+        for _ in range(setting.passes):
+            for first, rest in _strokes(job, step):
+                yield f"G0 {first}"
+                yield f"G1 {rest[0]} S{power} F{number(60 * setting.speed_mm_s)}"
+                yield from (f"G1 {point}" for point in rest[1:])
+    yield "M5"
+
+
+def _pen(job: Job, code: Gcode) -> Iterator[str]:
+    up, down = (
+        ([f"M3 S{code.pen_up:g}", "G4 P0.2"], [f"M3 S{code.pen_down:g}", "G4 P0.2"])
+        if code.tool == "servo"
+        else ([f"G0 Z{number(code.pen_up)}"], [f"G1 Z{number(code.pen_down)} F{number(60 * code.draw_mm_s)}"])
+    )
+    feed = number(60 * code.draw_mm_s)
+    yield from up
+    pen: int | None = None
+    for step in job.steps:
+        if step.operation.pen != pen:
+            pen = step.operation.pen
+            yield from (_comment(f"pen {pen}: {step.operation.layer}"), "M0")
+        for first, rest in _strokes(job, step):
+            yield f"G0 {first}"
+            yield from down
+            yield from (f"G1 {point} F{feed}" for point in rest)
+            yield from up
+    if code.tool == "servo":
+        yield "M5"
+
+
+def _strokes(job: Job, step: Step) -> Iterator[tuple[str, list[str]]]:
+    """Yield where each stroke begins, and its other points."""
+    right, up = job.at
+    for stroke in step.strokes:
+        first, *rest = (f"X{number(x + right)} Y{number(y + up)}" for x, y in stroke.tolist())
+        yield first, rest
+
+
+def _comment(text: str) -> str:
+    """Return a text as a comment may have it: GRBL reads ASCII."""
+    return "; " + "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in text)

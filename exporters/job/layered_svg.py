@@ -1,0 +1,53 @@
+"""SVG of a job, for lasers, cutters and plotters: one layer and one colour for each operation, in true size.
+
+Input: a ``Job`` and a ``Profile``; output: SVG 1.1. One user unit is 1 mm, y points down, nothing is transformed; the
+drawing is as large as the sheet. Layers are Inkscape's, in the order of the job; AxiDraw reads order and pauses off
+their names, LightBurn, Glowforge, xTool and Cricut go by the colours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import svgwrite
+from svgwrite.extensions import Inkscape
+
+from foldcut.jobs.job import Job, Step
+from foldcut.profiles import Profile
+
+from ..pattern.svg import path_data, with_paths
+from ..text import number, printable
+
+
+def export(job: Job, profile: Profile) -> bytes:
+    """Return a job as an SVG file."""
+    width, height = job.size
+    drawing = svgwrite.Drawing(
+        size=(f"{number(width)}mm", f"{number(height)}mm"),
+        viewBox=f"0 0 {number(width)} {number(height)}",
+        debug=False,
+    )
+    drawing.set_desc(title=printable(job.title) or "foldcut")
+    inkscape = Inkscape(drawing)
+    paths_of: dict[str, Iterable[str]] = {}
+    for count, step in enumerate(job.steps, 1):
+        operation = step.operation
+        name = f"step-{count}-{step.role}"
+        group = inkscape.layer(
+            label=operation.layer,
+            id=name,
+            fill="none",
+            stroke=operation.colour,
+            stroke_width=number(profile.drawing.crease_stroke_mm),
+        )
+        drawing.add(group)
+        paths_of[name] = _paths(step, height)
+    return with_paths(drawing, paths_of)
+
+
+def _paths(step: Step, height: float) -> Iterator[str]:
+    """Yield the path data of a step's strokes."""
+    for stroke in step.strokes:
+        closed = len(stroke) > 2 and bool((stroke[0] == stroke[-1]).all())
+        points = [(x, height - y) for x, y in (stroke[:-1] if closed else stroke).tolist()]
+        yield path_data(points, closed=closed)

@@ -1,0 +1,254 @@
+"""PDF: a job to print in true size, on one page or on as many as the sheet takes, with a layer for each operation.
+
+Input: a ``Job`` and a ``Profile`` with the paper (``bed``) and the printer's ``page``; output: PDF. A sheet larger than
+the paper is cut into tiles that overlap; crosses mark the same places on neighbouring pages. Every page has a ruler
+and, in a layer of its own, a legend. Layers are optional content (ISO 32000-1, 8.11); viewers are asked not to scale
+(12.2, PrintScaling).
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pikepdf
+from pikepdf import Array, Dictionary, Name, String
+from reportlab.lib.units import mm
+from reportlab.pdfbase.pdfmetrics import stringWidth
+from reportlab.pdfgen.canvas import Canvas
+
+from foldcut.core.model import Floats
+from foldcut.jobs.job import Job, JobError, mountain_pieces, valley_pieces
+from foldcut.profiles import Profile, Role
+
+from ..legend import BACKING, Ground
+from ..pattern.svg import DESCENT, shortened
+from ..text import printable
+
+MEANING: dict[Role, str] = {
+    "mark": "the shape, and other marks",
+    "mountain": "mountain: fold away from you",
+    "valley": "valley: fold toward you",
+    "cut": "the sheet's edge",
+}
+LEGEND = "Legend"
+FONT = "Helvetica"
+RULER_MM = 100.0
+CROSS_MM = 4.0
+
+
+def export(job: Job, profile: Profile) -> bytes:
+    """Return a job as a PDF file; the same job gives the same bytes.
+
+    Raises JobError: the profile does not say how large the paper is, or what its printer leaves white.
+    """
+    if profile.bed is None or profile.page is None:
+        raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; use one for a printer")
+    raw = io.BytesIO()
+    canvas = Canvas(raw, invariant=True, pageCompression=0)
+    canvas.setTitle(printable(job.title) or "foldcut")
+    canvas.setCreator("foldcut")
+    look = profile.drawing
+    strokes = [stroke for step in job.steps for stroke in step.strokes]
+    corners = np.concatenate([np.zeros((0, 2)), *strokes])
+    ends = np.cumsum([len(stroke) for stroke in strokes], dtype=np.int64)
+    lines = np.delete(np.stack([corners[:-1], corners[1:]], axis=1), ends[:-1] - 1, axis=0)
+    for tile in tiles(job, profile):
+        canvas.setPageSize((tile.width * mm, tile.height * mm))
+        canvas.saveState()
+        if tile.tiled:
+            clip = canvas.beginPath()
+            clip.rect(tile.inset * mm, tile.inset * mm, tile.clear_width * mm, tile.clear_height * mm)
+            canvas.clipPath(clip, stroke=0)
+        points, end = ((corners - (tile.x, tile.y)) * mm).tolist(), 0
+        for number, step in enumerate(job.steps):
+            canvas._code.append(f"/OC /L{number} BDC")
+            canvas.setStrokeColor(step.operation.colour)
+            canvas.setLineWidth(look.crease_stroke_mm * mm)
+            for stroke in step.strokes:
+                path = canvas.beginPath()
+                start, end = end, end + len(stroke)
+                path.moveTo(*points[start])
+                for point in points[start + 1 : end]:
+                    path.lineTo(*point)
+                canvas.drawPath(path)
+            canvas._code.append("EMC")
+        canvas.restoreState()
+        ground = Ground(tile.width, tile.height, profile.page.margin_mm + 2)
+        ground.add_lines(lines - (tile.x, tile.y))
+        crosses = _crosses(tile, profile.page.overlap_mm) if tile.tiled else np.zeros((0, 2, 2))
+        for cross in crosses:
+            x, y = (cross.mean(axis=0) - CROSS_MM / 2).tolist()
+            ground.fill(x, y, CROSS_MM, CROSS_MM)
+        _furniture(canvas, tile, profile, ground, crosses)
+        canvas._code.append(f"/OC /L{len(job.steps)} BDC")
+        _legend(canvas, job, profile, ground)
+        canvas._code.append("EMC")
+        canvas.showPage()
+    canvas.save()
+    return _with_layers(raw.getvalue(), [*(step.operation.layer for step in job.steps), LEGEND])
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A page: its size, the place of the sheet at its lower left corner, and what is printed of it, in mm."""
+
+    width: float
+    height: float
+    x: float
+    y: float
+    inset: float
+    row: int
+    column: int
+    count: int
+
+    @property
+    def tiled(self) -> bool:
+        """Whether there are more pages."""
+        return self.count > 1
+
+    @property
+    def clear_width(self) -> float:
+        """The width that is printed on."""
+        return self.width - 2 * self.inset
+
+    @property
+    def clear_height(self) -> float:
+        """The height that is printed on."""
+        return self.height - 2 * self.inset
+
+
+def tiles(job: Job, profile: Profile) -> Iterator[Tile]:
+    """Yield the pages that a sheet takes, row by row from the upper left."""
+    assert profile.bed is not None
+    assert profile.page is not None
+    width, height = job.size
+    page = profile.bed.width_mm, profile.bed.height_mm
+    slack = 1e-6
+    for w, h in (page, page[::-1]):
+        if width <= w + slack and height <= h + slack:
+            yield Tile(w, h, -(w - width) / 2, -(h - height) / 2, 0.0, 0, 0, 1)
+            return
+    inset, overlap = profile.page.margin_mm, profile.page.overlap_mm
+
+    def counts(w: float, h: float) -> tuple[int, int]:
+        return tuple(
+            max(1, math.ceil((size - overlap - slack) / (side - 2 * inset - overlap)))
+            for size, side in ((width, w), (height, h))
+        )  # type: ignore[return-value]
+
+    w, h = min((page, page[::-1]), key=lambda size: math.prod(counts(*size)))
+    columns, rows = counts(w, h)
+    step = w - 2 * inset - overlap, h - 2 * inset - overlap
+    # the tiles together are centred on the sheet
+    left = (width - columns * step[0] - overlap) / 2
+    low = (height - rows * step[1] - overlap) / 2
+    for row in range(rows):
+        for column in range(columns):
+            x, y = left + column * step[0], low + (rows - 1 - row) * step[1]
+            yield Tile(w, h, x - inset, y - inset, inset, row, column, rows * columns)
+
+
+def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
+    """Draw the title and a line for each operation, in its dashes and colour, where the fewest lines are under them."""
+    look = profile.drawing
+    size, indent, row = look.text_mm, look.sample_mm + 2, 1.6 * look.text_mm
+    sample = np.array([[0.0, 0.0], [look.sample_mm, 0.0]])
+    pieces = {"mountain": mountain_pieces(sample, look), "valley": valley_pieces(sample, look)}
+    roles = Counter(step.role for step in job.steps)
+    # on a test card each row has an operation of its own
+    words = [MEANING[s.role] if roles[s.role] == 1 else printable(s.operation.layer) for s in job.steps]
+    title = shortened(printable(job.title), float(ground.room[0]) / size)
+    widths = [*(indent + _width(text, size) for text in words), _width(title, size)]
+    place = ground.place([(max(widths), row * len(widths))], size / 2)
+    canvas.setFont(FONT, size * mm)
+    rows = [*zip(job.steps, words, strict=True)][::-1]
+    x, y = place.x, place.y
+    for (step, text), width in zip([*rows, (None, title)], [*widths[-2::-1], widths[-1]], strict=True):
+        if ground.lines_under(x, y, width, row):
+            _backing(canvas, x, y, width, row)
+        canvas.setFillColor(look.legend_colour)
+        base = y + DESCENT * size
+        if step is None:
+            canvas.drawString(x * mm, base * mm, text)
+            continue
+        canvas.setStrokeColor(step.operation.colour)
+        canvas.setLineWidth(look.crease_stroke_mm * mm)
+        dashes = pieces.get(step.role, sample[None]) if roles[step.role] == 1 else sample[None]
+        for start, end in dashes.tolist():
+            height = base + 0.35 * size
+            canvas.line((x + start[0]) * mm, height * mm, (x + end[0]) * mm, height * mm)
+        canvas.drawString((x + indent) * mm, base * mm, text)
+        y += row
+
+
+def _backing(canvas: Canvas, x: float, y: float, width: float, height: float) -> None:
+    """Lay white behind words, through which lines are still seen."""
+    canvas.saveState()
+    canvas.setFillColor("#ffffff", alpha=BACKING)
+    canvas.rect(x * mm, y * mm, width * mm, height * mm, stroke=0, fill=1)
+    canvas.restoreState()
+
+
+def _width(text: str, size: float) -> float:
+    """Return how wide a text is, in mm."""
+    return float(stringWidth(text, FONT, size))
+
+
+def _furniture(canvas: Canvas, tile: Tile, profile: Profile, ground: Ground, crosses: Floats) -> None:
+    """Draw the ruler, the page's name, and crosses where pages overlap."""
+    look = profile.drawing
+    canvas.setStrokeColor(look.legend_colour)
+    canvas.setLineWidth(look.legend_stroke_mm * mm)
+    size = look.text_mm
+    length = min(RULER_MM, 10 * math.floor((tile.width - 2 * ground.inset) / 10))
+    name = f"  row {tile.row + 1}, column {tile.column + 1} of {tile.count} pages" if tile.tiled else ""
+    words = f"{length:g} mm{name}"
+    place = ground.place([(length + 2 + _width(words, size), (1 + DESCENT) * size)], size / 2)
+    if ground.lines_under(place.x + length, place.y, place.width - length, place.height):
+        _backing(canvas, place.x + length + 1, place.y, place.width - length, place.height)
+    ground.fill(place.x, place.y, place.width, place.height)
+    x, y = place.x, place.y + DESCENT * size
+    ruler = canvas.beginPath()
+    ruler.moveTo(x * mm, y * mm)
+    ruler.lineTo((x + length) * mm, y * mm)
+    for n in range(round(length / 10) + 1):
+        ruler.moveTo((x + 10 * n) * mm, y * mm)
+        ruler.lineTo((x + 10 * n) * mm, (y + size) * mm)
+    canvas.drawPath(ruler)
+    canvas.setFillColor(look.legend_colour)
+    canvas.setFont(FONT, size * mm)
+    canvas.drawString((x + length + 2) * mm, y * mm, words)
+    marks = canvas.beginPath()
+    for start, end in (crosses * mm).tolist():
+        marks.moveTo(*start)
+        marks.lineTo(*end)
+    canvas.drawPath(marks)
+
+
+def _crosses(tile: Tile, overlap: float) -> Floats:
+    """Return the lines of the crosses where pages overlap, ``(8, 2, 2)``."""
+    lines = []
+    for x in (tile.inset + overlap / 2, tile.width - tile.inset - overlap / 2):
+        for y in (tile.inset + overlap / 2, tile.height - tile.inset - overlap / 2):
+            for dx, dy in ((CROSS_MM / 2, 0.0), (0.0, CROSS_MM / 2)):
+                lines.append([(x - dx, y - dy), (x + dx, y + dy)])
+    return np.array(lines)
+
+
+def _with_layers(data: bytes, names: list[str]) -> bytes:
+    """Return the file with its marked content as layers, and a wish not to be scaled."""
+    with pikepdf.open(io.BytesIO(data)) as pdf:
+        groups = [pdf.make_indirect(Dictionary(Type=Name.OCG, Name=String(name))) for name in names]
+        order = Array(groups)
+        pdf.Root.OCProperties = Dictionary(OCGs=Array(groups), D=Dictionary(Order=order, ON=Array(groups)))
+        pdf.Root.ViewerPreferences = Dictionary(PrintScaling=Name("/None"))
+        for page in pdf.pages:
+            page.Resources.Properties = Dictionary({f"/L{number}": group for number, group in enumerate(groups)})
+        out = io.BytesIO()
+        pdf.save(out, deterministic_id=True, compress_streams=True)
+    return out.getvalue()

@@ -1,0 +1,282 @@
+"""FOLD 1.2: the pattern, how it folds and which face lies on which, for other origami programs.
+
+Input: a ``FoldedPattern``; output: JSON, one key per line. Frame 0 is the crease pattern in the sheet's
+millimetres, frame 1 the folded form, which inherits everything but the coordinates. Coordinates are written
+with all digits of a float64, because layer solvers give no verdict on lines that nearly coincide.
+
+Own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
+drawing's own coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:shape``, the loops on the sheet that
+the cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:faceOrders`` =
+"adjacent" where only faces that share a crease are ordered (see ``face_orders``).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from importlib.metadata import version
+from typing import Any
+
+import mapbox_earcut
+import numpy as np
+from numpy.typing import NDArray
+
+from foldcut.core.model import Bools, Floats, FoldedPattern, Ints, Ragged
+from foldcut.geometry.planar_graph import half_edges, pair_keys
+from foldcut.profiles import Profile
+
+FOLD_ANGLES = {"M": -180, "V": 180}
+MOST_FACE_ORDERS = 2_000_000
+"""More pairs make tens of megabytes, which few programs read; then only neighbouring faces are ordered."""
+OVERLAP_TOLERANCE = 1e-9
+"""Folded faces that overlap by less than this part of the sheet's diagonal only touch."""
+CHUNK = 128
+"""Faces compared with all others at once: few enough for the processor's cache."""
+PROBES = 16
+"""Places where faces are counted, to see soon that there are too many pairs of them."""
+ROWS = 8192
+"""Rows of an array written at once: more would take memory, fewer time."""
+
+
+def export(pattern: FoldedPattern, profile: Profile) -> bytes:
+    """Return ``pattern`` as a FOLD file; nothing in it depends on the profile."""
+    creases = pattern.creases
+    orders, adjacent_only = face_orders(pattern)
+    fold: dict[str, object] = {
+        "file_spec": 1.2,
+        "file_creator": f"foldcut {version('foldcut')}",
+        "file_title": pattern.title,
+        "file_classes": ["singleModel"],
+        "frame_classes": ["creasePattern"],
+        "frame_unit": "mm",
+        "vertices_coords": creases.vertices_coords,
+        "edges_vertices": creases.edges_vertices,
+        "edges_assignment": creases.edges_assignment,
+        "edges_foldAngle": _fold_angles(creases.edges_assignment),
+        "faces_vertices": creases.faces_vertices,
+        "faceOrders": orders,
+        "file_frames": [
+            {
+                "frame_classes": ["foldedForm"],
+                "frame_parent": 0,
+                "frame_inherit": True,
+                "vertices_coords": pattern.folded.vertices_coords,
+            }
+        ],
+        "foldcut:placement": pattern.placement.matrix,
+        "foldcut:layers": pattern.folded.layers,
+        "foldcut:shape": list(pattern.shape.loops),
+        "foldcut:firstFolds": list(pattern.first_folds),
+    }
+    if adjacent_only:
+        fold["foldcut:faceOrders"] = "adjacent"
+    return _to_json(fold)
+
+
+def face_orders(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> tuple[Ints, bool]:
+    """Return FOLD's ``faceOrders`` and whether they are cut down to faces that share a crease.
+
+    Rows ``(f, g, s)``, ``(m, 3)`` int32 with f < g, for all faces that overlap when folded: s = 1 when f
+    lies on the side of g that g's normal points to in the folded state, else -1 (FOLD specification 1.2,
+    faceOrders). More than ``most`` overlaps are not listed; then there are only the pairs of faces that
+    share a crease.
+    """
+    pairs = overlapping_faces(pattern, most)
+    adjacent_only = pairs is None
+    if pairs is None:
+        pairs = _faces_across_creases(pattern.creases.faces_vertices)
+    f, g = pairs.T
+    rank = np.empty(len(pattern.folded.layers), dtype=np.int32)
+    rank[pattern.folded.layers] = np.arange(len(rank))
+    above = rank[f] > rank[g]
+    # The layers' "up" is the normal of face 0, so a face has its normal up when it is turned like face 0.
+    turned = _doubled_areas(pattern.folded.vertices_coords, pattern.creases.faces_vertices) < 0
+    normal_up = turned == turned[0]
+    signs = np.where(above == normal_up[g], 1, -1)
+    return np.column_stack([f, g, signs]).astype(np.int32), adjacent_only
+
+
+def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> Ints | None:
+    """Return the pairs of faces that overlap when folded, ``(m, 2)`` with f < g, or None if over ``most``.
+
+    Two convex pieces overlap unless one has a side that the other lies wholly outside of (separating axis
+    theorem).
+    """
+    points = pattern.folded.vertices_coords
+    tolerance = OVERLAP_TOLERANCE * pattern.sheet.diagonal
+    faces = pattern.creases.faces_vertices
+    if _surely_more(points, faces, tolerance, most):
+        return None
+    pieces, faces_of_pieces = _convex_pieces(points, faces)
+    sides = _inward_sides(points, pieces)
+    found = [np.empty(0, dtype=np.int64)]
+    for first in range(0, len(pieces), CHUNK):
+        # These pieces against themselves and all later ones.
+        these, rest = slice(first, first + CHUNK), slice(first, None)
+        apart = _wholly_outside(points, pieces[rest], sides[:, these], tolerance).T
+        apart |= _wholly_outside(points, pieces[these], sides[:, rest], tolerance)
+        f, g = faces_of_pieces[np.argwhere(np.triu(~apart, k=1)) + first].T
+        found.append(_distinct(f[f != g] * len(faces) + g[f != g]))
+        if sum(map(len, found)) > most:
+            return None
+    return np.column_stack(np.divmod(_distinct(np.concatenate(found)), len(faces))).astype(np.int32)
+
+
+def _surely_more(points: Floats, faces: Ragged, tolerance: float, most: int) -> bool:
+    """Return whether more than ``most`` pairs overlap for sure: of the convex faces well around one place, each two."""
+    if len(faces) * (len(faces) - 1) // 2 <= most:
+        return False
+    starts, following = faces.offsets[:-1], faces.following
+    corner = points[faces.values]
+    side = corner[following] - corner
+    length = np.hypot(side[:, 0], side[:, 1])
+    turned = np.sign(_doubled_areas(points, faces))
+    convex = np.ones(len(faces), dtype=bool)
+    convex[list(_faces_with_bends(points, faces))] = False
+    # a side without length is no nearer to a place than the others are
+    normal = side[:, ::-1] * (-1, 1) * (turned[faces.rows] / np.where(length > 0, length, 1.0))[:, None]
+    for face in np.flatnonzero(convex)[:: max(1, np.count_nonzero(convex) // PROBES)]:
+        place = corner[starts[face] : faces.offsets[face + 1]].mean(axis=0)
+        inward = np.where(length > 0, np.sum((place - corner) * normal, axis=1), np.inf)
+        around = np.count_nonzero(convex & (np.minimum.reduceat(inward, starts) > 10 * tolerance))
+        if around * (around - 1) // 2 > most:
+            return True
+    return False
+
+
+def _distinct(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the keys sorted and each once; ``np.unique`` takes ten times as long for so many."""
+    keys = np.sort(keys)
+    return keys[np.diff(keys, prepend=-1) > 0]
+
+
+def _wholly_outside(points: Floats, pieces: Ints, sides: Floats, tolerance: float) -> Bools:
+    """Return whether piece i lies wholly outside some side of piece j, ``(i, j)``."""
+    used, corners = np.unique(pieces, return_inverse=True)
+    points, pieces = points[used], corners.astype(np.int32).reshape(pieces.shape)
+    outside = np.zeros((len(pieces), sides.shape[1]), dtype=bool)
+    for side in sides:
+        heights = points @ side[:, :2].T + side[:, 2]
+        highest = heights[pieces[:, 0]]
+        for corner in pieces.T[1:]:
+            np.maximum(highest, heights[corner], out=highest)
+        outside |= highest <= tolerance
+    return outside
+
+
+def _inward_sides(points: Floats, pieces: Ints) -> Floats:
+    """Return the pieces' sides as (a, b, c), ``(4, n, 3)``: a x + b y + c is the distance inward."""
+    start = points[pieces.T]
+    vector = np.roll(start, -1, axis=0) - start
+    length = np.hypot(vector[..., 0], vector[..., 1])
+    counter_clockwise = np.sign(_cross(start[2] - start[0], start[3] - start[1]))
+    scale = counter_clockwise / np.where(length > 0, length, np.inf)
+    normal = np.stack([-vector[..., 1], vector[..., 0]], axis=-1) * scale[..., None]
+    constant = -np.sum(normal * start, axis=-1)
+    constant[length == 0] = np.inf  # a side without length separates nothing
+    return np.concatenate([normal, constant[..., None]], axis=-1)
+
+
+def _convex_pieces(points: Floats, faces: Ragged) -> tuple[Ints, NDArray[np.int64]]:
+    """Divide the faces into triangles and convex quadrilaterals.
+
+    Returns their vertices, ``(n, 4)``, the last vertex of a triangle twice, and the face of each.
+    """
+    bent = _faces_with_bends(points, faces)
+    rows, owners = [], []
+    for face, ring in enumerate(faces.to_lists()):
+        if face in bent:
+            ends = np.array([len(ring)], dtype=np.uint32)
+            parts = mapbox_earcut.triangulate_float64(points[ring], ends).reshape(-1, 3).tolist()
+            fan = [[ring[corner] for corner in part] for part in parts]
+        else:
+            fan = [[ring[0], *ring[at : at + 3]] for at in range(1, len(ring) - 1, 2)]
+        rows += [[*part, part[-1]] if len(part) == 3 else part for part in fan]
+        owners += [face] * len(fan)
+    return np.array(rows, dtype=np.int32).reshape(-1, 4), np.array(owners, dtype=np.int64)
+
+
+def _faces_with_bends(points: Floats, faces: Ragged) -> set[int]:
+    """Return the faces that are not convex."""
+    following = faces.following
+    corner = points[faces.values]
+    vector = corner[following] - corner
+    turn = _cross(vector, vector[following]) * np.sign(_doubled_areas(points, faces))[faces.rows]
+    length = np.hypot(vector[:, 0], vector[:, 1])
+    reflex = turn < -OVERLAP_TOLERANCE * length * length[following]
+    return set(faces.rows[reflex].tolist())
+
+
+def _faces_across_creases(faces: Ragged) -> Ints:
+    """Return the pairs of faces that share an edge, ``(m, 2)`` with f < g."""
+    one, other = half_edges(faces)
+    ends = pair_keys(np.minimum(one, other), np.maximum(one, other))
+    order = np.argsort(ends, kind="stable")
+    shared = np.flatnonzero(np.diff(ends[order]) == 0)
+    f, g = (faces.rows[order[shared + n]].astype(np.int64) for n in (0, 1))
+    return np.column_stack(np.divmod(_distinct(f * len(faces) + g), len(faces))).astype(np.int32)
+
+
+def _doubled_areas(points: Floats, faces: Ragged) -> Floats:
+    """Return twice the signed area of every face; below 0 = clockwise."""
+    # From each face's own first corner, so that small faces far from the origin keep their digits.
+    corner = points[faces.values] - points[faces.values[faces.offsets[:-1]]][faces.rows]
+    return np.add.reduceat(_cross(corner, corner[faces.following]), faces.offsets[:-1])
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    """Return the cross products of the rows of two ``(n, 2)`` arrays."""
+    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+
+
+def _fold_angles(assignment: NDArray[np.str_]) -> Ints:
+    """Return the fold angle of every edge in degrees, ``(n,)``."""
+    angles = np.zeros(len(assignment), dtype=np.int32)
+    for letter, angle in FOLD_ANGLES.items():
+        angles[assignment == letter] = angle
+    return angles
+
+
+def _to_json(fold: dict[str, object]) -> bytes:
+    """Return compact JSON with one top-level key per line; a number that JSON cannot hold is an error."""
+    lines = []
+    for key, value in fold.items():
+        lines.append(f"{json.dumps(key)}: ".encode() + b"".join(part.encode() for part in _parts(value)))
+    return b"{\n" + b",\n".join(lines) + b"\n}\n"
+
+
+def _parts(value: object) -> Iterator[str]:
+    """Yield one value as JSON, in parts; ``json.dumps`` of millions of lists would take time and memory."""
+    if isinstance(value, np.ndarray | Ragged):
+        yield "["
+        for low in range(0, len(value), ROWS):
+            yield "," * (low > 0) + _rows(value, low, min(low + ROWS, len(value)))
+        yield "]"
+    elif isinstance(value, dict):
+        for number, (key, item) in enumerate(value.items()):
+            yield f"{',' if number else '{'}{json.dumps(key)}:"
+            yield from _parts(item)
+        yield "}" if value else "{}"
+    elif isinstance(value, list):
+        yield "["
+        for number, item in enumerate(value):
+            yield "," * (number > 0)
+            yield from _parts(item)
+        yield "]"
+    else:
+        yield json.dumps(value, allow_nan=False)
+
+
+def _rows(array: NDArray[Any] | Ragged, low: int, high: int) -> str:
+    """Return some rows as JSON, with commas between them."""
+    if isinstance(array, Ragged):
+        lengths = array.lengths[low:high].tolist()
+        rows = {length: f"[{','.join(['%d'] * length)}]" for length in set(lengths)}
+        values = array.values[array.offsets[low] : array.offsets[high]]
+        return ",".join([rows[length] for length in lengths]) % tuple(values.tolist())
+    values = array[low:high]
+    if values.dtype.kind == "f" and not np.isfinite(values).all():
+        raise ValueError("JSON has no numbers for infinity and NaN")
+    one = {"f": "%r", "i": "%d", "U": '"%s"'}[values.dtype.kind]
+    row = one if values.ndim == 1 else f"[{','.join([one] * values.shape[1])}]"
+    return ",".join([row] * len(values)) % tuple(values.ravel().tolist())

@@ -1,0 +1,169 @@
+"""Pictures of a pattern: the creases, the sheet folded flat, its layers drawn apart, and what the cut leaves.
+
+Input: a ``FoldedPattern`` and the names of panels; output: SVG, see ``panels``. Mountains are dash-dotted and red,
+valleys dashed and blue, what is inside the shape is yellow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from foldcut.core.errors import BadInputError
+from foldcut.core.model import Floats, FoldedPattern
+from foldcut.geometry.vectors import signed_area
+from foldcut.profiles import Drawing, Profile
+
+from .construction import CONSTRUCTION
+from .panels import BOLD, EDGE, EDGE_COLOUR, Item, Key, Panel, faces, fine, laid_out, mountain, valley
+
+if TYPE_CHECKING:
+    from foldcut.pipeline import PaperStages
+
+INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK = "#ffe08a", "#e6b93f", "#ffffff", "#cfd8e3"
+CUT = "#c00000"
+SIDEWAYS, UPWARD = 0.45, 0.2
+"""Layers apart are seen from the side: how much of the way along the cut line is left, and how far it climbs."""
+
+
+def check(show: Sequence[str], *, construction: bool = False) -> None:
+    """Raise BadInputError unless all these are names of panels, of ``CONSTRUCTION`` only if there is one."""
+    for name in show:
+        if name not in {**PANELS, **CONSTRUCTION}:
+            raise BadInputError(f"there is no picture {name!r}; choose of {', '.join([*PANELS, *CONSTRUCTION])}")
+        if name in CONSTRUCTION and not construction:
+            raise BadInputError(f"the picture {name} is of the paper's construction: it goes with --method paper")
+
+
+def draw(
+    pattern: FoldedPattern, show: Sequence[str], profile: Profile, stages: PaperStages | None = None
+) -> tuple[bytes, tuple[float, float]]:
+    """Return an SVG with a panel for each name in ``show``, and its width and height in mm.
+
+    Raises BadInputError for a name that is not in ``PANELS``, nor, where the paper's ``stages`` are given, in
+    ``CONSTRUCTION``.
+    """
+    check(show, construction=stages is not None)
+    panels = []
+    for name in show:
+        if name in PANELS:
+            panels.append((name, PANELS[name](pattern, profile.drawing)))
+        else:
+            assert stages is not None
+            panels.append((name, CONSTRUCTION[name](stages, profile.drawing)))
+    return laid_out(panels, pattern.title)
+
+
+def _pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]]:
+    """Yield the faces' parts on either side of the cut line: face, whether inside, its corners flat and folded."""
+    flat, folded = pattern.creases.vertices_coords, pattern.folded.vertices_coords
+    for face, ring in enumerate(pattern.creases.faces_vertices.to_lists()):
+        both = np.hstack([flat[ring], folded[ring]])
+        for side in (1.0, -1.0):
+            heights = side * both[:, 3]
+            if heights.max() < 1e-9:
+                continue
+            corners = []
+            for one, other, here, there in zip(
+                both, np.roll(both, -1, axis=0), heights, np.roll(heights, -1), strict=True
+            ):
+                if here >= 0:
+                    corners.append(one)
+                if here * there < 0:
+                    corners.append(one + (other - one) * (here / (here - there)))
+            part = np.array(corners)
+            yield face, side > 0, part[:, :2], part[:, 2:]
+
+
+def _colour(inside: bool, folded: Floats) -> str:
+    front = signed_area(folded) > 0
+    return (INSIDE if front else INSIDE_BACK) if inside else (OUTSIDE if front else OUTSIDE_BACK)
+
+
+def creases(pattern: FoldedPattern, look: Drawing) -> Panel:
+    """Draw the crease pattern."""
+    kinds = pattern.creases.edges_assignment
+    lines = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
+    folded = np.isin(kinds, ("M", "V"))
+    width = fine(lines[folded], max(pattern.sheet.width, pattern.sheet.height))
+    sheet = faces([pattern.sheet.corners], OUTSIDE)
+    loops = sorted(enumerate(pattern.shape.loops), key=lambda row: pattern.shape.depth(row[0]))
+    shape = [faces([loop], INSIDE if pattern.shape.depth(n) % 2 == 0 else OUTSIDE) for n, loop in loops]
+    styles = (
+        ("M", look.mountain_colour, mountain(look), "mountain: fold away from you"),
+        ("V", look.valley_colour, valley(look), "valley: fold toward you"),
+    )
+    drawn = [
+        Item(list(lines[kinds == letter]), stroke=colour, width=width, dash=dash)
+        for letter, colour, dash, _ in styles
+        if (kinds == letter).any()
+    ]
+    keys = [Key(text, stroke=colour, dash=dash) for _, colour, dash, text in styles]
+    return Panel([sheet, *shape, *drawn], [*keys, Key("the shape", fill=INSIDE)])
+
+
+SIDES = [
+    Key("the shape, front", fill=INSIDE),
+    Key("back", fill=INSIDE_BACK),
+    Key("around it, front", fill=OUTSIDE),
+    Key("back", fill=OUTSIDE_BACK),
+]
+
+
+def front(pattern: FoldedPattern, look: Drawing) -> Panel:
+    """Draw the folded sheet from the front, and where to cut."""
+    rank = np.argsort(pattern.folded.layers)
+    parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
+    x = pattern.folded.vertices_coords[:, 0]
+    over = 0.08 * np.ptp(x)
+    line = np.array([[x.min() - over, 0.0], [x.max() + over, 0.0]])
+    cut = Item([line], stroke=CUT, width=BOLD)
+    drawn = [faces([folded], _colour(inside, folded)) for _, inside, _, folded in parts]
+    return Panel([*drawn, cut], [Key("folded flat: the cut", stroke=CUT, width=BOLD), *SIDES])
+
+
+def apart(pattern: FoldedPattern, look: Drawing) -> Panel:
+    """Draw the layers apart along the spine, seen from the side."""
+    rank = np.argsort(pattern.folded.layers)
+    size = float(np.ptp(pattern.folded.vertices_coords, axis=0).max())
+    step = 1.6 * size / len(rank)
+    side = np.array([[SIDEWAYS, UPWARD], [0.0, 1.0]])
+    parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
+    width = min(EDGE, 0.25 * EDGE + 4.0 * EDGE / len(rank) ** 0.5)
+    drawn = [
+        Item([folded @ side + (rank[face] * step, 0.0)], _colour(inside, folded), EDGE_COLOUR, width, closed=True)
+        for face, inside, _, folded in parts
+    ]
+    first = float(pattern.folded.vertices_coords[:, 0].min())
+    right = max(float(item.lines[0][:, 0].max()) for item in drawn)
+    foot = np.array([first * SIDEWAYS, first * UPWARD])
+    spine = np.array([foot - (0.02 * right, 0.0), [1.02 * right, foot[1]]])
+    return Panel(
+        [*drawn, Item([spine], stroke=CUT)],
+        [Key("the layers apart, the lowest left: the cut", stroke=CUT), *SIDES],
+    )
+
+
+def after(pattern: FoldedPattern, look: Drawing) -> Panel:
+    """Draw what unfolds after the cut."""
+    aside = np.array([1.06 * pattern.sheet.width, 0.0])
+    if pattern.sheet.width > pattern.sheet.height:
+        aside = np.array([0.0, -1.06 * pattern.sheet.height])
+    lines = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
+    width = fine(lines, 2 * max(pattern.sheet.width, pattern.sheet.height), EDGE)
+    drawn = [
+        Item([flat + aside * inside], INSIDE if inside else OUTSIDE, EDGE_COLOUR, width, closed=True)
+        for _, inside, flat, _ in _pieces(pattern)
+    ]
+    keys = [Key("after the cut, unfolded: the shape", fill=INSIDE), Key("the rest", fill=OUTSIDE)]
+    return Panel(drawn, keys)
+
+
+PANELS: dict[str, Callable[[FoldedPattern, Drawing], Panel]] = {
+    "pattern": creases,
+    "folded": front,
+    "layers": apart,
+    "pieces": after,
+}

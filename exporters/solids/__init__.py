@@ -1,0 +1,1 @@
+"""The scored sheet as a solid."""

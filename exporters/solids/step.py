@@ -1,0 +1,197 @@
+"""STEP: the scored sheet as one solid with plane faces, for CAD.
+
+Input: a ``FoldedPattern`` and a ``Profile`` with ``solid``; output: STEP AP214, mm. The mesh of ``solid`` has the
+geometry already, exact to rounding; its triangles in one plane become one face, and faces share edges and corners, so
+that nothing has to be cut or sewn. Needs the extra ``solids``.
+"""
+
+from __future__ import annotations
+
+import io
+from collections import defaultdict
+from typing import Any
+
+import numpy as np
+
+from foldcut.core.errors import FileFormatError
+from foldcut.core.model import Floats, FoldedPattern, Numbers
+from foldcut.profiles import Profile
+
+from .solid import corners_and_triangles, needs, sheet_solid
+
+FLAT_MM = (1e-6, 1e-8)
+"""Triangles are in one plane when their corners are this near to it; the finer is tried if the coarser will not do."""
+
+NEAR_MM = 1e-7
+"""Corners further off are not on their face's plane, as Open CASCADE sees it (``Precision::Confusion``)."""
+
+Half = tuple[int, int]
+
+
+def export(pattern: FoldedPattern, profile: Profile) -> bytes:
+    """Return the scored sheet as a STEP file; errors as for ``sheet_solid``."""
+    needs("build123d")
+    from build123d import export_step
+
+    solid = step_solid(pattern, profile)
+    out = io.BytesIO()
+    # curves on planes say nothing that the planes do not, and are two thirds of a file
+    export_step(solid, out, write_pcurves=False, timestamp="2000-01-01T00:00:00")
+    return out.getvalue()
+
+
+def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
+    """Return the scored sheet as a ``build123d.Solid``; errors as for ``sheet_solid``."""
+    scored = sheet_solid(pattern, profile)
+    for flat in FLAT_MM:
+        mesh = scored.simplify(flat).to_mesh64()
+        solid = _valid_solid(*corners_and_triangles(mesh), np.asarray(mesh.face_id))
+        if solid is not None:
+            return solid
+    points, triangles = corners_and_triangles(mesh)
+    solid = _valid_solid(points, triangles, np.arange(len(triangles)))  # these are plane in any case
+    if solid is None:
+        raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
+    return solid
+
+
+def _valid_solid(points: Floats, triangles: Numbers, plane: Numbers) -> Any:
+    """Return the solid of faces in planes, or None: a face has no area, or Open CASCADE finds something wrong."""
+    from build123d import Solid
+
+    faces = plane_faces(triangles, plane)
+    places, normals = planes(points, faces)
+    if not normals.any(axis=1).all() or max_off(points, faces, places, normals) > NEAR_MM:
+        return None
+    solid = Solid(_Builder(points).solid(faces, places, normals))
+    return solid if solid.is_valid else None
+
+
+def plane_faces(triangles: Numbers, plane: Numbers) -> list[list[list[int]]]:
+    """Return the outlines of triangles, ``(t, 3)``, in common planes, ``(t,)``: for each face its loops of corners."""
+    triangle: dict[Half, int] = {}
+    opposite: dict[Half, int] = {}
+    for at, (a, b, c) in enumerate(triangles.tolist()):
+        for one, other, third in ((a, b, c), (b, c, a), (c, a, b)):
+            triangle[one, other], opposite[one, other] = at, third
+    planes = plane.tolist()
+
+    def within(half: Half) -> int:
+        return int(planes[triangle[half]])
+
+    borders: dict[int, dict[Half, None]] = defaultdict(dict)
+    for a, b in triangle:
+        if within((b, a)) != within((a, b)):
+            borders[within((a, b))][a, b] = None
+    faces = []
+    for number, left in borders.items():
+        loops = []
+        while left:
+            half, loop = next(iter(left)), []
+            while half in left:
+                del left[half]
+                loop.append(half[0])
+                # around the end, through the face's triangles, to its next side
+                end, third = half[1], opposite[half]
+                while within((third, end)) == number:
+                    third = opposite[third, end]
+                half = end, third
+            loops.append(loop)
+        faces.append(loops)
+    return faces
+
+
+def planes(points: Floats, faces: list[list[list[int]]]) -> tuple[Floats, Floats]:
+    """Return a place in the plane of every face, ``(f, 3)``, and its normal of length 1, or 0 for a face of no area.
+
+    The first loop of a face becomes its outer one.
+    """
+    loops = [loop for face in faces for loop in face]
+    counts = np.array([len(loop) for loop in loops])
+    starts = np.cumsum(counts) - counts
+    corners = points[np.concatenate(loops)]
+    centres = np.add.reduceat(corners, starts) / counts[:, None]
+    spokes = corners - np.repeat(corners[starts], counts, axis=0)
+    # a loop's last spoke meets the next loop's first, which is 0, and so adds nothing
+    turns = np.append(np.cross(spokes[:-1], spokes[1:]), np.zeros((1, 3)), axis=0)
+    normals = np.add.reduceat(turns, starts)
+    sizes = np.linalg.norm(normals, axis=1)
+    first = 0
+    chosen = np.empty(len(faces), dtype=np.int64)
+    for number, face in enumerate(faces):
+        outer = int(np.argmax(sizes[first : first + len(face)])) if len(face) > 1 else 0
+        chosen[number] = first + outer
+        face.insert(0, face.pop(outer))
+        first += len(face)
+    normals, sizes = normals[chosen], sizes[chosen]
+    return centres[chosen], normals / np.where(sizes > 0, sizes, 1.0)[:, None]
+
+
+def max_off(points: Floats, faces: list[list[list[int]]], places: Floats, normals: Floats) -> float:
+    """Return how far, in mm, the corner that is furthest off its face's plane is."""
+    counts = [sum(map(len, face)) for face in faces]
+    corners = points[[corner for face in faces for loop in face for corner in loop]]
+    away = corners - np.repeat(places, counts, axis=0)
+    return float(np.abs((away * np.repeat(normals, counts, axis=0)).sum(axis=1)).max())
+
+
+class _Builder:
+    """Makes plane faces that share edges and corners into a solid, by Open CASCADE itself: build123d would sew."""
+
+    def __init__(self, points: Floats) -> None:
+        self.points = points.tolist()
+        self.corners: dict[int, Any] = {}
+        self.edges: dict[Half, Any] = {}
+
+    def solid(self, faces: list[list[list[int]]], places: Floats, normals: Floats) -> Any:
+        """Return the solid that faces enclose; their outer loops come first."""
+        from OCP.BRep import BRep_Builder
+        from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
+
+        builder = BRep_Builder()
+        shell, solid = TopoDS_Shell(), TopoDS_Solid()
+        builder.MakeShell(shell)
+        for loops, place, normal in zip(faces, places.tolist(), normals.tolist(), strict=True):
+            builder.Add(shell, self._face(builder, loops, place, normal))
+        shell.Closed(True)
+        builder.MakeSolid(solid)
+        builder.Add(solid, shell)
+        return solid
+
+    def _face(self, builder: Any, loops: list[list[int]], place: list[float], normal: list[float]) -> Any:
+        from OCP.Geom import Geom_Plane
+        from OCP.gp import gp_Dir, gp_Pnt
+        from OCP.TopoDS import TopoDS_Face
+
+        face = TopoDS_Face()
+        builder.MakeFace(face, Geom_Plane(gp_Pnt(*place), gp_Dir(*normal)), NEAR_MM)
+        for loop in loops:
+            builder.Add(face, self._wire(loop))
+        return face
+
+    def _wire(self, loop: list[int]) -> Any:
+        from OCP.BRep import BRep_Builder
+        from OCP.TopoDS import TopoDS_Wire
+
+        builder, wire = BRep_Builder(), TopoDS_Wire()
+        builder.MakeWire(wire)
+        for a, b in zip(loop, loop[1:] + loop[:1], strict=True):
+            builder.Add(wire, self._edge(a, b))
+        wire.Closed(True)
+        return wire
+
+    def _edge(self, a: int, b: int) -> Any:
+        from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeEdge
+
+        key = min(a, b), max(a, b)
+        if key not in self.edges:
+            self.edges[key] = BRepBuilderAPI_MakeEdge(self._corner(key[0]), self._corner(key[1])).Edge()
+        return self.edges[key] if a < b else self.edges[key].Reversed()
+
+    def _corner(self, number: int) -> Any:
+        from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeVertex
+        from OCP.gp import gp_Pnt
+
+        if number not in self.corners:
+            self.corners[number] = BRepBuilderAPI_MakeVertex(gp_Pnt(*self.points[number])).Vertex()
+        return self.corners[number]

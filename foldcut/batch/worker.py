@@ -1,0 +1,253 @@
+"""One drawing of a batch, folded in a process of its own.
+
+A ``Task``, the bytes of a drawing, and a ``Recipe`` -> an ``Outcome``: the bytes of files, numbers about the pattern,
+or why there is none. ``work`` does it here; a ``Process`` has another interpreter do it, so that a drawing
+that takes too long, or takes the interpreter down, costs no more than itself. Nothing is written to files.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from foldcut.core.errors import BadInputError, FoldcutError, UnfoldableError
+from foldcut.exporters.pictures.contact import Thumbnail, thumbnail
+from foldcut.output.render import JobOptions, Maker
+from foldcut.profiles import Profile
+from foldcut.readers import ReadOptions, read_shape
+
+__all__ = ["Outcome", "Process", "Recipe", "Task", "WorkerError", "work", "work_apart"]
+
+MADE, UNFOLDABLE, BAD_INPUT, TIMED_OUT, CRASHED, ERROR = (
+    "made",
+    "unfoldable",
+    "bad-input",
+    "timed-out",
+    "crashed",
+    "error",
+)
+ATTEMPTS = 2
+"""How often a drawing is tried whose process dies: the first time something else may have been the reason."""
+
+START = "from foldcut.batch.worker import main; main()"
+"""Not ``-m``: classes of a module that is ``__main__`` do not unpickle elsewhere."""
+
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+"""Linear algebra gets one thread in each process: the cores have work already, and sums keep their order."""
+
+
+class WorkerError(FoldcutError, RuntimeError):
+    """Worker processes do not start, so no drawing can be folded."""
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """What is done to every drawing of a batch.
+
+    ``fold``: keyword arguments of ``pipeline.fold``; ``endings`` of the files to make, such as ``(".dxf",)``, by
+    ``profile`` and ``job`` where it is for a machine.
+    """
+
+    fold: Mapping[str, Any] = field(default_factory=dict)
+    reading: ReadOptions = field(default_factory=ReadOptions)
+    endings: tuple[str, ...] = (".svg", ".fold")
+    profile: Profile | None = None
+    job: JobOptions = field(default_factory=JobOptions)
+
+    @property
+    def fingerprint(self) -> str:
+        """The same for equal recipes, in every process."""
+        parts = (sorted(self.fold.items()), self.reading, self.endings, self.profile, self.job)
+        return hashlib.sha256(repr(parts).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Task:
+    """A drawing: its file's ``name``, with the suffix, its bytes, and ``stem``, what its files are called."""
+
+    name: str
+    stem: str
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a drawing: ``status`` is "made", or says why ``files``, by name, are empty; lengths are in mm."""
+
+    status: str
+    error: str = ""
+    method: str = ""
+    creases: int | None = None
+    folds: int | None = None
+    shortest_crease_mm: float | None = None
+    seconds: float = 0.0
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    thumbnail: Thumbnail | None = None
+
+
+def work(recipe: Recipe, task: Task) -> Outcome:
+    """Fold a drawing and make its files; whatever is wrong with it becomes the outcome's error."""
+    from foldcut import pipeline
+
+    started = time.perf_counter()
+    try:
+        drawing = read_shape(task.name, recipe.reading, task.data)
+        result = pipeline.fold(drawing, **recipe.fold)
+        pattern = result.require_verified()
+        maker = Maker(pattern, recipe.profile, recipe.job)
+        files: dict[str, bytes] = {}
+        for ending in recipe.endings:
+            files |= {path.as_posix(): data for path, data in maker.files(Path(task.stem + ending)).items()}
+    except UnfoldableError as error:
+        return _failed(UNFOLDABLE, error, started)
+    except BadInputError as error:
+        return _failed(BAD_INPUT, error, started)
+    except Exception as error:  # a mistake in a stage must not end the batch
+        return _failed(ERROR, f"{type(error).__name__}: {error}", started)
+    return Outcome(
+        MADE,
+        method=result.method,
+        creases=result.foldability.creases,
+        folds=result.actions,
+        shortest_crease_mm=result.foldability.shortest_crease_mm,
+        seconds=time.perf_counter() - started,
+        files=files,
+        thumbnail=thumbnail(pattern),
+    )
+
+
+def _failed(status: str, error: object, started: float) -> Outcome:
+    return Outcome(status, " ".join(str(error).split()), seconds=time.perf_counter() - started)
+
+
+class Process:
+    """A process that folds one drawing after the other; it is started when needed and ends with this one."""
+
+    def __init__(self) -> None:
+        self._process: subprocess.Popen[bytes] | None = None
+        self._cancelled = False
+
+    def run(self, recipe: Recipe, task: Task, timeout: float) -> Outcome:
+        """Return what comes of a drawing; after ``timeout`` seconds that it takes too long, and its process is killed.
+
+        Raises WorkerError: no process starts.
+        """
+        died = ""
+        for _ in range(ATTEMPTS):
+            process = self._started()
+            started = time.perf_counter()
+            late = threading.Event()
+            timer = threading.Timer(timeout, _give_up, (process, late))
+            timer.start()
+            try:
+                assert process.stdin is not None
+                assert process.stdout is not None
+                pickle.dump((recipe, task), process.stdin)
+                process.stdin.flush()
+                outcome: Outcome = pickle.load(process.stdout)
+            except (EOFError, OSError, pickle.UnpicklingError):
+                self.stop()
+                died = f"its process ended with status {process.returncode}"
+                if late.is_set():
+                    remedy = "allow more with --timeout, or search less with --effort fast or --seconds"
+                    return _failed(TIMED_OUT, f"timed out after {timeout:g} s; {remedy}", started)
+                if self._cancelled:
+                    break
+            else:
+                return outcome
+            finally:
+                timer.cancel()
+        return _failed(CRASHED, f"{died}, {ATTEMPTS} times: a lack of memory, or a mistake in a library", started)
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        """Return a process that is ready."""
+        if self._process is None or self._process.poll() is not None:
+            self.stop()
+            places = [place or os.getcwd() for place in sys.path]
+            one = dict.fromkeys(ONE_THREAD, "1")
+            self._process = subprocess.Popen(
+                [sys.executable, "-P", "-c", START],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.DEVNULL,
+                env={**one, **os.environ, "PYTHONPATH": os.pathsep.join(places)},
+                start_new_session=True,  # Ctrl-C is for this process, which then ends that one
+            )
+            assert self._process.stdout is not None
+            try:
+                pickle.load(self._process.stdout)
+            except (EOFError, pickle.UnpicklingError):
+                status = self._process.wait()
+                if not self._cancelled:
+                    raise WorkerError(
+                        f"a worker process does not start (status {status}); `python -c '{START}'` shows why"
+                    ) from None
+        return self._process
+
+    def cancel(self) -> None:
+        """End the process at once, whatever it does: for another thread than the one in ``run``."""
+        self._cancelled = True
+        if self._process is not None:
+            self._process.kill()
+
+    def stop(self) -> None:
+        """End the process and leave nothing of it."""
+        if self._process is not None:
+            self._process.kill()
+            with self._process, suppress(OSError):  # which waits, and closes the pipes
+                pass
+
+
+def _give_up(process: subprocess.Popen[bytes], late: threading.Event) -> None:
+    late.set()
+    process.kill()
+
+
+_here = threading.local()
+
+
+def work_apart(recipe: Recipe, task: Task, timeout: float) -> Outcome:
+    """Do ``work`` in a process that this thread keeps: what a cluster's workers run."""
+    if not hasattr(_here, "process"):
+        _here.process = Process()
+    process: Process = _here.process
+    return process.run(recipe, task, timeout)
+
+
+def main() -> None:
+    """Answer tasks on standard input with outcomes on standard output, until there are no more.
+
+    Standard input is read in a thread, which ends this process as soon as the other end is gone.
+    """
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    tasks: queue.SimpleQueue[tuple[Recipe, Task]] = queue.SimpleQueue()
+    from foldcut import pipeline  # noqa: F401  # its second of imports is not the first drawing's
+
+    threading.Thread(target=_read_tasks, args=(sys.stdin.buffer, tasks), daemon=True).start()
+    _answer(answers, None)
+    while True:
+        _answer(answers, work(*tasks.get()))
+
+
+def _read_tasks(source: BinaryIO, tasks: queue.SimpleQueue[tuple[Recipe, Task]]) -> None:
+    with suppress(EOFError, OSError, pickle.UnpicklingError):
+        while True:
+            tasks.put(pickle.load(source))
+    os._exit(0)
+
+
+def _answer(answers: BinaryIO, answer: Outcome | None) -> None:
+    pickle.dump(answer, answers)
+    answers.flush()

@@ -1,0 +1,7 @@
+"""``python -m foldcut.cli.main``."""
+
+import sys
+
+from foldcut.cli.main import main
+
+sys.exit(main())

@@ -1,0 +1,303 @@
+"""What the command line says about a pattern: numbers as a plain dictionary, and the same as lines of text.
+
+Input: a finished pattern and what is known of its making; output: what ``--json`` prints, or text. Nothing
+is printed here, and nothing is checked: findings come from verification.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from foldcut.core.model import CreasePattern, Finding, Sheet
+from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, thickness
+from foldcut.proof.verify import CHECKS
+
+if TYPE_CHECKING:
+    from foldcut.foldfile.reopen import Reopened
+    from foldcut.jobs.job import Job
+    from foldcut.pipeline import Result
+    from foldcut.profiles import Profile
+    from foldcut.readers import Drawing
+
+Report = dict[str, Any]
+
+MOST_FINDINGS = 10
+"""How many findings the text shows; the report for programs has all."""
+
+
+def make_report(
+    result: Result,
+    files: Sequence[Report],
+    jobs: Sequence[Job] = (),
+    profile: Profile | None = None,
+    material: str | None = None,
+) -> Report:
+    """Return the report of ``foldcut make``; ``files`` are the written ones: path, bytes, replaced.
+
+    Thicknesses are those of the profile's ``material``, its first unless given; without one, of office paper.
+    """
+    pattern = result.folded_pattern
+    sheet = pattern.sheet
+    paper, paper_mm = _paper(profile, material)
+    return {
+        "ok": result.verified,
+        "title": pattern.title,
+        "sheet": {"name": sheet.name, "width_mm": sheet.width, "height_mm": sheet.height},
+        "drawing": _drawing_report(result.drawing),
+        "scale_mm_per_unit": pattern.placement.scale,
+        "corners": pattern.shape.corner_count,
+        "method": result.method,
+        **_method_numbers(result),
+        "attempts": list(map(asdict, result.attempts)),
+        "actions": result.actions,
+        "first_folds": [line.tolist() for line in pattern.first_folds],
+        "ribbon_mm": result.ribbon,
+        "paper": paper,
+        **asdict(foldability(pattern, paper_mm)),
+        "faces": len(pattern.creases.faces_vertices),
+        "seconds": dict(result.seconds),
+        "verified": list(CHECKS) if result.verified else [],
+        "findings": list(map(asdict, result.findings)),
+        "notes": list(result.notes),
+        "jobs": [_job_report(job) for job in jobs],
+        "machine": profile.title if profile else None,
+        "next": _next(files, profile),
+        "files": list(files),
+    }
+
+
+def _drawing_report(drawing: Drawing | None) -> Report | None:
+    """Return what was read, in numbers."""
+    if drawing is None:
+        return None
+    return {
+        "loops": len(drawing.loops),
+        "points": sum(map(len, drawing.loops)),
+        "unit_mm": drawing.unit_mm,
+        "size": list(drawing.size),
+        "size_mm": None if drawing.size_mm is None else list(drawing.size_mm),
+        "ignored": list(drawing.ignored),
+    }
+
+
+def _drawing_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines on what was read."""
+    drawing = report["drawing"]
+    if drawing is None:
+        return []
+    unit = drawing["unit_mm"]
+    width, height = drawing["size"] if unit is None else drawing["size_mm"]
+    size = f"{width:.4g} x {height:.4g}"
+    said = "in a unit that the file does not say" if unit is None else f"mm; the file's unit is {unit:.4g} mm"
+    loops = f"{_count(drawing['loops'], 'loop')}, {drawing['points']} points"
+    rows = [("drawing", f"{loops}, {size} {said}")]
+    return [*rows, ("ignored", ", ".join(drawing["ignored"]))] if drawing["ignored"] else rows
+
+
+def _paper(profile: Profile | None, material: str | None) -> tuple[str, float]:
+    """Return what the sheet is made of, and its thickness in mm."""
+    if profile is None or not profile.materials:
+        return "office paper", PAPER_MM
+    name = material or next(iter(profile.materials))
+    return name, profile.materials[name].thickness_mm
+
+
+def _next(files: Sequence[Report], profile: Profile | None) -> list[str]:
+    """Return what to do in the machine's software, where a file is in the format that this is for."""
+    if profile is None:
+        return []
+    endings = {str(file["path"]).rpartition(".")[2].lower() for file in files}
+    return list(profile.instructions) if endings & {profile.format, "zip"} else []
+
+
+def make_lines(report: Report) -> list[str]:
+    """Return the report of ``foldcut make`` as text."""
+    sheet = Sheet(report["sheet"]["width_mm"], report["sheet"]["height_mm"], report["sheet"]["name"])
+    seconds = report["seconds"]
+    rows = [
+        *_drawing_rows(report),
+        ("sheet", f"{sheet}; 1 unit of the drawing is {report['scale_mm_per_unit']:.4g} mm"),
+        ("", f"{report['sheet_used']:.0%} of it is the shape"),
+        *_method_rows(report),
+        *_fold_rows(report),
+        *_pattern_rows(report),
+        (
+            "layers",
+            f"{report['layers']} at the thickest place, about {thickness(report['thickness_mm'])} of "
+            f"{report['paper']}; {report['layers_at_cut']} to cut through",
+        ),
+        ("time", f"{seconds.get('build', 0):.2f} s to build, {seconds.get('verify', 0):.2f} s to verify"),
+        *[("note", note) for note in report["notes"]],
+        *[("warning", warning) for warning in report["warnings"]],
+        *_verdict_rows(report),
+        *_job_rows(report),
+        *_file_rows(report),
+    ]
+    return [report["title"] or "untitled", *_aligned(rows)]
+
+
+def _job_report(job: Job) -> Report:
+    """Return a job in numbers."""
+    return {
+        "side": job.side,
+        "turned": job.turned,
+        "travel_before_mm": job.travel_before,
+        "travel_mm": job.travel,
+        "steps": [
+            {
+                "role": step.role,
+                "layer": step.operation.layer,
+                "strokes": len(step.strokes),
+                "length_mm": step.length,
+                **({"setting": step.setting.model_dump()} if step.setting else {}),
+            }
+            for step in job.steps
+        ],
+    }
+
+
+def _job_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines about the machine's jobs."""
+    rows = [("machine", report["machine"])] if report["machine"] else []
+    for job in report["jobs"]:
+        steps = "; ".join(f"{step['layer']} {step['length_mm'] / 1000:.2f} m" for step in job["steps"])
+        turned = ", the sheet lies a quarter turn to the left" if job["turned"] else ""
+        rows.append(("job" if job["side"] == "both" else job["side"], steps + turned))
+        before, after = job["travel_before_mm"] / 1000, job["travel_mm"] / 1000
+        rows.append(("", f"{after:.2f} m between strokes ({before:.2f} m in the pattern's order)"))
+    return rows
+
+
+def _method_numbers(result: Result) -> Report:
+    """Return what only the method of a pattern has."""
+    stages: Any = result.stages
+    if result.method in ("compact", "mirror"):
+        found = stages if result.method == "compact" else stages.found
+        return {"tried": found.tried, "interrupted": found.interrupted}
+    if result.method == "skeleton":
+        return {"perpendiculars": stages.perpendiculars, "moved_mm": stages.moved_mm}
+    numbers = {"disks": len(stages.packing.radii), "molecules": len(stages.molecules.corners)}
+    return numbers | ({"rings": len(stages.rings)} if result.method == "gate" else {})
+
+
+def _method_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines on how the pattern was made."""
+    width = f"ribbon {report['ribbon_mm']:.3g} mm"
+    packing = f"{report.get('disks')} disks, {report.get('molecules')} molecules"
+    if report["method"] == "paper":
+        ribbon = f"{width} (the paper's method needs one)" if report["ribbon_mm"] else "no ribbon"
+        return [("packing", packing), ("", ribbon)]
+    if report["method"] == "gate":
+        rows = [("method", f"gate: {report['rings']} rings, {packing}")]
+    elif report["method"] == "skeleton":
+        rows = [("method", f"skeleton: {_count(report['perpendiculars'], 'perpendicular')}")]
+    else:
+        best = f"{report['method']}, best of {report['tried']} tried"
+        rows = [("method", f"interrupted: {best}" if report["interrupted"] else best)]
+    others = (attempt for attempt in report["attempts"] if attempt["method"] != report["method"])
+    rows += [("", f"{attempt['method']}: {_attempt_text(attempt)}") for attempt in others]
+    return [*rows, ("", width)] if report["ribbon_mm"] else rows
+
+
+def _attempt_text(attempt: Report) -> str:
+    """Return what came of a method that was not taken."""
+    if attempt["failure"]:
+        return str(attempt["failure"]).partition(": loop")[0]
+    return (
+        f"{attempt['creases']} creases, {attempt['actions']} folds, the shortest {attempt['shortest_mm']:.3g} mm long"
+    )
+
+
+def _fold_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines on what is folded first, and how many folds there are."""
+    rows: list[tuple[str, str]] = []
+    for (x, y), (to_x, _) in report["first_folds"]:
+        line = f"upright line at x = {x:.4g} mm" if x == to_x else f"level line at y = {y:.4g} mm"
+        name = "then" if rows else "first"
+        rows.append((name, f"fold the sheet in half along the {line}, away from you"))
+    layers = 2 ** len(rows)
+    through = f", all others through {layers} layers" if rows else ""
+    return [*rows, ("folds", f"{report['actions']}{through}")]
+
+
+def check_report(creases: CreasePattern, findings: Sequence[Finding], with_shape: bool, notes: Sequence[str]) -> Report:
+    """Return the report of ``foldcut check``; without a shape there is no cut to check."""
+    return {
+        "ok": not findings,
+        **asdict(crease_numbers(creases)),
+        "faces": len(creases.faces_vertices),
+        "verified": [check for check in CHECKS if not findings and (with_shape or check != "cut")],
+        "findings": list(map(asdict, findings)),
+        "notes": list(notes),
+    }
+
+
+def check_lines(report: Report) -> list[str]:
+    """Return the report of ``foldcut check`` as text."""
+    notes = [("note", note) for note in report["notes"]]
+    return _aligned([*_pattern_rows(report), *notes, *_verdict_rows(report)])
+
+
+def reopened_report(
+    result: Reopened, files: Sequence[Report], jobs: Sequence[Job] = (), profile: Profile | None = None
+) -> Report:
+    """Return the report of a pattern that was opened, not made; ``files`` as of ``make_report``."""
+    pattern = result.folded_pattern
+    return {
+        **check_report(pattern.creases, result.findings, True, result.notes),
+        "title": pattern.title,
+        "jobs": [_job_report(job) for job in jobs],
+        "machine": profile.title if profile else None,
+        "next": _next(files, profile),
+        "files": list(files),
+    }
+
+
+def reopened_lines(report: Report) -> list[str]:
+    """Return the report of a pattern that was opened as text."""
+    rows = [*_job_rows(report), *_file_rows(report)]
+    return [report["title"] or "untitled", *check_lines(report), *_aligned(rows)]
+
+
+def _file_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines on what was written, and what to do with it."""
+    written = [("written", _file_text(file)) for file in report["files"]]
+    return [*written, *[("next", line) for line in report["next"] if written]]
+
+
+def _pattern_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines that every pattern has."""
+    counts = f"{_count(report['mountains'], 'mountain')}, {_count(report['valleys'], 'valley')}"
+    rows = [("creases", f"{report['creases']}: {counts}; on {_count(report['lines'], 'line')}")]
+    if report["shortest_crease_mm"] is not None:
+        x, y = report["shortest_crease_at"]
+        rows.append(("", f"the shortest {report['shortest_crease_mm']:.3g} mm long, at ({x:.4g}, {y:.4g})"))
+    if report["smallest_angle_deg"] is not None:
+        rows.append(("", f"the smallest angle between two {report['smallest_angle_deg']:.3g} degrees"))
+    return [*rows, ("faces", f"{report['faces']}")]
+
+
+def _count(number: int, thing: str) -> str:
+    """Return a number of things in words."""
+    return f"{number} {thing}{'s' * (number != 1)}"
+
+
+def _verdict_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the line that says what was verified, or a line for each finding."""
+    findings = [Finding(**finding) for finding in report["findings"]]
+    if not findings:
+        return [("verified", ", ".join(report["verified"]))]
+    more = [("", f"and {len(findings) - MOST_FINDINGS} more")] if len(findings) > MOST_FINDINGS else []
+    return [("NOT VALID", str(finding)) for finding in findings[:MOST_FINDINGS]] + more
+
+
+def _file_text(file: Report) -> str:
+    """Return a file's line: its path, its size, and whether there was one before."""
+    return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''})"
+
+
+def _aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
+    """Return the rows with their texts below each other."""
+    return [f"  {name:<9} {text}" for name, text in rows]

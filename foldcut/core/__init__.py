@@ -1,0 +1,1 @@
+"""The data that every stage shares, and errors."""

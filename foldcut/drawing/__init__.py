@@ -1,0 +1,1 @@
+"""A drawing becomes a shape on its sheet."""

@@ -1,0 +1,291 @@
+"""Name a sheet of paper and place a shape on it.
+
+Input: a sheet such as "a4" or "200x300", and a ``Shape`` in drawing units. Output: the shape in the sheet's
+millimetres, and the ``Placement`` that took it there.
+
+Invariants: the placed shape is similar to the drawn one and not mirrored, it lies strictly inside the sheet,
+and it keeps the margin. A corner is computed from its distance to the shape's centre, so that a symmetric
+drawing stays as symmetric as float64 allows; ``Placement.matrix`` agrees with it to 1e-9 mm.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from foldcut.core.errors import ShapeError, SheetError
+from foldcut.core.model import Floats, Placement, Shape, Sheet, points_array
+from foldcut.core.units import MM_PER_INCH, MM_PER_UNIT
+
+#: Portrait sizes in mm. a0 to a6: ISO 216; letter and tabloid: sizes A and B of ANSI/ASME Y14.1 (8.5 x 11 in
+#: and 11 x 17 in); legal, which is in neither, is 8.5 x 14 in.
+NAMED_SHEETS = {
+    "a0": (841.0, 1189.0),
+    "a1": (594.0, 841.0),
+    "a2": (420.0, 594.0),
+    "a3": (297.0, 420.0),
+    "a4": (210.0, 297.0),
+    "a5": (148.0, 210.0),
+    "a6": (105.0, 148.0),
+    "letter": (8.5 * MM_PER_INCH, 11 * MM_PER_INCH),
+    "legal": (8.5 * MM_PER_INCH, 14 * MM_PER_INCH),
+    "tabloid": (11 * MM_PER_INCH, 17 * MM_PER_INCH),
+}
+
+#: The shortest and the longest side a sheet can have, in mm.
+SHEET_LIMITS_MM = (1.0, 100_000.0)
+
+#: A placed shape smaller than this across, in mm, is a mistake in the scale.
+SMALLEST_SHAPE_MM = 0.1
+
+#: How far rounding may take a corner over the margin, relative to the sheet's diagonal.
+FIT_TOLERANCE = 1e-9
+
+#: How many angles are tried before the best of them is made better.
+ROTATIONS = 360
+
+_LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
+
+
+def parse_length(text: str) -> float:
+    """Return the length that ``text`` names, in mm: a number with mm, cm or in; a bare number is mm.
+
+    Zero is allowed. Raises ``SheetError``.
+    """
+    match = re.fullmatch(_LENGTH, text.strip().lower())
+    length = float(match[1]) * MM_PER_UNIT[match[2] or "mm"] if match else math.nan
+    if not 0 <= length < math.inf:
+        raise SheetError(
+            f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
+        )
+    return length
+
+
+def parse_sheet(text: str) -> Sheet:
+    """Return the sheet that ``text`` names.
+
+    A name from ``NAMED_SHEETS`` in either case, portrait or landscape if that follows after "-", else lying as the
+    shape does (``as_it_lies``); or width x height such as 200x300, 20cmx30cm, 8.5x11in (a unit given once is that of
+    both) or "200 mm x 300 mm". Raises ``SheetError``.
+    """
+    name, _, orientation = text.strip().lower().partition("-")
+    if name in NAMED_SHEETS and orientation in ("", "portrait", "landscape"):
+        width, height = NAMED_SHEETS[name]
+        title = name.upper() if name[0] == "a" else name
+        if orientation == "landscape":
+            return Sheet(height, width, f"{title} landscape")
+        return Sheet(width, height, title, either_way=not orientation)
+    match = re.fullmatch(rf"{_LENGTH}\s*[x×]\s*{_LENGTH}", text.strip().lower())
+    if not match:
+        raise SheetError(
+            f"{text!r} is not a sheet; give {', '.join(NAMED_SHEETS)}, with -landscape if wanted, or width x "
+            "height such as 200x300, 20cmx30cm or 8.5x11in"
+        )
+    width, height = (
+        float(number) * MM_PER_UNIT[unit or match[2] or match[4] or "mm"]
+        for number, unit in ((match[1], match[2]), (match[3], match[4]))
+    )
+    low, high = SHEET_LIMITS_MM
+    if not (low <= width <= high and low <= height <= high):
+        raise SheetError(f"the sheet {text!r} is {width:g} x {height:g} mm; give sides between {low:g} and {high:g} mm")
+    return Sheet(width, height)
+
+
+def as_it_lies(sheet: Sheet, shape: Shape, rotation: float = 0.0) -> Sheet:
+    """Return ``sheet``, or if it may lie either way, the one that leaves ``shape`` more room: wide ones, landscape.
+
+    ``rotation`` as for ``place``.
+    """
+    if not sheet.either_way:
+        return sheet
+    width, height = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    if width <= (1 + FIT_TOLERANCE) * height:
+        return Sheet(sheet.width, sheet.height, sheet.name)
+    return Sheet(sheet.height, sheet.width, f"{sheet.name} landscape")
+
+
+def place(
+    shape: Shape,
+    sheet: Sheet,
+    *,
+    margin: float = 10.0,
+    scale: str | float = "fit",
+    offset: tuple[float, float] | None = None,
+    rotation: float = 0.0,
+) -> tuple[Shape, Placement]:
+    """Return ``shape`` on ``sheet``, in mm, and the similarity that took it there.
+
+    ``scale`` is mm per drawing unit, or "fit": as large as the margin allows. ``rotation`` is in degrees,
+    counter-clockwise. ``offset`` is where the lower left corner of the turned and scaled bounding box goes,
+    in mm; None centres it. ``margin`` is in mm. Raises ``SheetError`` for numbers that make no sense and
+    ``ShapeError`` for a shape that does not fit strictly inside the sheet and its margin.
+    """
+    _check_numbers(sheet, margin, scale, offset, rotation)
+    points = np.concatenate(shape.loops)
+    pivot = _box_centre(points)
+    turn = _rotation_matrix(rotation)
+    turned = (points - pivot) @ turn.T
+    centre, size = _box_centre(turned), np.ptp(turned, axis=0)
+    room = np.array([sheet.width, sheet.height]) - 2 * margin
+    factor = float((room / size).min()) if scale == "fit" else float(scale)
+    with np.errstate(over="ignore"):  # an infinite size is refused like any other that is too big
+        target = np.array([sheet.width, sheet.height]) / 2 if offset is None else offset + factor * size / 2
+        placed = (turned - centre) * factor + target
+    _check_fit(placed, sheet, margin)
+    linear = factor * turn
+    matrix = np.column_stack([linear, target - linear @ pivot - factor * centre])
+    matrix.setflags(write=False)
+    ends = np.cumsum([len(loop) for loop in shape.loops])[:-1]
+    loops = tuple(points_array(loop) for loop in np.split(placed, ends))
+    return Shape(loops, shape.parent), Placement(matrix)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a drawing is to lie on a sheet; lengths in mm.
+
+    ``margin``, ``scale`` and ``offset`` as for ``place``; instead of a scale, the ``width`` or ``height`` that the
+    drawing has, or with both, that it fits into. ``rotation`` is in degrees, or "best": the angle at which the drawing
+    is largest; None: a quarter if it fits larger so, or only so, and no offset is given.
+    """
+
+    sheet: Sheet
+    margin: float = 10.0
+    scale: str | float = "fit"
+    offset: tuple[float, float] | None = None
+    rotation: str | float | None = None
+    width: float | None = None
+    height: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.scale != "fit" and (self.width is not None or self.height is not None):
+            raise SheetError("the drawing has a scale and a width or height; give one or the other")
+        if isinstance(self.rotation, str) and self.rotation != "best":
+            raise SheetError(f"the rotation is {self.rotation!r}; give degrees, or 'best'")
+
+    def place(self, shape: Shape, turn: float = 0.0) -> tuple[Sheet, Shape, Placement, bool]:
+        """Return the sheet as it lies, ``shape`` on it turned by ``turn`` degrees more, and as ``place`` its placement.
+
+        Last, whether it was turned a quarter to have more room. Errors as for ``place``.
+        """
+        given = self.rotation if isinstance(self.rotation, int | float) else 0.0
+        _check_numbers(self.sheet, self.margin, self.scale, self.offset, given)
+        angle = _best_rotation(shape, self.sheet, margin=self.margin) if self.rotation == "best" else given
+        scale = self.scale
+        if self.width is not None or self.height is not None:
+            scale = _scale_to(shape, self.width, self.height, angle)
+        angle += turn
+        on = as_it_lies(self.sheet, shape, angle)
+        free = self.rotation is None and self.offset is None
+        quarter = free and _lies_better_turned(shape, on, margin=self.margin, scale=scale, rotation=angle)
+        angle += 90.0 * quarter
+        placed, placement = place(shape, on, margin=self.margin, scale=scale, offset=self.offset, rotation=angle)
+        return on, placed, placement, quarter
+
+
+def _scale_to(shape: Shape, width: float | None = None, height: float | None = None, rotation: float = 0.0) -> float:
+    """Return the mm per drawing unit that make ``shape``, turned by ``rotation``, so wide and so high in mm.
+
+    With both, the larger of the scales at which neither is exceeded. Raises ``SheetError`` for lengths that are none.
+    """
+    size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    scales = []
+    for name, length, extent in (("width", width, size[0]), ("height", height, size[1])):
+        if length is not None:
+            if not 0 < length < math.inf:
+                raise SheetError(f"the {name} of the drawing is {length:g} mm; give a length above 0")
+            scales.append(length / float(extent))
+    return min(scales)
+
+
+def _lies_better_turned(
+    shape: Shape, sheet: Sheet, *, margin: float = 10.0, scale: str | float = "fit", rotation: float = 0.0
+) -> bool:
+    """Whether ``shape`` fits ``sheet`` larger, or with a ``scale`` in numbers fits at all, if turned a quarter more."""
+    size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    room = np.array([sheet.width, sheet.height]) - 2 * margin
+    straight, turned = (float((room / extents).min()) for extents in (size, size[::-1]))
+    return straight * (1 + FIT_TOLERANCE) < turned and (
+        scale == "fit" or straight * (1 + FIT_TOLERANCE) < float(scale) <= turned * (1 + FIT_TOLERANCE)
+    )
+
+
+def _best_rotation(shape: Shape, sheet: Sheet, *, margin: float = 10.0) -> float:
+    """Return the degrees, from 0 up to 180, by which ``shape`` has to be turned to fit ``sheet`` as large as can be."""
+    points = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(np.concatenate(shape.loops))))
+    hull = Shape((points_array(points),), (-1,))
+
+    def taken(degrees: float) -> float:
+        on = as_it_lies(sheet, hull, degrees)
+        size = np.ptp(points @ _rotation_matrix(degrees).T, axis=0)
+        return float((size / (np.array([on.width, on.height]) - 2 * margin)).max())
+
+    from scipy.optimize import minimize_scalar
+
+    step = 180 / ROTATIONS
+    start = min((number * step for number in range(ROTATIONS)), key=lambda degrees: round(taken(degrees), 12))
+    found = minimize_scalar(taken, bounds=(start - step, start + step), method="bounded", options={"xatol": 1e-9})
+    return float(found.x) % 180 if found.fun < taken(start) * (1 - FIT_TOLERANCE) else start
+
+
+def _box_centre(points: Floats) -> Floats:
+    centre: Floats = (points.min(axis=0) + points.max(axis=0)) / 2
+    return centre
+
+
+def _rotation_matrix(degrees: float) -> Floats:
+    """Return the rotation by ``degrees``, exact for quarter turns."""
+    quarters, rest = divmod(degrees, 90.0)
+    cosine, sine = math.cos(math.radians(rest)), math.sin(math.radians(rest))
+    quarter_turn = np.array([(0.0, -1.0), (1.0, 0.0)])
+    turn: Floats = np.linalg.matrix_power(quarter_turn, int(quarters) % 4) @ [(cosine, -sine), (sine, cosine)]
+    return turn
+
+
+def _check_numbers(
+    sheet: Sheet, margin: float, scale: str | float, offset: tuple[float, float] | None, rotation: float
+) -> None:
+    half = min(sheet.width, sheet.height) / 2
+    if not 0 <= margin < half:
+        raise SheetError(
+            f"a margin of {margin:g} mm leaves nothing of the sheet {sheet}; give one from 0 to below {half:g} mm"
+        )
+    if scale != "fit" and not (isinstance(scale, int | float) and 0 < scale < math.inf):
+        raise SheetError(f"the scale is {scale!r}; give 'fit' or a number of mm per drawing unit above 0")
+    if not math.isfinite(rotation):
+        raise SheetError(f"the rotation is {rotation:g} degrees; give a finite number")
+    if offset is not None and not all(map(math.isfinite, offset)):
+        raise SheetError(f"the offset is ({offset[0]:g}, {offset[1]:g}) mm; give two finite numbers")
+
+
+def _check_fit(placed: Floats, sheet: Sheet, margin: float) -> None:
+    low, high = placed.min(axis=0), placed.max(axis=0)
+    size, sides = high - low, np.array([sheet.width, sheet.height])
+    slack = FIT_TOLERANCE * sheet.diagonal
+    if np.hypot(*size) < SMALLEST_SHAPE_MM:
+        raise ShapeError(
+            f"the shape is only {size[0]:.2g} x {size[1]:.2g} mm; use --scale fit or a scale that makes it "
+            f"at least {SMALLEST_SHAPE_MM:g} mm across"
+        )
+    what = f"the shape is {size[0]:.1f} x {size[1]:.1f} mm"
+    room = sides - 2 * margin
+    if (size > room + slack).any():
+        raise ShapeError(
+            f"{what}, the sheet {sheet} leaves {room[0]:.1f} x {room[1]:.1f} mm inside a {margin:g} mm "
+            "margin; use --scale fit, a bigger sheet or a smaller margin"
+        )
+    if (low < margin - slack).any() or (high > sides - margin + slack).any():
+        farthest = sides - margin - size
+        raise ShapeError(
+            f"{what} and reaches from ({low[0]:.1f}, {low[1]:.1f}) to ({high[0]:.1f}, {high[1]:.1f}), over "
+            f"the {margin:g} mm margin of the sheet {sheet}; use an offset from ({margin:g}, {margin:g}) to "
+            f"({farthest[0]:.1f}, {farthest[1]:.1f})"
+        )
+    if (low < slack).any() or (high > sides - slack).any():
+        raise ShapeError(
+            f"{what} and touches the border of the sheet {sheet}; use a margin above 0, or a smaller scale"
+        )

@@ -1,0 +1,1 @@
+"""FOLD files that are read: anybody's patterns, and foldcut's own."""

@@ -1,0 +1,102 @@
+"""A finished pattern out of its FOLD file: what foldcut wrote comes back as it was, and is verified anew.
+
+``FoldFile`` -> ``Reopened``. Nothing in the file is believed: creases, layers and cut go through ``verify``, and the
+folded form must be where the creases put it, with the cut along y = 0 and the shape above it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from foldcut.core.errors import BadInputError
+from foldcut.core.model import CreasePattern, Finding, Floats, FoldedPattern, FoldedState, Shape, Sheet
+from foldcut.drawing.shape import make_shape
+from foldcut.foldfile.read import FoldFile
+from foldcut.geometry.planar_graph import edge_faces, signed_areas
+from foldcut.pattern.face_maps import fold_faces
+from foldcut.proof.cut import contains, fold_boundary
+from foldcut.proof.verify import COINCIDENT, verify
+
+__all__ = ["Reopened", "reopen"]
+
+
+@dataclass(frozen=True, eq=False)
+class Reopened:
+    """A pattern that was read, and what verification found; ``notes`` are the reader's."""
+
+    folded_pattern: FoldedPattern
+    findings: tuple[Finding, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def verified(self) -> bool:
+        """Whether verification found nothing wrong."""
+        return not self.findings
+
+
+def reopen(file: FoldFile) -> Reopened:
+    """Return the pattern of a FOLD file that foldcut wrote, verified.
+
+    Raises ``BadInputError``, naming what is missing, for a file that does not say how the paper lies when folded or
+    what the cut gives.
+    """
+    creases = file.pattern
+    missing = {
+        "foldcut:layers or faceOrders, which face lies on which": file.layers,
+        "foldedForm frame, where the vertices land": file.folded,
+        "foldcut:shape, what the cut cuts out": file.loops,
+        "foldcut:placement, where the drawing lies on the sheet": file.placement,
+    }
+    absent = [what for what, value in missing.items() if value is None]
+    if file.layers is None or file.folded is None or file.loops is None or file.placement is None:
+        raise BadInputError(
+            f"the file has no {'; no '.join(absent)}. foldcut's own FOLD files have these and can be opened; "
+            "`foldcut check` verifies anybody's"
+        )
+    sheet, shape = _sheet(creases), make_shape(file.loops)
+    findings = verify(creases, file.layers, shape) or _check_folded(creases, file.folded, shape, sheet)
+    folded = FoldedState(file.folded, file.layers)
+    pattern = FoldedPattern(creases, folded, sheet, shape, file.placement, file.title, file.first_folds or ())
+    return Reopened(pattern, tuple(findings), file.notes)
+
+
+def _sheet(creases: CreasePattern) -> Sheet:
+    """Return the rectangle that the faces cover; raises ``BadInputError`` where they cover none from (0, 0) on."""
+    least, most = creases.vertices_coords.min(axis=0), creases.vertices_coords.max(axis=0)
+    sheet = Sheet(*most.tolist())
+    slack = COINCIDENT[0] * sheet.diagonal
+    area = float(signed_areas(creases.vertices_coords, creases.faces_vertices).sum())
+    if (np.abs(least) > slack).any() or abs(area - sheet.width * sheet.height) > slack * sheet.diagonal:
+        raise BadInputError("the sheet is no rectangle with its lower left corner at (0, 0), as foldcut's are")
+    return sheet
+
+
+def _check_folded(creases: CreasePattern, folded: Floats, shape: Shape, sheet: Sheet) -> list[Finding]:
+    """Find vertices that the file has elsewhere than the creases put them, and a cut that is not along y = 0."""
+    tolerance = 2 * COINCIDENT[0] * sheet.diagonal
+    maps = fold_faces(creases, edge_faces(creases))
+    face = np.zeros(len(folded), dtype=np.int32)
+    face[creases.faces_vertices.values] = creases.faces_vertices.rows
+    ours, theirs = _complex(maps.apply(face, creases.vertices_coords)), _complex(folded)
+    centre, there = ours.mean(), theirs.mean()
+    turn = np.vdot(ours - centre, theirs - there)
+    turn = turn / abs(turn) if abs(turn) else 1.0
+    off = np.abs(turn * (ours - centre) + there - theirs)
+    if off.max() > tolerance:
+        vertex = int(off.argmax())
+        x, y = creases.vertices_coords[vertex].tolist()
+        message = f"the folded form has vertex {vertex} {off[vertex]:.3g} mm from where the creases put it"
+        return [Finding("folded form", message, (x, y), float(off[vertex]))]
+    _, _, landed = fold_boundary(creases, maps, shape, tolerance)
+    heights = (turn * (_complex(landed.reshape(-1, 2)) - centre) + there).imag
+    highest = np.abs(folded[:, 1]).argmax()
+    above = (folded[highest, 1] > 0) == contains(shape, creases.vertices_coords[[highest]])[0]
+    if np.abs(heights).max() > tolerance or not above:
+        return [Finding("folded form", "the cut does not lie along y = 0 with the shape above it")]
+    return []
+
+
+def _complex(points: Floats) -> np.ndarray[tuple[int], np.dtype[np.complex128]]:
+    return points[:, 0] + 1j * points[:, 1]

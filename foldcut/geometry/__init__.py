@@ -1,0 +1,1 @@
+"""Points, polygons and graphs in the plane: knows nothing of paper."""

@@ -1,0 +1,1 @@
+"""What a machine does with a pattern: operations, each with its polylines."""

@@ -1,0 +1,1 @@
+"""One loop, few creases: a search over walks along the boundary."""

@@ -1,0 +1,186 @@
+"""The compact pattern: one molecule inside the shape, one outside it, and nothing else.
+
+A walk along the boundary -> ``CreasePattern``, ``FoldedState``.
+
+The outside is the molecule of the reversed walk. Its wavefront grows until it has left the sheet, and is clipped
+there: what is left of a flat-folded sheet that is trimmed is folded flat. The two stacks of layers are merged along the
+shape's boundary, where facets inside and outside are one face; mountains and valleys are read off the stack.
+
+Invariants: those of ``faces``; every edge has the same length flat and folded.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from foldcut.core.model import Bools, CreasePattern, Floats, FoldedState, Numbers, Region, Sheet, points_array
+from foldcut.geometry.vectors import cross
+from foldcut.methods.compact.molecule import Border, Molecule, Vertices
+from foldcut.pattern.assemble import Ring, assemble, creases_of_stack, merge_stacks, outlines
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """How the boundary of a shape goes to and fro on the cut line when folded: its turns, counter-clockwise.
+
+    ``points`` ``(n, 2)`` mm on the sheet: the shape's corners and points on its sides; ``x`` ``(n,)`` mm: where they
+    land; ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)``: unit vectors of the sides
+    after them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)``: the pockets outside the shape
+    that a turn belongs to, as bits; ``levels`` ``(2, n)`` mm: where creases that wrap a turn, inside and outside, land,
+    beyond where the turn itself ever does; ``turned``: the pockets that are folded with the tree over the peaks.
+    """
+
+    points: Floats
+    x: Floats
+    peaks: Bools
+    directions: Floats
+    pockets: Numbers
+    levels: Floats
+    turned: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Molecules:
+    """The two molecules of a compact pattern, on common vertices."""
+
+    vertices: Vertices
+    inside: Molecule
+    outside: Molecule
+
+
+def build_molecules(
+    walk: Walk, sheet: Sheet, progress: Callable[[float], None] | None = None, least: float = 0.0
+) -> Molecules:
+    """Fold the inside and the outside of ``walk``; ``progress`` is told the part done where there is much to do.
+
+    Raises ``UnfoldableError`` with the place when a molecule does not close, and ``CreaseTooShortError`` as soon as the
+    crease of a gusset inside is shorter than ``least`` mm.
+    """
+    vertices = Vertices()
+    numbers = [vertices.add(p, (float(x), 0.0)) for p, x in zip(walk.points, walk.x, strict=True)]
+    size = float(np.ptp(walk.points, axis=0).max())
+    nowhere = np.zeros_like(walk.pockets)
+    border = Border(numbers, walk.peaks, walk.directions, nowhere, walk.levels[0])
+    half = None if progress is None else lambda part: progress(part / 2)
+    inside = Molecule(vertices, border, sign=1, limit=None, size=size, least=least, progress=half)
+    back = -np.arange(len(numbers)) % len(numbers)  # the reversed walk begins at the root, too
+    border = Border(
+        [numbers[k] for k in back],
+        walk.peaks[back],
+        -walk.directions[back - 1],
+        walk.pockets[back],
+        walk.levels[1, back],
+    )
+    rest = None if progress is None else lambda part: progress((1 + part) / 2)
+    limit = 2 * sheet.diagonal
+    outside = Molecule(vertices, border, sign=-1, limit=limit, size=size, turned=walk.turned, progress=rest)
+    return Molecules(vertices, inside, outside)
+
+
+def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, FoldedState]:
+    """Clip the outside at the sheet, stack all layers, and read off the creases."""
+    inside, outside = molecules.inside, molecules.outside
+    count, sides = len(inside.facets), inside.border_facets
+    # facet k of the reversed walk begins at the border where facet sides - 1 - k of the walk does: they are one face
+    number = [sides - 1 - facet if facet < sides else count + facet for facet in range(len(outside.facets))]
+    shared = set(range(sides))
+    order = merge_stacks(inside.order, [number[facet] for facet in reversed(outside.order)], shared)[::-1]
+    clip = _Clip(molecules.vertices, sheet)
+    rings: dict[int, list[Ring]] = {facet: clip.clip(ring) for facet, ring in enumerate(inside.rings())}
+    for facet, ring in enumerate(outside.rings()):
+        rings.setdefault(number[facet], []).extend(clip.clip(ring))
+    flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
+    faces = [ring for face in order for ring in outlines(rings[face])]
+    edges, kinds = creases_of_stack(folded, faces)
+    return assemble(flat, folded, faces, edges, kinds, clip.corners())
+
+
+def regions(walk: Walk, molecules: Molecules, sheet: Sheet) -> tuple[Region, ...]:
+    """Return the outside, which is all of the sheet, the inside in it, and the parts that these fall into."""
+    found = [Region((sheet.corners,), -1), Region((points_array(walk.points),), 0)]
+    for whole, molecule in ((1, molecules.inside), (0, molecules.outside)):
+        first = len(found)
+        found += [
+            Region((points_array(outline),), whole if parent < 0 else first + parent)
+            for outline, parent in molecule.parts
+        ]
+    return tuple(found)
+
+
+class _Clip:
+    """Cuts rings off at the sheet's four sides; an edge that two rings share is cut once."""
+
+    def __init__(self, vertices: Vertices, sheet: Sheet) -> None:
+        self.vertices = vertices
+        self.sheet = sheet
+        self.tie = 1e-11 * sheet.diagonal
+        self.sides = ((0, -1.0, 0.0), (0, 1.0, sheet.width), (1, -1.0, 0.0), (1, 1.0, sheet.height))
+        self.cuts: dict[tuple[int, int, int], int] = {}
+        flat = np.array(vertices.flat)
+        beyond = np.max([sign * (flat[:, axis] - limit) for axis, sign, limit in self.sides], axis=0)
+        self.within, self.well_within = (beyond <= self.tie).tolist(), (beyond < -self.tie).tolist()
+
+    def clip(self, ring: Ring) -> list[Ring]:
+        """Return what is left of a ring inside the sheet: none or one ring."""
+        if all(self.within[v] for v in ring) and any(self.well_within[v] for v in ring):
+            return [ring]
+        for side, (axis, sign, limit) in enumerate(self.sides):
+            if not ring:
+                break
+            beyond = [sign * (self.vertices.flat[v][axis] - limit) for v in ring]
+            kept: Ring = []
+            for k, (v, d) in enumerate(zip(ring, beyond, strict=True)):
+                after = (k + 1) % len(ring)
+                if d <= self.tie:
+                    kept.append(v)
+                if (d < -self.tie and beyond[after] > self.tie) or (d > self.tie and beyond[after] < -self.tie):
+                    kept.append(self._cut(v, ring[after], side))
+            ring = kept if any(d < -self.tie for d in beyond) else []
+        return [ring] if len(ring) > 2 else []
+
+    def _cut(self, a: int, b: int, side: int) -> int:
+        key = (min(a, b), max(a, b), side)
+        if key not in self.cuts:
+            axis, _, limit = self.sides[side]
+            start, end = np.array(self.vertices.flat[key[0]]), np.array(self.vertices.flat[key[1]])
+            part = (limit - start[axis]) / (end[axis] - start[axis])
+            place = start + (end - start) * part
+            place[axis] = limit
+            (x0, z0), (x1, z1) = self.vertices.folded[key[0]], self.vertices.folded[key[1]]
+            self.cuts[key] = self.vertices.add(place, (x0 + (x1 - x0) * part, z0 + (z1 - z0) * part))
+            self.vertices.cuts.append((self.cuts[key], *key[:2], axis))
+        return self.cuts[key]
+
+    def corners(self) -> set[int]:
+        """The vertices at the sheet's corners."""
+        flat = np.array(self.vertices.flat)
+        return {
+            int(v)
+            for corner in self.sheet.corners
+            for v in np.flatnonzero(np.abs(flat - corner).max(axis=1) <= self.tie)
+        }
+
+
+def molecule_faults(molecules: Molecules) -> list[str]:
+    """List edges of facets that do not keep their length when folded, and facets turned over."""
+    flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
+    limit = 1e-9 * float(np.ptp(flat, axis=0).max())
+    faults = []
+    for name, molecule in (("inside", molecules.inside), ("outside", molecules.outside)):
+        rings = [(number, ring) for number, ring in enumerate(molecule.rings()) if ring]
+        start = np.array([v for _, ring in rings for v in ring])
+        end = np.array([v for _, ring in rings for v in (*ring[1:], ring[0])])
+        first = np.cumsum([0, *(len(ring) for _, ring in rings[:-1])])
+        stretch = np.abs(np.hypot(*(flat[end] - flat[start]).T) - np.hypot(*(folded[end] - folded[start]).T))
+        stretch = np.maximum.reduceat(stretch, first)
+        origin = flat[start[first]].repeat(np.diff([*first, len(start)]), axis=0)
+        area = np.add.reduceat(cross(flat[start] - origin, flat[end] - flat[start]), first)
+        faults += [
+            f"facet {rings[k][0]} {name} is stretched by {stretch[k]:.3g} mm"
+            for k in np.flatnonzero(stretch > limit).tolist()
+        ]
+        faults += [f"facet {rings[k][0]} {name} is not counter-clockwise" for k in np.flatnonzero(area <= 0).tolist()]
+    return faults

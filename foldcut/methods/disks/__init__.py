@@ -1,0 +1,1 @@
+"""The paper's method: disk packing (Bern, Demaine, Eppstein and Hayes)."""

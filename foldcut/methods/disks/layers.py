@@ -1,0 +1,210 @@
+"""The folded state: which layer lies on which, and the faces of the finished crease pattern.
+
+``Molecules``, ``Assignment`` -> ``CreasePattern``, ``FoldedState`` (paper section 4, the book of flaps).
+
+Walking T_M from its root around each molecule gives a list of facets: after each corner's facets come those of the
+molecule across the next side. The list of the inside face, top to bottom, and the reversed list of the outside face are
+merged where they meet: the facets that are joined across the shape's boundary, which is not folded, are one face, and
+both lists have them in the same order.
+
+Invariants: the order is linear; faces joined by a crease face opposite ways; a crease is a valley exactly when the face
+that looks up has its neighbour above it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable
+
+import numpy as np
+
+from foldcut.core.model import Bools, CreasePattern, FoldedState, Ints, Numbers, Ragged
+from foldcut.geometry.planar_graph import half_edges, pair_keys
+from foldcut.geometry.polygons import runs
+from foldcut.methods.disks.molecules import Molecules
+from foldcut.methods.disks.trees import Assignment, opposite_sides
+from foldcut.pattern.assemble import assemble, outlines
+
+
+def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePattern, FoldedState]:
+    """Return the crease pattern with facets merged into faces, and its folded state with the layer order.
+
+    Vertices that only lie on a straight line (two creases of one kind, or none on the border) are left out.
+    Source: paper section 4.
+    """
+    kept = np.isin(assignment.crease_assignment, ("M", "V", "B"))
+    # nothing but the arguments is held while the pattern is put together: that is when most memory is used
+    return assemble(
+        molecules.vertices,
+        molecules.folded,
+        _stacked(molecules, assignment),
+        molecules.creases[kept],
+        assignment.crease_assignment[kept],
+        sheet_corners(molecules),
+    )
+
+
+def _stacked(molecules: Molecules, assignment: Assignment) -> Ragged:
+    """The outlines of the faces from bottom to top."""
+    inside, outside = walks(molecules, assignment.entry_side, assignment.parent, assignment.roots)
+    face, shared = join_facets(molecules, molecules.creases[assignment.crease_assignment == "F"])
+    order = merge_layers(face[inside], face[outside[::-1]], shared)[::-1]
+    del inside, outside
+    return face_outlines(molecules.facets, face, shared, order)
+
+
+def walks(molecules: Molecules, entry_side: Numbers, parent: Ints, roots: Iterable[int]) -> list[Ints]:
+    """Return the facets of each face of the plane, top to bottom: preorder of T_M from each of its ``roots``.
+
+    ``entry_side`` ``(m,)``: the side through which a molecule is entered; from it on its corners are walked
+    counter-clockwise. ``parent`` ``(m,)``: its parent, -1 at roots.
+
+    A corner's facets are followed by those of the next corner of its molecule, or by the first of the molecule across
+    the side between them; those of a molecule's last corner, where it was entered, by the corner after that side in
+    its parent. So each place has one that follows it.
+    """
+    feet = molecules.feet
+    first = feet.offsets[:-1].astype(np.int64)
+    following = feet.following
+    entry = first + entry_side
+    begin = following[entry]
+    child = np.flatnonzero(parent >= 0)
+    above = opposite_sides(feet.values)[entry[child]]
+    after = following.copy()
+    after[entry] = -1
+    after[entry[child]] = following[above]
+    after[above] = begin[child]
+    follow: list[int] = after.tolist()
+    start, count = facets_at_places(molecules)
+    found = []
+    for root in roots:
+        places = []
+        place = int(begin[root])
+        while place >= 0:
+            places.append(place)
+            place = follow[place]
+        at = np.array(places)
+        found.append(runs(start[at], count[at]).astype(np.int32))
+    return found
+
+
+def facets_at_places(molecules: Molecules) -> tuple[Numbers, Numbers]:
+    """Return the first facet at each corner of each molecule, and how many follow each other there, as ``corners``."""
+    own = molecules.facet_molecule >= 0
+    places = molecules.feet.offsets[:-1].astype(np.int64)[molecules.facet_molecule[own]] + molecules.facet_corner[own]
+    count = np.bincount(places, minlength=len(molecules.feet.values))
+    return np.cumsum(count) - count, count
+
+
+def join_facets(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
+    """Return the face of every facet, joined across sides that are not folded, ``(n, 2)``: its first facet.
+
+    And which facets name a face of several.
+    """
+    on_side = np.zeros(len(molecules.vertices), dtype=np.bool_)
+    on_side[unfolded] = True
+    start, end = half_edges(molecules.facets)
+    at = np.flatnonzero(on_side[start] & on_side[end])
+    one, other = start[at], end[at]
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    keys = pair_keys(np.minimum(one, other), np.maximum(one, other))
+    at = at[np.isin(keys, pair_keys(unfolded.min(axis=1), unfolded.max(axis=1)))]
+    keys = pair_keys(np.minimum(start[at], end[at]), np.maximum(start[at], end[at]))
+    order = np.argsort(keys, kind="stable")
+    facet = np.searchsorted(molecules.facets.offsets, at[order], side="right") - 1
+    pair = np.flatnonzero(keys[order][1:] == keys[order][:-1])
+    some, numbers = np.unique(facet, return_inverse=True)
+    graph = coo_array((np.ones(len(pair)), (numbers[pair], numbers[pair + 1])), shape=(len(some), len(some)))
+    _, label = connected_components(graph, directed=False)
+    lowest = np.full(label.max(initial=-1) + 1, len(molecules.facets))
+    np.minimum.at(lowest, label, some)
+    face = np.arange(len(molecules.facets), dtype=np.int32)
+    face[some] = lowest[label]
+    shared = np.zeros(len(face), dtype=np.bool_)
+    shared[lowest[np.bincount(label) > 1]] = True
+    return face, shared
+
+
+def merge_layers(inside: Ints, outside: Ints, shared: Bools) -> Ints:
+    """Merge two stacks that have the shared faces in the same order: ``faces.merge_stacks`` on arrays."""
+    in_both, out_both = shared[inside], shared[outside]
+    same = np.array_equal(inside[in_both], outside[out_both])
+    assert same, "the layers inside and outside do not match along the shape's boundary"
+    # before each shared face first what the inside has, then the outside
+    keys = np.concatenate(
+        [
+            3 * (np.cumsum(in_both) - in_both) + 2 * in_both,
+            3 * np.cumsum(out_both)[~out_both] + 1,
+        ]
+    )
+    faces: Ints = np.concatenate([inside, outside[~out_both]])[np.argsort(keys, kind="stable")]
+    return faces
+
+
+def face_outlines(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
+    """Return the outlines of faces in an order: a facet's own, or that of the facets that are joined."""
+    joined = _joined(facets, face, shared)
+    if joined is None:
+        members = defaultdict(list)
+        for one, its_face in enumerate(face.tolist()):
+            members[its_face].append(one)
+        every = [outlines([facets[f].tolist() for f in members[its_face]]) for its_face in order.tolist()]
+        return Ragged.from_rows(ring for pieces in every for ring in pieces)
+    # one list of rings: facets, then what was walked
+    names, counts, flat = joined
+    offsets = np.concatenate([facets.offsets, facets.offsets[-1] + np.cumsum(counts, dtype=np.int32)])
+    number = np.arange(len(face), dtype=np.int32)
+    number[names] = len(face) + np.arange(len(names))
+    return Ragged(np.concatenate([facets.values, flat]), offsets).take(number[order])
+
+
+def _joined(facets: Ragged, face: Ints, shared: Bools) -> tuple[Numbers, Numbers, Ints] | None:
+    """The faces of several facets, how many sides each has, and their outlines; None if one touches itself.
+
+    They are walked all at once, from their lowest vertices on.
+    """
+    facet = np.flatnonzero(shared[face])
+    joined = facets.take(facet)
+    start, end = half_edges(joined)
+    owner = face[facet][joined.rows].astype(np.int64)
+    # a side is gone where the same face has it the other way round
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    by = np.lexsort((high, low, owner))
+    twice = (np.diff(owner[by]) == 0) & (np.diff(low[by]) == 0) & (np.diff(high[by]) == 0)
+    gone = np.zeros(len(start), dtype=np.bool_)
+    gone[by[1:][twice]] = gone[by[:-1][twice]] = True
+    left = ~gone
+    key, to = pair_keys(owner[left], start[left]), end[left]
+    way = np.argsort(key, kind="stable")
+    key, to = key[way], to[way]
+    names, first, counts = np.unique(key >> 32, return_index=True, return_counts=True)
+    vertex = (key[first] & 0xFFFFFFFF).astype(np.int32)
+    longest = int(counts.max(initial=0))
+    walked = np.full((len(names), longest), -1, dtype=np.int32)
+    here = vertex.copy()
+    for step in range(longest):
+        going = np.flatnonzero(step < counts)
+        walked[going, step] = here[going]
+        at = np.searchsorted(key, pair_keys(names[going], here[going]))
+        here[going] = to[np.minimum(at, len(to) - 1)]
+    if not np.array_equal(here, vertex) or (np.diff(key) == 0).any() or _repeats(walked):
+        return None
+    return names, counts, walked[np.arange(longest) < counts[:, None]]
+
+
+def _repeats(rows: Ints) -> bool:
+    """Whether a row has a number, not -1, twice."""
+    ordered = np.sort(rows, axis=1)
+    return bool(((ordered[:, 1:] == ordered[:, :-1]) & (ordered[:, 1:] >= 0)).any())
+
+
+def sheet_corners(molecules: Molecules) -> set[int]:
+    """The vertices at the corners of the sheet."""
+    border = molecules.boundary_sides[molecules.boundary_sides[:, 3] == 0]
+    points = molecules.vertices[border[:, 0]]
+    before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+    turn = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+    sharp = turn > 0.5 * np.hypot(*before.T) * np.hypot(*after.T)
+    return set(border[sharp, 0].tolist())

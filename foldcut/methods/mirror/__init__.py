@@ -1,0 +1,1 @@
+"""Drawings with mirror axes: the sheet is folded along these first."""

@@ -1,0 +1,1 @@
+"""Any loops, few creases: along the straight skeleton (Demaine, Demaine and Lubiw)."""

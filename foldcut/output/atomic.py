@@ -1,0 +1,152 @@
+"""Write files so that each is either complete or untouched.
+
+Every file first goes to a temporary name in its own folder, is flushed to the disk, and only when all are
+there are they moved into place. Whatever happens before that, an interrupt included, leaves nothing behind; signals
+wait while files are moved, so that all are new or all are old. Only SIGKILL or a crash can leave a temporary file,
+``.foldcut-*.tmp``; whoever writes into that folder an hour later removes it.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import signal
+import stat
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from types import FrameType
+
+from foldcut.core.errors import FileFormatError
+
+
+class OutputError(FileFormatError):
+    """A file cannot be written where it was asked for."""
+
+
+STALE_S = 3600.0
+"""A temporary file older than this was left behind by a process that was killed."""
+
+_HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name)]
+
+_REMEDIES = {
+    errno.ENOENT: "its folder does not exist; create it first",
+    errno.ENOTDIR: "part of its path is no folder; choose another place",
+    errno.EACCES: "the folder is not writable; change its permissions or choose another place",
+    errno.EPERM: "the folder is not writable; change its permissions or choose another place",
+    errno.EROFS: "the folder is not writable; choose another place",
+    errno.ENOSPC: "the disk is full; make room and try again",
+    errno.EDQUOT: "the disk quota is used up; make room and try again",
+    errno.ENAMETOOLONG: "its name is too long; choose a shorter one",
+}
+
+
+def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
+    """Raise where a file could not be written, before any long work; only the disk may still be full.
+
+    Raises OutputError: a folder is missing or not writable, a path is a folder, two are the same, or, without
+    ``replace``, one is there already.
+    """
+    seen = set()
+    for path in paths:
+        target = _resolved(path)
+        if target in seen:
+            raise OutputError(f"{path} is named twice; give every output its own name")
+        seen.add(target)
+        with _explained(path):
+            if target.exists() and not target.is_file():
+                what = "a folder" if target.is_dir() else "no regular file"
+                raise OutputError(f"cannot write {path}: it is {what}; give a file name")
+            if target.exists() and not replace:
+                raise OutputError(f"cannot write {path}: it is there already; replace it with --force, or rename one")
+            folder = os.stat(target.parent)
+            if not stat.S_ISDIR(folder.st_mode):
+                raise OSError(errno.ENOTDIR, "")
+            if not os.access(target.parent, os.W_OK | os.X_OK):
+                raise OSError(errno.EACCES, "")
+
+
+def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> None:
+    """Write all files; with ``replace`` also over what is there. If one cannot be written, none is.
+
+    A replaced file keeps its permissions, and a link is followed. Only a failure while the finished files
+    are moved into place, one after the other, can leave some new and some old; each one is whole even then.
+
+    Raises OutputError: a file cannot be written; the message says which, why and what to do.
+    """
+    check_targets(contents, replace=replace)
+    moves: list[tuple[Path, Path, Path]] = []
+    try:
+        for path, data in contents.items():
+            target = _resolved(path)
+            # A short name of its own: one as long as the target's plus an ending might be too long.
+            temporary = target.with_name(f".foldcut-{secrets.token_hex(8)}.tmp")
+            moves.append((path, temporary, target))
+            with _explained(path):
+                _write_flushed(temporary, data, like=target)
+        with _signals_wait():
+            for path, temporary, target in moves:
+                with _explained(path):
+                    os.replace(temporary, target)
+    finally:
+        with _signals_wait():
+            for _, temporary, _ in moves:
+                temporary.unlink(missing_ok=True)
+    for folder in {target.parent for _, _, target in moves}:
+        _remove_stale(folder)
+
+
+def _remove_stale(folder: Path) -> None:
+    """Remove what a killed process left behind; what cannot be removed stays."""
+    for left in folder.glob(".foldcut-" + "[0-9a-f]" * 16 + ".tmp"):
+        with suppress(OSError):
+            if time.time() - left.stat().st_mtime > STALE_S:
+                left.unlink()
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """Let signals wait until the block is done, where they can be caught at all; then their handlers run."""
+    came: list[int] = []
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+
+    before = {}
+    try:
+        with suppress(ValueError):  # not the main thread, where no signal is handled
+            for number in _HELD:
+                before[number] = signal.signal(number, remember)
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number in came[:1]:
+            signal.raise_signal(number)
+
+
+def _write_flushed(path: Path, data: bytes, like: Path) -> None:
+    """Create ``path`` with ``data`` on the disk, with the permissions of ``like`` if that exists."""
+    with path.open("xb") as file:
+        if like.exists():
+            os.chmod(path, stat.S_IMODE(like.stat().st_mode))
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _resolved(path: Path) -> Path:
+    """Return where ``path`` leads, links followed."""
+    return Path(os.path.realpath(path))
+
+
+@contextmanager
+def _explained(path: Path) -> Iterator[None]:
+    """Turn an ``OSError`` into an ``OutputError`` that says what to do."""
+    try:
+        yield
+    except OSError as error:
+        reason = _REMEDIES.get(error.errno or 0) or f"{error.strerror or error}; choose another place"
+        raise OutputError(f"cannot write {path}: {reason}") from error

@@ -1,0 +1,1 @@
+"""Crease patterns: assembled, folded, measured."""

@@ -1,0 +1,277 @@
+"""How hard a pattern is to fold by hand, and to cut: counts, lengths, angles, layers, and what could be done about it.
+
+``FoldedPattern`` -> ``Foldability``. Nothing is decided here: a pattern with warnings folds flat all the same.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from foldcut.core.model import CreasePattern, Floats, FoldedPattern, FoldedState, Ragged, Shape, Sheet
+from foldcut.geometry.planar_graph import half_edges
+from foldcut.pattern.face_maps import folded_edges
+
+__all__ = [
+    "COMFORTABLE_CREASE_MM",
+    "COMFORTABLE_LAYERS",
+    "PAPER_MM",
+    "CreaseNumbers",
+    "Foldability",
+    "crease_numbers",
+    "foldability",
+    "layers_at_cut",
+    "most_layers",
+    "remedies",
+]
+
+PAPER_MM = 0.1
+"""The thickness of office paper of 80 g/m2."""
+
+COMFORTABLE_CREASE_MM = 3.0
+"""Shorter creases are hard to fold by hand."""
+
+COMFORTABLE_LAYERS = 120
+"""More layers are hard to cut at once: 12 mm of office paper."""
+
+LARGEST_FACTOR = 10.0
+"""No larger sheet is proposed than so many times the one at hand."""
+
+STRAIGHT = 1e-6
+"""Two creases are one line when they turn by less than this, in radians, or leave it by less than rounding does."""
+
+ROUNDING = 1e-9
+"""The error of coordinates, relative to the sheet's diagonal."""
+
+MOST_LINES = 100
+"""So many lines across the folded sheet are looked along in each direction for the thickest place."""
+
+Keys = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class CreaseNumbers:
+    """What can be counted and measured on the sheet: mountains and valleys only.
+
+    ``lines`` counts creases that go straight on through a vertex once, mountain or valley. What has no creases has no
+    shortest one (``shortest_crease_at`` is its middle, in mm), what has no vertex with two creases no smallest angle.
+    """
+
+    creases: int
+    lines: int
+    mountains: int
+    valleys: int
+    shortest_crease_mm: float | None
+    shortest_crease_at: tuple[float, float] | None
+    smallest_angle_deg: float | None
+
+
+@dataclass(frozen=True)
+class Foldability(CreaseNumbers):
+    """How hard a pattern is to fold and to cut.
+
+    ``layers`` at the thickest place that was found, see ``most_layers``; ``thickness_mm`` there; ``layers_at_cut``
+    where the cut goes through most; ``sheet_used``: the share of the sheet that the shape takes, 0 to 1; ``warnings``
+    say what is hard, and the remedy.
+    """
+
+    layers: int
+    layers_at_cut: int
+    thickness_mm: float
+    sheet_used: float
+    warnings: tuple[str, ...]
+
+
+def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM) -> Foldability:
+    """Return how hard ``pattern`` is to fold and to cut, of paper that is ``paper_mm`` thick."""
+    faces, folded = pattern.creases.faces_vertices, pattern.folded
+    numbers = crease_numbers(pattern.creases)
+    at_cut = layers_at_cut(faces, folded)
+    layers = max(most_layers(faces, folded), at_cut)
+    return Foldability(
+        **vars(numbers),
+        layers=layers,
+        layers_at_cut=at_cut,
+        thickness_mm=layers * paper_mm,
+        sheet_used=_area(pattern.shape) / (pattern.sheet.width * pattern.sheet.height),
+        warnings=_warnings(numbers, at_cut, at_cut * paper_mm, pattern),
+    )
+
+
+def crease_numbers(creases: CreasePattern) -> CreaseNumbers:
+    """Return what can be counted and measured on the sheet."""
+    edges = creases.edges_vertices[folded_edges(creases)]
+    ends = creases.vertices_coords[edges]
+    lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    shortest = int(lengths.argmin()) if len(lengths) else None
+    spokes = _Spokes(creases, edges)
+    return CreaseNumbers(
+        creases=len(edges),
+        lines=spokes.line_count(),
+        mountains=int((creases.edges_assignment == "M").sum()),
+        valleys=int((creases.edges_assignment == "V").sum()),
+        shortest_crease_mm=None if shortest is None else float(lengths[shortest]),
+        shortest_crease_at=None if shortest is None else _point(ends[shortest].mean(axis=0)),
+        smallest_angle_deg=spokes.smallest_angle(),
+    )
+
+
+def remedies(sheet: Sheet, factor: float, loops: int, tried: Collection[str] = ()) -> str:
+    """Return words for what makes the shortest crease of a drawing of so many loops ``factor`` times as long.
+
+    ``tried``: the methods that have been, if that is known.
+    """
+    if factor > LARGEST_FACTOR:
+        other = "try a higher --effort" if "compact" in tried else "try --method compact or a higher --effort"
+        other = other if loops == 1 else "fold fewer loops at a time"
+        return f"leave out small corners with --simplify, or {other}"
+    factor = math.ceil(factor * 10 - 1e-9) / 10
+    size = f"{math.ceil(sheet.width * factor)} x {math.ceil(sheet.height * factor)} mm"
+    return (
+        f"use a sheet {factor:.1f} times as large (about {size}) with the drawing larger to match, or leave out small "
+        "corners with --simplify"
+    )
+
+
+def layers_at_cut(faces: Ragged, folded: FoldedState) -> int:
+    """Return how many layers of paper the cut goes through where the folded sheet is thickest along it.
+
+    The cut runs along y = 0; faces that only touch this line from above or below do not count.
+    """
+    return _Lines(faces, folded.vertices_coords).layers(0.0)
+
+
+def most_layers(faces: Ragged, folded: FoldedState) -> int:
+    """Return how many layers lie on each other at the thickest place of the folded sheet.
+
+    Exact along lines half-way between neighbouring vertices, upwards and across, of which ``MOST_LINES`` are taken; a
+    lower bound for the sheet, which misses only what is thickest in a patch between these lines.
+    """
+    most = 0
+    for axis in (1, 0):
+        lines = _Lines(faces, folded.vertices_coords[:, [1 - axis, axis]])
+        places = np.unique(np.round(folded.vertices_coords[:, axis] / lines.tolerance)) * lines.tolerance
+        levels = (places[1:] + places[:-1]) / 2
+        if len(levels) > MOST_LINES:
+            levels = levels[np.linspace(0, len(levels) - 1, MOST_LINES).round().astype(np.intp)]
+        most = max([most, *map(lines.layers, levels.tolist())])
+    return most
+
+
+class _Lines:
+    """Counts layers along lines of constant y through folded faces."""
+
+    def __init__(self, faces: Ragged, coords: Floats) -> None:
+        self.tolerance = 1e-9 * float(np.ptp(coords, axis=0).max())
+        self.first, self.rows = faces.offsets[:-1], faces.rows
+        start, end = half_edges(faces)
+        self.x, self.y = coords[start].T
+        self.to_x, self.to_y = coords[end].T
+
+    def layers(self, level: float) -> int:
+        """Return the layers at the thickest place along y = ``level``; faces that only touch it do not count."""
+        y, to_y = (np.where(np.abs(side - level) < self.tolerance, 0.0, side - level) for side in (self.y, self.to_y))
+        reaches_below = np.minimum.reduceat(y, self.first)[self.rows] < 0
+        at = np.flatnonzero(((y > 0) != (to_y > 0)) & reaches_below)
+        crossings = self.x[at] + (self.to_x[at] - self.x[at]) * y[at] / (y[at] - to_y[at])
+        # Rounded, so that one face ends exactly where the next begins.
+        place = np.round(crossings / self.tolerance)
+        # A face is entered and left in turn along the line, and at one place faces end before others begin.
+        place = place[np.lexsort((place, self.rows[at]))]
+        step = np.tile([1, -1], len(place) // 2)
+        return int(np.cumsum(step[np.lexsort((step, place))]).max(initial=0))
+
+
+class _Spokes:
+    """The creases as they leave their vertices, twice each, counter-clockwise around each vertex in turn."""
+
+    def __init__(self, creases: CreasePattern, edges: NDArray[np.int32]) -> None:
+        count = len(edges)
+        self.edge_count = count
+        tail, head = np.concatenate([edges, edges[:, ::-1]]).T
+        along = creases.vertices_coords[head] - creases.vertices_coords[tail]
+        angle = np.arctan2(along[:, 1], along[:, 0])
+        order = np.lexsort((angle, tail))
+        self.edge = np.tile(np.arange(count), 2)[order]
+        self.tail, self.angle, self.along = tail[order], angle[order], along[order]
+        self.first = np.searchsorted(self.tail, self.tail)
+        self.degree = np.searchsorted(self.tail, self.tail, side="right") - self.first
+        self.error = ROUNDING * float(np.hypot(*np.ptp(creases.vertices_coords, axis=0)))
+
+    def smallest_angle(self) -> float | None:
+        """Return the smallest angle between neighbouring creases, in degrees."""
+        shared = np.flatnonzero(self.degree > 1)
+        if not len(shared):
+            return None
+        first, degree = self.first[shared], self.degree[shared]
+        following = first + (shared - first + 1) % degree
+        return float(np.degrees(((self.angle[following] - self.angle[shared]) % math.tau).min()))
+
+    def line_count(self) -> int:
+        """Return the number of creases when those that go straight on through a vertex count once."""
+        opposite = self._opposite()
+        going_on = np.flatnonzero(opposite >= 0)
+        pairs = np.sort(np.stack([self.edge[going_on], self.edge[opposite[going_on]]], axis=1), axis=1)
+        # Chains of edges do not close, so each pair joins two of them.
+        return self.edge_count - len(np.unique(pairs, axis=0))
+
+    def _opposite(self) -> Keys:
+        """Return the spoke that goes straight on from each, -1 where none does."""
+        if not self.edge_count:
+            return np.zeros(0, dtype=np.intp)
+        # Angles are in (-pi, pi]: eight for each vertex keep vertices apart.
+        sought = self.angle + np.where(self.angle > 0, -math.pi, math.pi)
+        after = np.searchsorted(self.tail * 8.0 + self.angle, self.tail * 8.0 + sought) - self.first
+        best = np.full(len(self.edge), -1)
+        least = np.full(len(self.edge), np.inf)
+        reach = np.hypot(*self.along.T)
+        for step in (-1, 0):  # the nearest angle is just before or after the one sought
+            other = self.first + (after + step) % self.degree
+            across = np.abs(self.along[:, 0] * self.along[other, 1] - self.along[:, 1] * self.along[other, 0])
+            shorter, longer = np.minimum(reach, reach[other]), np.maximum(reach, reach[other])
+            straight = across <= np.maximum(STRAIGHT * shorter, self.error) * longer
+            ahead = (self.along * self.along[other]).sum(axis=1) < 0
+            better = straight & ahead & (across < least)
+            best[better], least[better] = other[better], across[better]
+        return best
+
+
+def _area(shape: Shape) -> float:
+    """Return the area inside a shape: loops within an odd number of others are holes."""
+    area = 0.0
+    for number, loop in enumerate(shape.loops):
+        x, y = (loop - loop[0]).T
+        ring = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+        area += ring if shape.depth(number) % 2 == 0 else -ring
+    return area
+
+
+def thickness(mm: float) -> str:
+    """Return a thickness in words, with three figures."""
+    return f"{mm:.3g} mm" if mm < 999.5 else f"{mm:,.0f} mm"
+
+
+def _warnings(numbers: CreaseNumbers, at_cut: int, cut_mm: float, pattern: FoldedPattern) -> tuple[str, ...]:
+    warnings = []
+    shortest = numbers.shortest_crease_mm
+    if shortest is not None and numbers.shortest_crease_at is not None and shortest < COMFORTABLE_CREASE_MM:
+        x, y = numbers.shortest_crease_at
+        remedy = remedies(pattern.sheet, COMFORTABLE_CREASE_MM / max(shortest, 1e-6), len(pattern.shape.loops))
+        warnings.append(
+            f"the shortest crease, at ({x:.4g}, {y:.4g}), is {shortest:.2g} mm long; creases under "
+            f"{COMFORTABLE_CREASE_MM:g} mm are hard to fold by hand; {remedy}"
+        )
+    if at_cut > COMFORTABLE_LAYERS:
+        warnings.append(
+            f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; more than {COMFORTABLE_LAYERS} "
+            "are hard to cut at once; leave out small corners with --simplify, use thinner paper, or cut with a knife"
+        )
+    return tuple(warnings)
+
+
+def _point(place: Floats) -> tuple[float, float]:
+    return float(place[0]), float(place[1])

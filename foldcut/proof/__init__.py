@@ -1,0 +1,1 @@
+"""Verification: what is wrong with a folded pattern, whatever made it."""
