@@ -39,7 +39,7 @@ bench-page: $(VENV)/installed-test tools
 
 ## Fold 500 random polygons by the compact method; takes about three minutes.
 sweep-compact: $(VENV)/installed-test
-	FOLDCUT_RANDOM_COMPACT=500 $(BIN)/python -m pytest -n 2 -k random_polygons_are_folded tests/test_search.py
+	FOLDCUT_RANDOM_COMPACT=500 $(BIN)/python -m pytest -n 2 -k random_polygons_are_folded tests/methods/compact/test_search.py
 
 ## Fold 300 random polygons in six positions and sizes each; takes about an hour.
 sweep: $(VENV)/installed-test

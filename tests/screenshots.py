@@ -8,13 +8,14 @@ import tempfile
 from pathlib import Path
 
 from PIL import Image
-from programs import NODE_FOLDER
+from support.places import ROOT
+from support.programs import NODE_FOLDER
 
 import foldcut
 from foldcut.exporters import export
 from foldcut.samples import sample_path
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = ROOT / "docs"
 PORT = "8731"
 COLOURS = 160
 """Few, so that the files are small."""

@@ -6,8 +6,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from icons import SETS, fold_icon, icon_folders, silhouettes
-from programs import missing
+from support.icons import SETS, fold_icon, icon_folders, silhouettes
+from support.programs import missing
 
 ICONS = 200
 CHUNK = 10

@@ -8,7 +8,7 @@ import os
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from strategies import cross, rectangle, regular, simple_polygons, star, star_shaped, two_opt
+from support.strategies import cross, rectangle, regular, simple_polygons, star, star_shaped, two_opt
 
 import foldcut
 from foldcut.drawing.shape import make_shape

@@ -12,7 +12,7 @@ from pathlib import Path
 import foldcut
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from several_loops import random_loops
+from support.several_loops import random_loops
 
 
 def main(first: int = 0, last: int = 25, method: str = "gate") -> None:

@@ -19,7 +19,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent.parent))
 
-from icons import fold_icon, icon_folders, silhouettes
+from support.icons import fold_icon, icon_folders, silhouettes
 
 
 def main() -> int:

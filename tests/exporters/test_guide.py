@@ -1,0 +1,137 @@
+"""The folding guide: it has every step, the words say what is true, and programs that are not ours open it."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+import pikepdf
+import pytest
+import svgelements
+from support.programs import require_program, run_program
+
+from foldcut.cli.main import main
+from foldcut.core.model import FoldedPattern
+from foldcut.exporters.pictures.guide import (
+    BACK,
+    FRONT,
+    MOVED,
+    MOVED_BACK,
+    NOW,
+    Instruction,
+    export_html,
+    export_pdf,
+    instructions,
+)
+from foldcut.exporters.pictures.panels import laid_out
+from foldcut.folding_steps import folding_steps
+from foldcut.pipeline import fold
+from foldcut.profiles import load_profile
+from foldcut.samples import sample_path
+
+
+@pytest.fixture(scope="module", params=["letter-a", "fish", "triangle"])
+def pattern(request: pytest.FixtureRequest) -> FoldedPattern:
+    """Give patterns with one first fold, without, and with few creases."""
+    made: FoldedPattern = fold(sample_path(request.param), effort="fast", min_crease=0).require_verified()
+    return made
+
+
+def paths(step: Instruction) -> list[svgelements.Path]:
+    """Return what is drawn over the legend."""
+    drawing = svgelements.SVG.parse(io.BytesIO(laid_out([("it", step.panel)], "")[0]), ppi=25.4)
+    (group,) = drawing.elements(lambda e: isinstance(e, svgelements.Group) and e.id == "it")
+    return [path for path in group.select() if isinstance(path, svgelements.Path)]
+
+
+def strokes(step: Instruction, colour: str) -> list[svgelements.Path]:
+    """Return what is drawn in a colour."""
+    return [path for path in paths(step) if path.stroke.hex == colour]
+
+
+def test_the_steps_are_those_of_the_folding_order(pattern: FoldedPattern) -> None:
+    titles = [step.title for step in instructions(pattern, load_profile().drawing)]
+    expected = ["The sheet"]
+    folds = 0
+    for step in folding_steps(pattern):
+        if step.line is not None:
+            folds += 1
+            expected.append(f"Fold {folds}")
+        else:
+            count = len(step.groups)
+            expected += ["The groups"] if count > 1 else []
+            expected += [f"Press group {k + 1} of {count}" for k in range(count)] if count > 1 else ["Press creases"]
+            expected.append("Collapse")
+    assert titles == [*expected, "Check the layers", "Cut", "Unfold"]
+
+
+def test_every_crease_is_marked_in_its_group(pattern: FoldedPattern) -> None:
+    made = [step for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Press")]
+    groups = [group for step in folding_steps(pattern) for group in step.groups]
+    at = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
+    if all(step.line is None for step in folding_steps(pattern)):  # else several layers are creased at once
+        scale = 100 / max(pattern.sheet.width, pattern.sheet.height)
+        for step, edges in zip(made, groups, strict=True):
+            (marked,) = strokes(step, NOW)
+            expected = sum(math.dist(*at[edge]) for edge in edges.tolist()) * scale
+            assert marked.length() == pytest.approx(expected, rel=1e-3)
+            count = int(re.findall(r"the (?:(\d+) )?marked", step.text)[0] or 1)
+            assert count == len(list(marked.as_subpaths())) <= len(edges)
+    assert all(strokes(step, NOW) for step in made)
+
+
+def test_a_fold_is_marked_on_the_sheet_and_what_moves_is_coloured(pattern: FoldedPattern) -> None:
+    made = [step for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Fold")]
+    assert bool(made) == any(step.line is not None for step in folding_steps(pattern))
+    for step in made:
+        assert strokes(step, NOW)
+        fills = {path.fill.hex for path in paths(step) if path.fill.value is not None}
+        assert fills & {MOVED, MOVED_BACK}
+        assert fills & {FRONT, BACK}
+
+
+def test_the_cut_is_where_the_guide_says(pattern: FoldedPattern) -> None:
+    (cut,) = [step for step in instructions(pattern, load_profile().drawing) if step.title == "Cut"]
+    under, over = map(float, re.findall(r"([\d.]+) mm", cut.text))
+    heights = pattern.folded.vertices_coords[:, 1]
+    assert (under, over) == pytest.approx((heights.max(), -heights.min()), abs=0.051)
+    assert under + over == pytest.approx(np.ptp(heights), abs=0.11)
+
+
+def test_what_collapses_is_said_to_be_one_movement_and_shown_as_it_comes_out() -> None:
+    pattern = fold(sample_path("fish"), effort="fast", min_crease=0).require_verified()
+    made = instructions(pattern, load_profile().drawing)
+    (step,) = [step for step in made if step.title == "Collapse"]
+    assert "one movement" in step.text
+    filled = [path for path in paths(step) if path.fill.value is not None]
+    assert len(filled) == len(pattern.creases.faces_vertices)
+
+
+def test_html_has_every_step_and_loads_nothing(pattern: FoldedPattern) -> None:
+    page = export_html(pattern).decode()
+    assert page.count("<section>") == len(instructions(pattern, load_profile().drawing))
+    assert all(url.startswith("http://www.w3.org/") for url in re.findall(r"https?://[^\"]*", page))  # namespaces
+    assert "<script" not in page
+
+
+def test_qpdf_and_mutool_read_the_pdf(pattern: FoldedPattern, tmp_path: Path) -> None:
+    path = tmp_path / "guide.pdf"
+    path.write_bytes(export_pdf(pattern))
+    assert path.read_bytes() == export_pdf(pattern)
+    run_program(require_program("qpdf"), "--check", path)
+    text = run_program(require_program("mutool"), "draw", "-F", "txt", "-o", "-", path)
+    for step in instructions(pattern, load_profile().drawing):
+        assert f". {step.title}" in text
+    with pikepdf.open(path) as pdf:
+        assert {tuple(map(round, map(float, page.mediabox[2:]))) for page in pdf.pages} == {(595, 842)}
+
+
+def test_the_command_writes_pdf_or_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("a.pdf", "a.html"):
+        assert main(["guide", "triangle", "--effort", "fast", "--quiet", "-o", str(tmp_path / name)]) == 0
+        assert (tmp_path / name).stat().st_size > 5000
+    assert main(["guide", "triangle", "-o", str(tmp_path / "a.svg")]) == 2
+    assert "guides are PDF or HTML" in capsys.readouterr().err

@@ -1,0 +1,372 @@
+"""Folding along the straight skeleton: skeletons, perpendiculars, layer orders, whole patterns."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterable
+from itertools import islice, product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+from support.several_loops import random_loops
+from support.strategies import Points, rectangle, star
+
+import foldcut
+from foldcut.cli.main import main
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import Shape, Sheet, index_array
+from foldcut.drawing.placement import parse_sheet, place
+from foldcut.drawing.shape import make_shape
+from foldcut.geometry.planar_graph import edge_faces
+from foldcut.methods.compact.search import shortest_crease
+from foldcut.methods.skeleton import method as straight
+from foldcut.methods.skeleton.layer_order import OrderSolver, layer_order
+from foldcut.methods.skeleton.method import fold_skeletal
+from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
+from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
+from foldcut.proof.verify import verify
+from foldcut.readers import read_shape
+from foldcut.samples import sample_path
+
+SHEET = parse_sheet("a4-portrait")
+# No side is on a line with another: the hole turned by a little.
+HOLED: list[Points] = [rectangle(12, 9), [(-2.1, -1.6), (1.9, -2.0), (2.2, 1.7), (-1.8, 2.0)]]
+ROOF: list[Points] = [[(0, 0), (10, 0), (10, 4), (7, 4), (7, 7), (5, 7), (5, 4), (0, 4)]]
+
+
+def placed(loops: list[Points], margin: float = 30.0) -> Shape:
+    return place(make_shape(loops), SHEET, margin=margin)[0]
+
+
+def perpendiculars(loops: list[Points]) -> Perpendiculars:
+    found = Perpendiculars(straight_skeleton(placed(loops), SHEET), SHEET)
+    found.trace(found.odd)
+    return found
+
+
+def rough(loops: list[Points], off: float, seed: int = 0) -> list[Points]:
+    """The loops with corners moved at random, relative to the shape's size."""
+    random = np.random.default_rng(seed)
+    size = np.ptp(np.concatenate(loops), axis=0).max()
+    return [(np.array(loop) + random.uniform(-off, off, (len(loop), 2)) * size).tolist() for loop in loops]
+
+
+def test_the_skeleton_of_a_rectangle_has_the_two_nodes_that_one_expects() -> None:
+    sheet = Sheet(200.0, 200.0)
+    shape = make_shape([[(40, 60), (160, 60), (160, 140), (40, 140)]])
+    skeleton = straight_skeleton(shape, sheet)
+    inside = skeleton.points[4:][skeleton.height[4:] > 0]
+    inside = inside[(inside > 40).all(axis=1) & (inside < 160).all(axis=1)]
+    np.testing.assert_allclose(inside[np.argsort(inside[:, 0])], [(80, 100), (120, 100)], atol=1e-9)
+
+
+@pytest.mark.parametrize("loops", [HOLED, ROOF, random_loops(0, holes=True), random_loops(2, holes=False)])
+def test_nodes_are_equally_far_from_all_sides_around_them(loops: list[Points]) -> None:
+    skeleton = straight_skeleton(placed(loops), SHEET)
+    for region in skeleton.regions:
+        away = skeleton.points[region.ring] - skeleton.starts[region.side]
+        x, y = skeleton.along[region.side]
+        height = np.abs(away @ (-y, x))
+        near = np.hypot(*away.T) < SHEET.diagonal
+        np.testing.assert_allclose(height[near], skeleton.height[region.ring][near], atol=1e-8)
+
+
+def test_sides_on_one_line_share_their_region() -> None:
+    skeleton = straight_skeleton(placed(ROOF), SHEET)
+    assert len(skeleton.regions) == 2 * 8 - 1  # inside the two halves of the roof are one
+
+
+@pytest.mark.parametrize("loops", [HOLED, random_loops(1, holes=True), random_loops(1, holes=False)])
+def test_perpendiculars_are_at_right_angles_to_their_sides_and_make_the_creases_at_nodes_even(
+    loops: list[Points],
+) -> None:
+    found = perpendiculars(loops)
+    skeleton = found.skeleton
+    for path in found.paths:
+        for step in path.steps:
+            along = skeleton.along[skeleton.regions[step.region].side]
+            assert abs((step.end - step.start) @ along) < 1e-9 * SHEET.diagonal
+    for taken in [*found.fewest(3), *found.rooted()]:
+        count = dict.fromkeys(found.odd, 0)
+        for number in taken:
+            for node in (found.paths[number].start, found.paths[number].end):
+                if node >= 0:
+                    count[node] = count.get(node, 0) + 1
+        assert all((found.degree[node] + number) % 2 == 0 for node, number in count.items())
+
+
+@pytest.mark.parametrize("loops", [HOLED, random_loops(3, holes=True), random_loops(3, holes=False)])
+def test_folded_facets_keep_their_form_and_the_shape_is_above_the_cut_line(loops: list[Points]) -> None:
+    found = perpendiculars(loops)
+    facets = divide_sheet(found, next(found.fewest(1)))
+    ends = np.array([edge for edge, _ in facets.creases])
+    for points in (facets.flat, facets.folded):
+        assert np.isfinite(points[ends]).all()
+    flat, folded = (np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) for points in (facets.flat, facets.folded))
+    np.testing.assert_allclose(flat, folded, atol=1e-9)
+    for ring, up in zip(facets.rings, facets.up, strict=True):
+        x, y = facets.folded[ring].T
+        area = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum()
+        assert (area > 0) == up
+
+
+def test_corners_are_moved_so_that_nodes_of_a_roughly_drawn_star_meet() -> None:
+    drawn = placed(rough([star(5, 0.4)], 1e-4))
+    tied, moved = tie_nodes(drawn, SHEET, 0.1)
+    assert 0 < moved <= 0.1
+    assert moved == pytest.approx(np.hypot(*(tied.loops[0] - drawn.loops[0]).T).max())
+    assert len(Perpendiculars(straight_skeleton(drawn, SHEET), SHEET).odd) > 0
+    assert Perpendiculars(straight_skeleton(tied, SHEET), SHEET).odd == []
+    # not farther than allowed
+    same, none = tie_nodes(drawn, SHEET, 1e-4)
+    assert none <= 1e-4
+    assert Perpendiculars(straight_skeleton(same, SHEET), SHEET).odd != []
+
+
+def test_a_rough_star_has_ten_creases_once_its_nodes_are_tied() -> None:
+    made = fold_skeletal(placed(rough([star(5, 0.4)], 1e-4)), SHEET, near=0.1)
+    assert made.creases.crease_count == 10
+    assert verify(made.creases, made.folded.layers, made.shape) == []
+
+
+def test_corners_are_moved_so_that_perpendiculars_come_to_the_nodes_that_they_nearly_pass() -> None:
+    sheet = parse_sheet("a4-landscape")
+    swan = place(make_shape(read_shape(sample_path("swan")).loops), sheet)[0]
+
+    def met(shape: Shape) -> int:
+        found = Perpendiculars(straight_skeleton(shape, sheet), sheet)
+        found.trace(found.odd)
+        return sum(path.end >= 0 for path in found.paths)
+
+    tied, moved = tie_perpendiculars(swan, sheet, 0.5)
+    assert 0 < moved <= 0.5
+    assert moved == pytest.approx(np.hypot(*(tied.loops[0] - swan.loops[0]).T).max())
+    assert met(tied) > met(tie_nodes(swan, sheet, 0.5)[0])
+    assert tie_perpendiculars(swan, sheet, 1e-3) == (swan, 0.0)  # not farther than allowed
+    made, other = (fold_skeletal(swan, sheet, near=near, effort="fast") for near in (0.5, 0.0))
+    assert verify(made.creases, made.folded.layers, made.shape) == []
+    assert made.creases.crease_count < other.creases.crease_count
+    assert shortest_crease(made.creases) > 3 > shortest_crease(other.creases)
+
+
+def test_corners_are_not_moved_so_that_sides_cross() -> None:
+    # two corners that nearly touch: they would be joined, and sides would cross
+    slit = [(105, 246), (33, 215), (10, 172), (25, 91), (91.92, 50.80), (42, 174)]
+    slit += [(130, 212), (174, 145), (91.94, 50.81), (176, 81), (200, 172), (152, 234)]
+    shape = make_shape([slit])
+    for near in (0.05, 0.25, 1.0):
+        for tie in (tie_nodes, tie_perpendiculars):
+            tied, moved = tie(shape, SHEET, near)
+            assert moved <= near
+            assert shapely.Polygon(tied.loops[0]).is_valid
+    crossing = np.array([(0.0, 0), (9, 9), (9, 0), (0, 8)])
+    with pytest.raises(UnfoldableError, match="sides of the shape cross or touch"):
+        straight_skeleton(Shape((crossing,), (-1,)), SHEET)
+
+
+def test_a_node_that_nearly_is_on_another_ridge_is_put_there() -> None:
+    shape = place(make_shape(read_shape(sample_path("letter-a")).loops), SHEET)[0]
+    made = fold_skeletal(shape, SHEET, near=0.2)
+    other = fold_skeletal(shape, SHEET, near=0.05)
+    assert made.moved_mm <= 0.2
+    assert made.creases.crease_count < other.creases.crease_count
+    assert shortest_crease(made.creases) > 1 > shortest_crease(other.creases)
+
+
+def test_choices_without_a_layer_order_are_refused_by_the_solver() -> None:
+    found = perpendiculars([loop.tolist() for loop in random_loops(0, holes=True)])
+    first = divide_sheet(found, next(found.fewest(1)))
+    with pytest.raises(UnfoldableError, match="cannot be put in an order"):
+        layer_order(OrderSolver(first.folded, first.rings, first.creases, first.up))
+    rooted = divide_sheet(found, found.rooted()[0])
+    order = layer_order(OrderSolver(rooted.folded, rooted.rings, rooted.creases, rooted.up))
+    assert sorted(order) == list(range(len(rooted.rings)))
+
+
+def conditions_of(found: Perpendiculars, taken: Iterable[int]) -> tuple[Facets, OrderSolver]:
+    facets = divide_sheet(found, sorted(taken))
+    return facets, OrderSolver(facets.folded, facets.rings, facets.creases, facets.up)
+
+
+def may_have_order(conditions: OrderSolver) -> bool:
+    """Whether the conditions on pairs can be kept, circles left aside, with an unknown for every pair."""
+    from pysat.solvers import Solver
+
+    def literal(above: int, below: int) -> int:
+        number = int(conditions.number[min(above, below), max(above, below)])
+        return number if above > below else -number
+
+    with Solver(name="minisat22") as solver:
+        for facet, left, right in conditions._across().tolist():
+            one, other = literal(facet, left), literal(facet, right)
+            solver.add_clause([one, -other])
+            solver.add_clause([-one, other])
+        for a, b, c, d in conditions.coinciding.tolist():
+            four = [literal(a, c), literal(b, c), literal(a, d), literal(b, d)]
+            for signs in product((1, -1), repeat=4):
+                if np.prod(signs) < 0:
+                    solver.add_clause([sign * one for sign, one in zip(signs, four, strict=True)])
+        return bool(solver.solve())
+
+
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_contradictions_are_found_just_where_a_solver_with_an_unknown_for_every_pair_finds_no_order(seed: int) -> None:
+    found = perpendiculars([loop.tolist() for loop in random_loops(seed, holes=True)])
+    start = frozenset(next(found.fewest(1)))
+    said = set()
+    for taken in [start, *map(frozenset, found.rooted()[:6]), *(start ^ one for one in found.exchanges()[:6])]:
+        _, conditions = conditions_of(found, taken)
+        said.add(may_have_order(conditions))
+        assert may_have_order(conditions) == (conditions.contradictory == (0, 0))
+    assert said == {True, False}
+
+
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_without_a_change_in_its_cause_a_contradiction_stays(seed: int) -> None:
+    found = perpendiculars([loop.tolist() for loop in random_loops(seed, holes=True)])
+    start = frozenset(next(found.fewest(1)))
+    facets, conditions = conditions_of(found, start)
+    assert conditions.contradictory[0]
+    cause = straight._perpendiculars_in(found, facets, conditions.facets_of_contradiction())
+    elsewhere = [one for one in found.exchanges() if not one & cause]
+    assert elsewhere
+    for one in found.exchanges():
+        assert found._is_even(set(start ^ one))
+    for one in elsewhere:
+        assert conditions_of(found, start ^ one)[1].contradictory[0]
+
+
+def test_from_a_set_without_an_order_the_search_walks_to_one_that_has(monkeypatch: pytest.MonkeyPatch) -> None:
+    choices = straight._choices
+    monkeypatch.setattr(straight, "_choices", lambda of: islice(choices(of), 1))
+    shape, _ = place(make_shape(random_loops(6, holes=True)), SHEET, margin=40)
+    made = fold_skeletal(shape, SHEET, near=0.0, effort="fast")
+    assert verify(made.creases, made.folded.layers, made.shape) == []
+    monkeypatch.setattr(straight._Search, "walk", lambda *_: None)
+    with pytest.raises(UnfoldableError, match="cannot be put in an order"):
+        fold_skeletal(shape, SHEET, near=0.0, effort="fast")
+
+
+def test_an_order_with_one_pair_the_other_way_is_rejected() -> None:
+    result = foldcut.fold(HOLED, method="skeleton")
+    creases, layers = result.folded_pattern.creases, result.folded_pattern.folded.layers
+    shape = result.folded_pattern.shape
+    assert verify(creases, layers, shape) == []
+    rank = np.argsort(layers)
+    for one, other in edge_faces(creases).tolist():
+        if min(one, other) >= 0:
+            swapped = layers.copy()
+            swapped[[rank[one], rank[other]]] = other, one
+            assert verify(creases, index_array(swapped), shape) != []
+
+
+@pytest.mark.parametrize(("name", "creases"), [("ring", 12), ("two-triangles", 9), ("letter-a", 46)])
+def test_samples_are_verified_with_few_creases(name: str, creases: int) -> None:
+    result = foldcut.fold(sample_path(name), method="skeleton")
+    assert result.findings == ()
+    assert result.folded_pattern.creases.crease_count <= creases
+
+
+@pytest.mark.parametrize("holes", [True, False], ids=["holes", "components"])
+@pytest.mark.parametrize("seed", [3, 6, 9])
+def test_random_shapes_are_verified(seed: int, holes: bool) -> None:
+    result = foldcut.fold(random_loops(seed, holes=holes), method="skeleton", margin=40, effort="fast")
+    assert result.findings == ()
+    assert result.folded_pattern.creases.crease_count < 300
+
+
+def test_where_no_perpendicular_ends_the_reason_names_the_node() -> None:
+    with pytest.raises(
+        UnfoldableError, match=r"no perpendicular from the skeleton's node at \(.*\) mm ends within 600"
+    ):
+        fold_skeletal(placed(rough([star(5, 0.4)], 1e-4)), SHEET, near=0.0)
+
+
+def test_what_would_take_too_long_is_refused_at_once() -> None:
+    with pytest.raises(UnfoldableError, match=r"the drawing has 130 corners; at most 120"):
+        fold_skeletal(placed([star(65, 0.8)]), SHEET)
+    shape, _ = place(make_shape(random_loops(2, holes=False)), SHEET, margin=40)
+    with pytest.raises(UnfoldableError, match=r"the pattern has 1,\d+ creases; at most 1,000"):
+        fold_skeletal(shape, SHEET, near=0.0)
+
+
+def test_a_ribbon_wider_than_the_skeleton_is_refused() -> None:
+    assert foldcut.fold(HOLED, method="skeleton", ribbon=1.0).findings == ()
+    with pytest.raises(UnfoldableError, match="within the ribbon of 60 mm"):
+        foldcut.fold(HOLED, method="skeleton", ribbon=60.0)
+
+
+@pytest.mark.parametrize("module", ["compas_cgal", "pysat.solvers"])
+def test_without_the_extra_the_error_names_it_and_auto_takes_the_gate(
+    module: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(UnfoldableError, match=r"install it with pip install 'foldcut\[skeleton\]'"):
+        foldcut.fold(HOLED, method="skeleton")
+    result = foldcut.fold(HOLED, effort="fast")
+    assert (result.method, result.findings) == ("gate", ())
+
+
+def test_auto_takes_the_skeleton_for_several_loops_and_the_command_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    drawing = tmp_path / "holed.json"
+    drawing.write_text(json.dumps({"loops": HOLED}))
+    assert main(["make", str(drawing), "--effort", "fast", "-o", str(tmp_path / "holed.fold")]) == 0
+    said = capsys.readouterr().out
+    assert "skeleton: " in said
+    assert "verified  " in said
+    assert main(["check", str(tmp_path / "holed.fold"), "--shape", str(drawing)]) == 0
+
+
+def test_moved_corners_are_told_and_how_far_they_may_move_can_be_said() -> None:
+    loops = rough([rectangle(12, 12), rectangle(6, 6)], 5e-5)
+    result = foldcut.fold(loops, method="skeleton")
+    assert result.findings == ()
+    assert any("corners moved by at most 0.0" in note for note in result.notes)
+    exactly = foldcut.fold(loops, method="skeleton", adjust=0.0)
+    assert exactly.notes == ()
+    assert exactly.folded_pattern.creases.crease_count > result.folded_pattern.creases.crease_count
+    with pytest.raises(foldcut.BadInputError, match="how far corners may be moved is -1"):
+        foldcut.fold(loops, method="skeleton", adjust=-1)
+
+
+def test_the_command_moves_corners_as_far_as_it_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    drawing = tmp_path / "star.json"
+    drawing.write_text(json.dumps({"loops": rough([star(5, 0.4)], 1e-4)}))
+    command = ["make", str(drawing), "--method", "skeleton", "-o", str(tmp_path / "star.fold")]
+    assert main([*command, "--adjust", "0mm"]) != 0
+    assert "try a larger --adjust" in capsys.readouterr().err
+    assert main([*command, "--adjust", "0.1mm"]) == 0
+    assert "corners moved by at most 0.0" in capsys.readouterr().out
+
+
+def test_ctrl_c_takes_the_best_so_far_and_tries_no_other_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    ordered, made = straight._ordered, list[straight.Skeletal]()
+
+    def once(*arguments: Any) -> straight.Skeletal:
+        if made:
+            raise KeyboardInterrupt
+        made.append(ordered(*arguments))
+        return made[-1]
+
+    monkeypatch.setattr(straight, "_ordered", once)
+    result = foldcut.fold(HOLED)
+    assert result.findings == ()
+    assert result.folded_pattern.creases is made[0].creases
+    assert [attempt.method for attempt in result.attempts] == ["mirror", "skeleton"]
+
+
+@pytest.mark.parametrize("degrees", [0.2, 0.5, 1.0, 2.0])
+@pytest.mark.parametrize("margin", [10.0, 60.0, 90.0])
+def test_a_needle_whose_sides_would_vanish_is_left_as_it_is(degrees: float, margin: float) -> None:
+    tip = 100 * np.tan(np.radians(degrees / 2))
+    shape = placed([[(0, 0), (100, -tip), (100, tip)]], margin)
+    for near in (0.25, 0.05):
+        moved, farthest = tie_perpendiculars(shape, SHEET, near)  # a division by nothing would be a RuntimeWarning
+        assert farthest <= near
+        assert all(np.hypot(*(np.roll(loop, -1, axis=0) - loop).T).min() > 1e-9 for loop in moved.loops)

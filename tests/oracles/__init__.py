@@ -1,0 +1,1 @@
+"""The simple and slow twins of fast code, to compare with."""
