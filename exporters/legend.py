@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.model import Bools, Floats
+from foldcut.core.arrays import Bools, Floats
 
 CELLS = 300
 """Cells along the longer side of a page."""

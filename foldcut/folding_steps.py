@@ -29,7 +29,8 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from foldcut.core.model import Bools, Floats, FoldedPattern, FoldedState, Ints, Region, index_array, points_array
+from foldcut.core.arrays import Bools, Floats, Ints, index_array, points_array
+from foldcut.core.model import FoldedPattern, FoldedState, Region
 from foldcut.geometry.planar_graph import edge_faces, signed_areas
 from foldcut.geometry.vectors import cross
 from foldcut.pattern.face_maps import fold_faces, folded_edges

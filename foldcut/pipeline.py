@@ -20,19 +20,9 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import BadInputError, CreaseTooShortError, RibbonError, UnfoldableError, VerificationError
-from foldcut.core.model import (
-    CreasePattern,
-    Finding,
-    Floats,
-    FoldedPattern,
-    FoldedState,
-    Placement,
-    Region,
-    Shape,
-    Sheet,
-    points_array,
-)
+from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedState, Placement, Region, Shape, Sheet
 from foldcut.drawing.limits import Limits
 from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
 from foldcut.drawing.placement import Layout, parse_sheet
@@ -42,7 +32,7 @@ from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symm
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS, MIN_CREASE_MM
 from foldcut.methods.compact import pattern as compact
-from foldcut.methods.compact.search import Compact, fold_compact, rank, shortest_crease
+from foldcut.methods.compact.search import Compact, fold_compact
 from foldcut.methods.disks import molecules
 from foldcut.methods.disks.boundary import boundary_disks, default_ribbon
 from foldcut.methods.disks.layers import fold_layers
@@ -50,11 +40,13 @@ from foldcut.methods.disks.molecules import Molecules, build_molecules
 from foldcut.methods.disks.packing import Packing, fill_gaps
 from foldcut.methods.disks.trees import Assignment, assign_creases, require_one_loop
 from foldcut.methods.fewest_folds import fewest_folds
-from foldcut.methods.gate.method import Gated, fold_gated
-from foldcut.methods.mirror.method import Half, Mirrored, fold_mirrored, halves
-from foldcut.methods.skeleton.method import Skeletal, fold_ridges, fold_skeletal
+from foldcut.methods.gate.joining import Gated, fold_gated
+from foldcut.methods.mirror.halves import Half, Mirrored, fold_mirrored, halves
+from foldcut.methods.skeleton.search import Skeletal, fold_ridges, fold_skeletal
 from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
-from foldcut.proof.verify import COINCIDENT, verify
+from foldcut.pattern.ranking import rank, shortest_crease
+from foldcut.proof.tolerance import COINCIDENT
+from foldcut.proof.verify import verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
 
 __all__ = ["EFFORTS", "METHODS", "PaperStages", "Progress", "Result", "fold"]

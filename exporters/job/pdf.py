@@ -21,7 +21,7 @@ from reportlab.lib.units import mm
 from reportlab.pdfbase.pdfmetrics import stringWidth
 from reportlab.pdfgen.canvas import Canvas
 
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 from foldcut.jobs.job import Job, JobError, mountain_pieces, valley_pieces
 from foldcut.profiles import Profile, Role
 

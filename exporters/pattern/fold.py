@@ -21,7 +21,8 @@ import mapbox_earcut
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.model import Bools, Floats, FoldedPattern, Ints, Ragged
+from foldcut.core.arrays import Bools, Floats, Ints, Ragged
+from foldcut.core.model import FoldedPattern
 from foldcut.geometry.planar_graph import half_edges, pair_keys
 from foldcut.profiles import Profile
 

@@ -19,10 +19,11 @@ import numpy as np
 import svgwrite
 from svgwrite.extensions import Inkscape
 
-from foldcut.core.model import Floats, FoldedPattern, Sheet
+from foldcut.core.arrays import Floats
+from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.job import mountain_pieces, valley_pieces
+from foldcut.pattern.cut_line import contains
 from foldcut.profiles import Drawing, Profile
-from foldcut.proof.cut import contains
 
 from ..legend import BACKING, Corner, Ground, Place
 from ..text import number, printable

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Bools, Floats, Ints
 from foldcut.core.errors import BadInputError
-from foldcut.core.model import Bools, Floats, Ints
 from foldcut.geometry.vectors import left_normal
 from foldcut.methods.disks.molecules import Kind, Molecules
 from foldcut.profiles import Drawing

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import svgwrite
 
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.arrays import Floats
+from foldcut.core.model import FoldedPattern
 from foldcut.profiles import Drawing
 
 from ..pattern.svg import path_data, shortened

@@ -18,7 +18,8 @@ from reportlab.lib.styles import getSampleStyleSheet
 from reportlab.lib.units import mm
 from reportlab.platypus import Flowable, KeepTogether, Paragraph, SimpleDocTemplate, Spacer
 
-from foldcut.core.model import Bools, Floats, FoldedPattern, FoldedState, Ints, index_array
+from foldcut.core.arrays import Bools, Floats, Ints, index_array
+from foldcut.core.model import FoldedPattern, FoldedState
 from foldcut.folding_steps import Step, folding_steps
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import left_normal, signed_area

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import svgwrite
 
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 from foldcut.jobs.job import mountain_pieces, valley_pieces
 from foldcut.profiles import Drawing
 

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.model import FoldedPattern
 from foldcut.geometry.vectors import signed_area
 from foldcut.profiles import Drawing, Profile
 

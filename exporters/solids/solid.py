@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from foldcut.core.arrays import Floats, Numbers
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, FoldedPattern, Numbers
+from foldcut.core.model import FoldedPattern
 from foldcut.jobs.job import JobError
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.profiles import Profile, Solid

@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
+from foldcut.core.arrays import Floats, Numbers
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, FoldedPattern, Numbers
+from foldcut.core.model import FoldedPattern
 from foldcut.profiles import Profile
 
 from .solid import corners_and_triangles, needs, sheet_solid

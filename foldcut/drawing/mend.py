@@ -15,8 +15,9 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import BadInputError, ShapeError
-from foldcut.core.model import Floats, Shape, points_array
+from foldcut.core.model import Shape
 from foldcut.drawing.shape import SHARPEST_CORNER, make_shape, polygon_loops
 from foldcut.drawing.simplify import simplify
 

@@ -17,8 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import ShapeError, SheetError
-from foldcut.core.model import Floats, Placement, Shape, Sheet, points_array
+from foldcut.core.model import Placement, Shape, Sheet
 from foldcut.core.units import MM_PER_INCH, MM_PER_UNIT
 
 #: Portrait sizes in mm. a0 to a6: ISO 216; letter and tabloid: sizes A and B of ANSI/ASME Y14.1 (8.5 x 11 in

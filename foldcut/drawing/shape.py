@@ -20,8 +20,9 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
+from foldcut.core.arrays import Floats, Ints, index_array, points_array
 from foldcut.core.errors import ShapeError
-from foldcut.core.model import Floats, Ints, Shape, index_array, points_array
+from foldcut.core.model import Shape
 from foldcut.geometry.vectors import signed_area
 
 #: A corner nearer than this to the line between its neighbours is left out (relative to the diagonal).

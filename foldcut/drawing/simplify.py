@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from foldcut.core.arrays import Bools, Floats, points_array
 from foldcut.core.errors import BadInputError, ShapeError
-from foldcut.core.model import Bools, Floats, Shape, points_array
+from foldcut.core.model import Shape
 from foldcut.drawing.shape import make_shape
 
 __all__ = ["Simplified", "simplify"]

@@ -18,18 +18,9 @@ from typing import Any, NoReturn
 
 import numpy as np
 
+from foldcut.core.arrays import Bools, Chars, Floats, Ints, Ragged, index_array, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import (
-    Bools,
-    Chars,
-    CreasePattern,
-    Floats,
-    Ints,
-    Placement,
-    Ragged,
-    index_array,
-    points_array,
-)
+from foldcut.core.model import CreasePattern, Placement
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.geometry.planar_graph import edge_faces, signed_areas, trace_faces
 from foldcut.pattern.face_maps import fold_faces

@@ -10,14 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
-from foldcut.core.model import CreasePattern, Finding, Floats, FoldedPattern, FoldedState, Shape, Sheet
+from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedState, Shape, Sheet
 from foldcut.drawing.shape import make_shape
 from foldcut.foldfile.read import FoldFile
 from foldcut.geometry.planar_graph import edge_faces, signed_areas
+from foldcut.pattern.cut_line import contains, fold_boundary
 from foldcut.pattern.face_maps import fold_faces
-from foldcut.proof.cut import contains, fold_boundary
-from foldcut.proof.verify import COINCIDENT, verify
+from foldcut.proof.tolerance import COINCIDENT
+from foldcut.proof.verify import verify
 
 __all__ = ["Reopened", "reopen"]
 

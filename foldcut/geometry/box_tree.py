@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.model import Bools, Floats, Numbers
+from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.geometry.polygons import runs
 
 __all__ = ["LayerTree"]

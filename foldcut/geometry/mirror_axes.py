@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from foldcut.core.model import Floats, Numbers, Shape, points_array
+from foldcut.core.arrays import Floats, Numbers, points_array
+from foldcut.core.model import Shape
 
 ROUNDING = 2e-6
 """Off by less than this, relative to its size, a drawing is symmetric but for the rounding of its file."""

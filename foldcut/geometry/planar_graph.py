@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.model import CreasePattern, Floats, Ints, Numbers, Ragged
+from foldcut.core.arrays import Floats, Ints, Numbers, Ragged
+from foldcut.core.model import CreasePattern
 
 __all__ = [
     "edge_faces",

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from foldcut.core.model import Bools, Floats
+from foldcut.core.arrays import Bools, Floats
 
 __all__ = ["Outlines", "runs"]
 

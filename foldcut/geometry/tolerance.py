@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.core.model import Floats, Sheet
+from foldcut.core.arrays import Floats
+from foldcut.core.model import Sheet
 
 
 @dataclass(frozen=True)

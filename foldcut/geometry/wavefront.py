@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 from foldcut.geometry.vectors import cross, left_normal
 
 TIE = 1e-9

@@ -13,7 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from foldcut.core.model import Floats, Sheet
+from foldcut.core.arrays import Floats
+from foldcut.core.model import Sheet
 from foldcut.jobs.job import Job, Lay, Step, check_job, perforation, travel
 from foldcut.profiles import Dash, Operation, Profile, Setting
 

@@ -19,8 +19,9 @@ from typing import Literal
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
-from foldcut.core.model import Floats, FoldedPattern, Sheet
+from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.marks import DEFAULT_MARKS, HOLES_MM, MARKS, corner_marks, crosses, holes
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.profiles import Bed, Dash, Drawing, Operation, Profile, Role, Setting, Treatment

@@ -14,12 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from foldcut.core.model import Floats, FoldedPattern, Sheet
+from foldcut.core.arrays import Floats
+from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import left_normal
+from foldcut.pattern.cut_line import fold_boundary
 from foldcut.pattern.face_maps import fold_faces, folded_edges
 from foldcut.pattern.straight_lines import straight_lines
-from foldcut.proof.cut import fold_boundary
 
 TOUCHING = 1e-9
 """Places this near, relative to the sheet's diagonal, are one."""

@@ -20,7 +20,8 @@ from itertools import combinations
 
 import numpy as np
 
-from foldcut.core.model import Bools, Floats, Shape, Sheet
+from foldcut.core.arrays import Bools, Floats
+from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.mirror_axes import mirror_axes
 from foldcut.geometry.vectors import cross
 

@@ -12,17 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.core.model import (
-    BLOCK,
-    Bools,
-    Chars,
-    CreasePattern,
-    Floats,
-    FoldedState,
-    Ints,
-    Ragged,
-    sealed,
-)
+from foldcut.core.arrays import BLOCK, Bools, Chars, Floats, Ints, Ragged, sealed
+from foldcut.core.model import CreasePattern, FoldedState
 from foldcut.geometry.planar_graph import half_edges, pair_keys, signed_areas
 from foldcut.geometry.vectors import signed_area
 

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.model import Bools, CreasePattern, Floats, Ints, Numbers
+from foldcut.core.arrays import Bools, Floats, Ints, Numbers
+from foldcut.core.model import CreasePattern
 from foldcut.geometry.planar_graph import edge_lengths
 
 __all__ = ["FaceMaps", "fold_faces", "folded_edges"]

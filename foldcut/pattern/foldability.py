@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.model import CreasePattern, Floats, FoldedPattern, FoldedState, Ragged, Shape, Sheet
+from foldcut.core.arrays import Floats, Ragged
+from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Shape, Sheet
 from foldcut.geometry.planar_graph import half_edges
 from foldcut.pattern.face_maps import folded_edges
 

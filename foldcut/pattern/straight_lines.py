@@ -9,7 +9,7 @@ import math
 from collections import defaultdict
 from collections.abc import Sequence
 
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 from foldcut.geometry.vectors import cross
 
 STRAIGHT = 1e-9

@@ -24,12 +24,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers
+from foldcut.core.arrays import Bools, Floats, Ints, Numbers
+from foldcut.core.model import CreasePattern, Finding
 from foldcut.geometry.box_tree import LayerTree
 from foldcut.geometry.polygons import Outlines
+from foldcut.geometry.segments import collinear_overlap
 from foldcut.pattern.face_maps import FaceMaps, folded_edges
 
-__all__ = ["check_layer_order", "check_mountains", "check_stacking", "collinear_overlap"]
+__all__ = ["check_layer_order", "check_mountains", "check_stacking"]
 
 Indices = NDArray[np.intp]
 
@@ -129,26 +131,6 @@ def check_stacking(
         *_interleaved_folds(pattern, folds, axes, tolerance),
         *_swapped_sheets(pattern, folds, axes, tolerance),
     ]
-
-
-def collinear_overlap(one: Floats, other: Floats, tolerance: float) -> tuple[Floats, Bools]:
-    """Return the length on which segments coincide, and whether they point the same way.
-
-    ``one`` and ``other`` are ``(n, 2, 2)``. The length is 0 where an end of the shorter segment is farther
-    than ``tolerance`` from the line of the longer.
-    """
-    first, second = one[:, 1] - one[:, 0], other[:, 1] - other[:, 0]
-    swap = np.hypot(*second.T) > np.hypot(*first.T)
-    base = np.where(swap[:, None, None], other, one)
-    probe = np.where(swap[:, None, None], one, other)
-    along = base[:, 1] - base[:, 0]
-    length = np.hypot(*along.T)
-    along = along / length[:, None]
-    away = probe - base[:, :1]
-    aside = np.abs(along[:, None, 0] * away[..., 1] - along[:, None, 1] * away[..., 0]).max(axis=1)
-    on = (away * along[:, None]).sum(axis=2)
-    overlap = np.minimum(on.max(axis=1), length) - np.maximum(on.min(axis=1), 0)
-    return np.where(aside <= tolerance, np.maximum(overlap, 0), 0), (first * second).sum(axis=1) > 0
 
 
 def _ranks(layers: Ints) -> Ints:

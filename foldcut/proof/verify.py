@@ -13,7 +13,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from foldcut.core.model import Bools, CreasePattern, Finding, Floats, Ints, Numbers, Shape
+from foldcut.core.arrays import Bools, Floats, Ints, Numbers
+from foldcut.core.model import CreasePattern, Finding, Shape
 from foldcut.geometry.planar_graph import (
     Keys,
     edge_lengths,
@@ -26,17 +27,10 @@ from foldcut.geometry.planar_graph import (
 from foldcut.pattern.face_maps import FaceMaps, fold_faces, folded_edges
 from foldcut.proof.cut import check_cut
 from foldcut.proof.layers import check_layer_order, check_mountains, check_stacking
+from foldcut.proof.tolerance import COINCIDENT
 
-__all__ = ["CHECKS", "COINCIDENT", "verify"]
+__all__ = ["CHECKS", "verify"]
 
-COINCIDENT = (1e-8, 1e-10, 1e-12)
-"""What lies this close, relative to the sheet's diagonal, is taken as touching: the first that fits the pattern.
-
-Patterns are made to about 1e-13 and paper is cut to about 1e-4; whatever is between the two does. But needles and
-narrow slits, and the closest of a million disks, have creases as short as a coarse tolerance, so what fails there is
-tried again with a finer one. That is no loophole: layers that touch may overlap by the tolerance, folds may gape by it,
-and a finer one allows less.
-"""
 
 CHECKS = (
     "arrays",

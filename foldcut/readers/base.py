@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError, FileFormatError, needed_extra
-from foldcut.core.model import Floats
 from foldcut.drawing.limits import Limits
 
 _JSON_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import re
 
+from foldcut.core.arrays import points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source
 from foldcut.readers.join_outlines import closed_rings
 

@@ -20,8 +20,8 @@ from ezdxf import recover
 from ezdxf.enums import InsertUnits
 from ezdxf.units import conversion_factor
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, points_array
 from foldcut.drawing.limits import Limits
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.join_outlines import Outline, loops_of

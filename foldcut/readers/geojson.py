@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source, json_of
 from foldcut.readers.join_outlines import drawing_of
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Floats, Ints, index_array, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, Ints, index_array, points_array
 from foldcut.drawing.shape import polygon_loops
 from foldcut.readers.base import Drawing, ReadOptions, counted
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import json
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, points_array
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers import geojson
 from foldcut.readers.base import Drawing, ReadOptions, Source, json_of

@@ -25,8 +25,8 @@ from defusedxml import DefusedXmlException
 from defusedxml.ElementTree import fromstring
 from svgelements import Matrix
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, points_array
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.join_outlines import Outline, loops_of

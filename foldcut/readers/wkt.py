@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, points_array
 from foldcut.readers.base import Drawing, ReadOptions, Source, brackets_depth
 from foldcut.readers.join_outlines import drawing_of
 

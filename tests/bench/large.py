@@ -16,7 +16,7 @@ import time
 import numpy as np
 
 import foldcut
-from foldcut.core.model import Floats, points_array
+from foldcut.core.arrays import Floats, points_array
 
 
 def polygon(corners: int) -> Floats:

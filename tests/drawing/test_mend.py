@@ -11,8 +11,8 @@ import pytest
 import shapely
 
 from foldcut.cli.main import main
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import BadInputError, ShapeError
-from foldcut.core.model import Floats, points_array
 from foldcut.drawing.mend import Preparation, prepare, preview
 from foldcut.drawing.shape import invariant_faults, make_shape
 

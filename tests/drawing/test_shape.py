@@ -22,8 +22,9 @@ from support.strategies import (
     star,
 )
 
+from foldcut.core.arrays import points_array
 from foldcut.core.errors import ShapeError
-from foldcut.core.model import Shape, points_array
+from foldcut.core.model import Shape
 from foldcut.drawing.shape import FEATURE_TOLERANCE, SHARPEST_CORNER, invariant_faults, make_shape, minimum_feature
 
 

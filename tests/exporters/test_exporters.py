@@ -23,8 +23,9 @@ from PIL import Image
 from support.patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 from support.places import TESTS
 
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.model import FoldedPattern
 from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
 from foldcut.exporters.pattern.fold import face_orders, overlapping_faces
 from foldcut.jobs.job import mountain_pieces, valley_pieces

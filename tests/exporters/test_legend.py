@@ -9,7 +9,8 @@ import pypdfium2
 import pytest
 import shapely
 
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.arrays import Floats
+from foldcut.core.model import FoldedPattern
 from foldcut.core.units import MM_PER_INCH
 from foldcut.exporters import export, export_job
 from foldcut.exporters.legend import Ground

@@ -13,7 +13,8 @@ from numpy.testing import assert_allclose
 from support.patterns import book_fold, letter_fold, square_out_of_square
 from support.programs import require_program, run_node, run_program
 
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.arrays import Floats
+from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export
 from foldcut.pipeline import fold
 from foldcut.samples import sample_names, sample_path

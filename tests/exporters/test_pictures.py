@@ -13,8 +13,9 @@ from numpy.testing import assert_allclose
 from PIL import Image
 
 from foldcut.cli.main import main
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.model import FoldedPattern
 from foldcut.exporters.pictures.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
 from foldcut.methods.disks.molecules import Kind
 from foldcut.pipeline import PaperStages, fold

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from support.paper import Paper, random_paper
 
+from foldcut.core.arrays import Ints
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import Ints
 from foldcut.foldfile import read as fold
 from foldcut.foldfile.read import FoldFile, read_fold
 from foldcut.geometry.planar_graph import edge_faces

@@ -27,7 +27,8 @@ from support.patterns import book_fold
 from support.places import TESTS
 from support.programs import missing, require_program, run_node, run_program
 
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.arrays import Floats
+from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export_job
 from foldcut.exporters.job.pdf import tiles
 from foldcut.jobs import job as jobs

@@ -9,15 +9,16 @@ import pytest
 import shapely
 from support.patterns import book_fold
 
-from foldcut.core.model import Floats, FoldedPattern
+from foldcut.core.arrays import Floats
+from foldcut.core.model import FoldedPattern
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.jobs import marks
 from foldcut.jobs.job import make_jobs
 from foldcut.jobs.marks import MARKS
+from foldcut.pattern.cut_line import fold_boundary
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
-from foldcut.proof.cut import fold_boundary
 from foldcut.samples import sample_path
 
 LASER = load_profile("laser-dxf")

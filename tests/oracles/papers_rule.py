@@ -8,7 +8,7 @@ from collections import defaultdict, deque
 
 import numpy as np
 
-from foldcut.core.model import Bools, Chars
+from foldcut.core.arrays import Bools, Chars
 from foldcut.methods.disks.molecules import Kind, Molecules
 
 

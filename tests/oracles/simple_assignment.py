@@ -22,8 +22,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from foldcut.core.arrays import Chars, index_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Chars, index_array
 from foldcut.methods.disks.molecules import Kind, Molecules
 from foldcut.methods.disks.trees import Assignment
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 
 
 def distances_to_edges(starts: Sequence[Floats], ends: Sequence[Floats]) -> list[Floats]:

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.core.model import CreasePattern, Floats, FoldedState, Ints, Ragged, index_array, points_array
+from foldcut.core.arrays import Floats, Ints, Ragged, index_array, points_array
+from foldcut.core.model import CreasePattern, FoldedState
 from foldcut.geometry.vectors import signed_area
 from foldcut.methods.disks.layers import sheet_corners
 from foldcut.methods.disks.molecules import Molecules

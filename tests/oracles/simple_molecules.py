@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from foldcut.core.arrays import Floats, Ragged, index_array, points_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Floats, Ragged, index_array, points_array
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.molecules import Kind, Molecules
 from foldcut.methods.disks.packing import Packing

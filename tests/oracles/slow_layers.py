@@ -7,7 +7,8 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from foldcut.core.model import CreasePattern, Floats, Ints
+from foldcut.core.arrays import Floats, Ints
+from foldcut.core.model import CreasePattern
 
 NEAR = 1e-6
 

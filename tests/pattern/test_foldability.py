@@ -10,7 +10,8 @@ import shapely
 from support.paper import random_paper
 from support.patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 
-from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Sheet, index_array, points_array
+from foldcut.core.arrays import index_array, points_array
+from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Sheet
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.pattern.foldability import crease_numbers, foldability, layers_at_cut, most_layers, remedies, thickness

@@ -13,7 +13,8 @@ from oracles.slow_layers import slow_check
 from support.paper import Paper, Point, box_shape, random_paper, rectangle_fold, square_paper
 from support.single_vertex import folds_flat
 
-from foldcut.core.model import CreasePattern, Finding, Floats, Ints, Ragged, Shape, index_array, points_array
+from foldcut.core.arrays import Floats, Ints, Ragged, index_array, points_array
+from foldcut.core.model import CreasePattern, Finding, Shape
 from foldcut.geometry import box_tree as layertree
 from foldcut.geometry.planar_graph import edge_faces, trace_faces
 from foldcut.geometry.polygons import Outlines
@@ -674,14 +675,14 @@ def test_a_guess_of_the_line_need_not_be_good(off: float, believed: bool, monkey
 def test_faces_that_pieces_of_the_boundary_are_not_in_are_not_believed(monkeypatch: pytest.MonkeyPatch) -> None:
     paper, shape = rectangle_fold(60.0, 40.0)
     pattern, _ = paper.pattern()
-    honest = cutline._fold_pieces
+    honest = cutline.fold_pieces
     assert cut_verdicts(pattern, shape, monkeypatch) == [True, True]
 
     def elsewhere(*given: object) -> tuple[object, ...]:
         pieces, faces, landed = honest(*given)  # type: ignore[arg-type]
         return pieces, np.roll(faces, 1), landed
 
-    monkeypatch.setattr(cutline, "_fold_pieces", elsewhere)
+    monkeypatch.setattr(cutline, "fold_pieces", elsewhere)
     assert cut_verdicts(pattern, shape, monkeypatch) == [False, True]
 
 

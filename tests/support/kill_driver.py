@@ -1,9 +1,9 @@
 """Replace a FOLD, an SVG and a DXF file by the command line, again and again, and be killed; print what is left.
 
 ``python -m support.kill_driver KILLS [careless|whole]`` in an empty folder. Patterns are folded once; a forked child
-then runs ``foldcut make --force`` with them in turns, until SIGTERM or SIGKILL ends it at a random moment. ``careless`` writes
-the files in place, in two halves, to show that torn files are found. ``whole``: every run reads, searches and writes,
-and is killed at a moment within the time that one takes, ``run_s``.
+then runs ``foldcut make --force`` with them in turns, until SIGTERM or SIGKILL ends it at a random moment.
+``careless`` writes the files in place, in two halves, to show that torn files are found. ``whole``: every run reads,
+searches and writes, and is killed at a moment within the time that one takes, ``run_s``.
 """
 
 from __future__ import annotations

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.core.model import CreasePattern, Floats, Ints, Ragged, Shape, index_array, points_array
+from foldcut.core.arrays import Floats, Ints, Ragged, index_array, points_array
+from foldcut.core.model import CreasePattern, Shape
 
 Point = tuple[float, float]
 

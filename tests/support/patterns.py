@@ -6,17 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.core.model import (
-    CreasePattern,
-    FoldedPattern,
-    FoldedState,
-    Placement,
-    Ragged,
-    Shape,
-    Sheet,
-    index_array,
-    points_array,
-)
+from foldcut.core.arrays import Ragged, index_array, points_array
+from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Placement, Shape, Sheet
 
 Point = tuple[float, float]
 

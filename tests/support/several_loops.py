@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 
 
 def star(random: np.random.Generator, count: int, x: float, y: float, radius: float, least: float) -> Floats:

@@ -25,7 +25,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from foldcut.core.model import Bools, Floats, Numbers, index_array
+from foldcut.core.arrays import Bools, Floats, Numbers, index_array
 from foldcut.geometry.vectors import cross
 
 Pair = tuple[int, int]

@@ -19,7 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from foldcut.core.model import Bools, CreasePattern, Floats, Numbers
+from foldcut.core.arrays import Bools, Floats, Numbers
+from foldcut.core.model import CreasePattern
 from foldcut.methods.compact.pattern import Molecules
 from foldcut.methods.compact.sensitivity import vertex_slopes
 from foldcut.methods.compact.turns import Outline, Program, Solution, Solver

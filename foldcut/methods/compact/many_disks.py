@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Bools, Floats, Numbers
 from foldcut.methods.compact.turns import Outline, Solution, Turns
 
 MOST_DISKS = 30_000

@@ -35,8 +35,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.core.errors import CreaseTooShortError, UnfoldableError
-from foldcut.core.model import Bools, Floats, Numbers
 from foldcut.methods.compact.events import Gusset, Meetings, Motion, Queue, Table, crosses, looks_inside
 
 # Distances that differ by less than this part of the shape's size are equal.

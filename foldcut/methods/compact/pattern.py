@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.core.model import Bools, CreasePattern, Floats, FoldedState, Numbers, Region, Sheet, points_array
+from foldcut.core.arrays import Bools, Floats, Numbers, points_array
+from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
 from foldcut.geometry.vectors import cross
 from foldcut.methods.compact.molecule import Border, Molecule, Vertices
 from foldcut.pattern.assemble import Ring, assemble, creases_of_stack, merge_stacks, outlines

@@ -23,15 +23,18 @@ from itertools import islice
 
 import numpy as np
 
+from foldcut.core.arrays import Bools, Floats
 from foldcut.core.errors import CreaseTooShortError, UnfoldableError
-from foldcut.core.model import Bools, CreasePattern, Floats, FoldedState, Shape, Sheet
+from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.geometry.planar_graph import edge_lengths
 from foldcut.methods.compact.lengthen import Mover
 from foldcut.methods.compact.many_disks import crowded_solution
 from foldcut.methods.compact.molecule import NotClosedError
 from foldcut.methods.compact.pattern import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.methods.compact.turns import Outline, Program, Solution, Turns
-from foldcut.proof.verify import COINCIDENT, verify
+from foldcut.pattern.ranking import FOLDABLE_MM, Rank, rank, shortest_crease
+from foldcut.proof.tolerance import COINCIDENT
+from foldcut.proof.verify import verify
 
 EFFORTS = {"fast": 0.42, "normal": 5.2, "best": 60.0}
 """Seconds that an effort is meant to take, by the model of ``_Budget``."""
@@ -39,14 +42,12 @@ EFFORTS = {"fast": 0.42, "normal": 5.2, "best": 60.0}
 CLEARANCES = (0.02, 0.008, 0.03, 0.004, 0.05)
 """How much nearer than their distance the images of two turns must be, relative; they are tried in turn."""
 
-FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
 LONG_MM = 3.3  # what short creases are made as long as, a little more than foldable
 VANISH_MM, TINY_MM = 3.0, 0.05  # what may be made to vanish, and what is as good as gone
 IN_VAIN = 3  # creases that would not vanish, before the search goes on elsewhere
 CROSSINGS = 2  # orders of events that are tried before the shortest crease is left as it is
 VARIATIONS = 4
 OVERTIME = 0.3
-TOO_SHORT, STILL_SHORTER = 1.65, 0.6  # what creases count when the shortest is nearly foldable, and what more at 0 mm
 PATIENCE = 2  # how many times what an effort allows may be spent as long as there is no pattern
 
 MOST_TURNS = 400
@@ -54,8 +55,6 @@ MOLECULES, PATTERN = 0.6, 0.85
 """Parts of the time for folding many turns: when the molecules are done, and when the pattern is, but for its proof."""
 MENDS = 10  # how often events that are nearly one are moved apart
 SHAKEN = 0.15, 0.6  # by what part of the disks that they come from, and where that was not enough
-
-Rank = tuple[bool, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -672,19 +671,3 @@ def _with_more_turns(outline: Outline, turns: Turns, solution: Solution) -> tupl
             at = begin + left[k] * (number + 0.5) / more
             along = np.insert(along, k + 1, [at - 0.2 * left[k] / more, at])
     return turns, along
-
-
-def shortest_crease(creases: CreasePattern) -> float:
-    """Return the length of the shortest crease in mm."""
-    ends = creases.vertices_coords[creases.edges_vertices[creases.edges_assignment != "B"]]
-    return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
-
-
-def rank(count: float, shortest: float) -> Rank:
-    """Patterns in order: those with all creases long enough to fold at all, then fewer creases, then longer ones.
-
-    ``count`` of creases, ``shortest`` in mm.
-    """
-    if shortest < FOLDABLE_MM:
-        count *= TOO_SHORT + STILL_SHORTER * (1 - shortest / FOLDABLE_MM)
-    return shortest < SHORTEST_MM, count, -shortest

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.core.model import Bools, Floats, Numbers
+from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.geometry.vectors import cross
 from foldcut.methods.compact.molecule import Molecule
 from foldcut.methods.compact.pattern import Molecules

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from foldcut.core.model import Bools, Floats, Numbers
+from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.geometry.vectors import cross
 from foldcut.geometry.wavefront import Node, corner_lives, side_nodes
 from foldcut.methods.compact.pattern import Walk

@@ -20,8 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Bools, Floats, Ints, Ragged, index_array
 from foldcut.core.errors import RibbonError, UnfoldableError
-from foldcut.core.model import Bools, Floats, Ints, Ragged, Shape, Sheet, index_array
+from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import cross, left_normal
 

@@ -18,7 +18,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from foldcut.core.model import Bools, CreasePattern, FoldedState, Ints, Numbers, Ragged
+from foldcut.core.arrays import Bools, Ints, Numbers, Ragged
+from foldcut.core.model import CreasePattern, FoldedState
 from foldcut.geometry.planar_graph import half_edges, pair_keys
 from foldcut.geometry.polygons import runs
 from foldcut.methods.disks.molecules import Molecules

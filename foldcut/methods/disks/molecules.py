@@ -21,20 +21,9 @@ from enum import IntEnum
 
 import numpy as np
 
+from foldcut.core.arrays import BLOCK, Bools, Bytes, Floats, Ints, Numbers, Ragged, index_array, points_array, sealed
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import (
-    BLOCK,
-    Bools,
-    Bytes,
-    Floats,
-    Ints,
-    Numbers,
-    Ragged,
-    Region,
-    index_array,
-    points_array,
-    sealed,
-)
+from foldcut.core.model import Region
 from foldcut.geometry.planar_graph import pair_keys
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import signed_area

@@ -22,8 +22,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from foldcut.core.arrays import Bools, Floats, Ints, Numbers, Ragged, index_array, points_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Bools, Floats, Ints, Numbers, Ragged, index_array, points_array
 from foldcut.geometry.planar_graph import pair_keys
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import contains_point, signed_area

@@ -27,7 +27,7 @@ from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 
 __all__ = ["GapFiller", "Stuck"]
 

@@ -22,8 +22,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from foldcut.core.arrays import BLOCK, Bools, Chars, Ints, Numbers, index_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import BLOCK, Bools, Chars, Ints, Numbers, Shape, index_array
+from foldcut.core.model import Shape
 from foldcut.methods.disks.molecules import Kind, Molecules
 
 SHAPE, BORDER = 0, 1  # the nodes of T_C that stand for a whole boundary come after the vertices

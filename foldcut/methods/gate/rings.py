@@ -21,8 +21,9 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Floats, Numbers, Ragged, index_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Floats, Numbers, Ragged, Shape, Sheet, index_array
+from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.vectors import left_normal
 from foldcut.methods.disks.boundary import BoundaryDisks, Limit
 

@@ -19,9 +19,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from foldcut.core.arrays import Bools, Floats
 from foldcut.core.errors import UnfoldableError, needed_extra
-from foldcut.core.model import Bools, Floats
-from foldcut.proof.layers import collinear_overlap
+from foldcut.geometry.segments import collinear_overlap
 
 Edge = tuple[int, int]
 Ring = list[int]

@@ -23,9 +23,11 @@ from itertools import combinations, pairwise
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Floats, index_array
 from foldcut.core.errors import UnfoldableError, needed_extra
-from foldcut.core.model import Floats, Shape, Sheet, index_array
+from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.planar_graph import trace_faces
+from foldcut.geometry.union_find import groups
 from foldcut.geometry.vectors import left_normal, signed_area
 
 Edge = tuple[int, int]
@@ -293,22 +295,6 @@ def _divided(points: Floats, edges: Sequence[Edge], tie: float) -> list[Edge]:
         way = sorted(on[number], key=lambda vertex: float((points[vertex] - points[a]) @ step))
         divided += pairwise([a, *way, b])
     return divided
-
-
-def groups(count: int, pairs: Sequence[Sequence[int]]) -> list[int]:
-    """For each of so many things the first of those that hang together with it by pairs."""
-    first = list(range(count))
-
-    def find(one: int) -> int:
-        while first[one] != one:
-            first[one] = first[first[one]]
-            one = first[one]
-        return one
-
-    for one, other in pairs:
-        low, high = sorted((find(one), find(other)))
-        first[high] = low
-    return [find(one) for one in range(count)]
 
 
 class Perpendiculars:

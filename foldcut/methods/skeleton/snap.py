@@ -15,8 +15,10 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Floats, Shape, Sheet, points_array
+from foldcut.core.model import Shape, Sheet
+from foldcut.geometry.union_find import groups
 from foldcut.methods.skeleton.perpendiculars import (
     EXACT,
     SNAP,
@@ -24,7 +26,6 @@ from foldcut.methods.skeleton.perpendiculars import (
     DrawnSkeleton,
     Perpendiculars,
     divide_sheet,
-    groups,
     straight_skeleton,
 )
 

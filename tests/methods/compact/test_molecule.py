@@ -14,7 +14,8 @@ import pytest
 from support.strategies import cross, rectangle, regular, star
 
 import foldcut
-from foldcut.core.model import Finding, Floats, Shape, Sheet, points_array
+from foldcut.core.arrays import Floats, points_array
+from foldcut.core.model import Finding, Shape, Sheet
 from foldcut.drawing.placement import place
 from foldcut.drawing.shape import make_shape
 from foldcut.methods.compact import molecule as universal

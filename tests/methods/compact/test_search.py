@@ -12,7 +12,8 @@ import shapely
 from support.strategies import Points, cross, rectangle, regular, star, star_shaped, two_opt
 
 import foldcut
-from foldcut.core.model import CreasePattern, Finding, Floats, Shape, Sheet
+from foldcut.core.arrays import Floats
+from foldcut.core.model import CreasePattern, Finding, Shape, Sheet
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.wavefront import corner_lives, side_nodes

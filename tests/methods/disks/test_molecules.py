@@ -9,7 +9,7 @@ import pytest
 from support.stages import run_stages
 from support.strategies import DISK_SHAPES, rectangle, star, star_shaped
 
-from foldcut.core.model import Ragged
+from foldcut.core.arrays import Ragged
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.molecules import Kind, Molecules, build_molecules, molecule_faults
 from foldcut.methods.disks.packing import Packing

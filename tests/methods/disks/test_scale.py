@@ -20,7 +20,7 @@ from support.several_loops import random_loops
 from support.strategies import DISK_SHAPES, star, star_shaped, two_opt
 
 import foldcut
-from foldcut.core.model import Ragged
+from foldcut.core.arrays import Ragged
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry import box_tree as layertree
@@ -202,13 +202,13 @@ def test_edges_on_the_cut_line_tell_what_all_edges_tell(name: str, monkeypatch: 
     pattern = severed.folded_pattern
     assert verify(pattern.creases, pattern.folded.layers, pattern.shape) == list(severed.findings) != []
     asked = []
-    all_edges = cutline._edges_near
+    all_edges = cutline.edges_near
 
     def counted(pattern: Any, sides: Any, distance: float, among: Any = None) -> Any:
         asked.append(among is None)
         return all_edges(pattern, sides, distance, among)
 
-    monkeypatch.setattr(cutline, "_edges_near", counted)
+    monkeypatch.setattr(cutline, "edges_near", counted)
     assert verify(good.creases, good.folded.layers, good.shape) == []
     assert asked == [False]
 

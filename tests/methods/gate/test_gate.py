@@ -23,11 +23,12 @@ from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.boundary import BoundaryDisks, default_ribbon
 from foldcut.methods.disks.packing import packing_faults
-from foldcut.methods.gate.method import MOST_DISKS, ROOMS, build_gated, fold_gated
+from foldcut.methods.gate.joining import MOST_DISKS, ROOMS, build_gated, fold_gated
 from foldcut.methods.gate.rings import MOST, Parts, Ring, divide_faces, plan_rings
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof.layers import check_stacking
-from foldcut.proof.verify import COINCIDENT, verify
+from foldcut.proof.tolerance import COINCIDENT
+from foldcut.proof.verify import verify
 from foldcut.samples import sample_path
 
 SHEET = parse_sheet("a4")
@@ -129,7 +130,7 @@ def test_the_command_reports_rings_and_why_the_others_lost(tmp_path: Path, capsy
 
 def test_too_many_disks_are_refused_before_packing(monkeypatch: pytest.MonkeyPatch) -> None:
     shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
-    monkeypatch.setattr("foldcut.methods.gate.method.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.joining.fill_gaps", None)
     monkeypatch.setitem(MOST_DISKS, "fast", 150)
     with pytest.raises(UnfoldableError, match=r"disks would be needed.* may have 150; give --effort best"):
         fold_gated(shape, SHEET, 0.1, "fast")
@@ -140,7 +141,7 @@ def test_too_many_disks_are_refused_before_packing(monkeypatch: pytest.MonkeyPat
 
 def test_no_disks_are_packed_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
-    monkeypatch.setattr("foldcut.methods.gate.method.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.joining.fill_gaps", None)
     with pytest.raises(UnfoldableError, match="the 0.0001 seconds are over; give more --seconds"):
         fold_gated(shape, SHEET, 0.1, seconds=0.0001)
 
@@ -153,7 +154,7 @@ def test_rings_that_overlap_are_refused_before_packing(monkeypatch: pytest.Monke
         parts = divide_faces(boundary, rings)
         return replace(parts, boundary=replace(parts.boundary, radii=1.2 * parts.boundary.radii))
 
-    monkeypatch.setattr("foldcut.methods.gate.method.divide_faces", divide_wide)
-    monkeypatch.setattr("foldcut.methods.gate.method.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.joining.divide_faces", divide_wide)
+    monkeypatch.setattr("foldcut.methods.gate.joining.fill_gaps", None)
     with pytest.raises(UnfoldableError, match=r"disks of the rings overlap near \("):
         build_gated(shape, SHEET, 0.1, ROOMS[0])

@@ -11,11 +11,11 @@ import shapely
 from support.strategies import Points, cross, rectangle, regular
 
 import foldcut
-from foldcut.core.model import Floats
+from foldcut.core.arrays import Floats
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
-from foldcut.methods.mirror import method as mirror
-from foldcut.methods.mirror.method import Mirrored, _beyond, halves
+from foldcut.methods.mirror import halves as mirror
+from foldcut.methods.mirror.halves import Mirrored, _beyond, halves
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_path
 

@@ -17,17 +17,18 @@ from support.strategies import Points, rectangle, star
 
 import foldcut
 from foldcut.cli.main import main
+from foldcut.core.arrays import index_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Shape, Sheet, index_array
+from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.planar_graph import edge_faces
-from foldcut.methods.compact.search import shortest_crease
-from foldcut.methods.skeleton import method as straight
+from foldcut.methods.skeleton import search as straight
 from foldcut.methods.skeleton.layer_order import OrderSolver, layer_order
-from foldcut.methods.skeleton.method import fold_skeletal
 from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
+from foldcut.methods.skeleton.search import fold_skeletal
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
+from foldcut.pattern.ranking import shortest_crease
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 from foldcut.samples import sample_path

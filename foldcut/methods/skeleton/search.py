@@ -17,12 +17,12 @@ import shapely
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.methods import ADJUST_MM
-from foldcut.methods.compact.search import FOLDABLE_MM, Rank, rank, shortest_crease
 from foldcut.methods.skeleton.layer_order import NO_ORDER, OrderSolver, layer_order
 from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
 from foldcut.pattern.assemble import assemble, creases_of_stack
 from foldcut.pattern.foldability import crease_numbers
+from foldcut.pattern.ranking import FOLDABLE_MM, Rank, rank, shortest_crease
 from foldcut.proof.verify import verify
 
 __all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]

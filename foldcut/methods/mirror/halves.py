@@ -23,12 +23,14 @@ from itertools import islice
 import numpy as np
 import shapely
 
+from foldcut.core.arrays import Bools, Floats, points_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Bools, CreasePattern, Floats, FoldedState, Region, Shape, Sheet, points_array
+from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
 from foldcut.geometry.vectors import cross, signed_area
 from foldcut.methods.compact.pattern import regions
-from foldcut.methods.compact.search import EFFORTS, Compact, Rank, Whole, fold_compact, rank, shortest_crease
+from foldcut.methods.compact.search import EFFORTS, Compact, Whole, fold_compact
 from foldcut.pattern.assemble import Ring, assemble, creases_of_stack
+from foldcut.pattern.ranking import Rank, rank, shortest_crease
 
 FAR = (1.0, 0.35)
 """How far beyond the border chains may be joined, as parts of the half sheet's diagonal."""

@@ -20,8 +20,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from foldcut.core.arrays import Floats, Ints, Ragged, index_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import CreasePattern, Floats, FoldedState, Ints, Ragged, Shape, Sheet, index_array
+from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.boundary import boundary_disks, overlapping_disks
 from foldcut.methods.disks.layers import (
