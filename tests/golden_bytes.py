@@ -70,6 +70,8 @@ def run(arguments: list[str]) -> tuple[int, str]:
             status = main(arguments)
         except SystemExit as error:
             status = int(error.code or 0)
+        except Exception as error:  # a fault, but the same one before and after
+            return 99, json.dumps({"raised": type(error).__name__})
     return status, out.getvalue()
 
 
@@ -89,7 +91,11 @@ def hashed(name: str, arguments: list[str], *, report: bool = True) -> tuple[Fou
     with contextlib.suppress(ValueError):
         told = json.loads(text)
     # what is said in words may be said better; what is said in numbers may not change
-    numbers = {key: value for key, value in told.items() if key not in ("seconds", "notes", "next", "error", "files")}
+    numbers = {
+        key: value
+        for key, value in told.items()
+        if key not in ("seconds", "notes", "next", "error", "files", "told", "warnings")
+    }
     numbers["attempts"] = [{**one, "failure": ""} for one in told.get("attempts", ())]  # type: ignore[attr-defined]
     if report and told:
         found[f"{name} report"] = hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()[:16]
@@ -214,7 +220,7 @@ def tasks(*, quick: bool) -> list[tuple[str, ...]]:
     samples = [name for name in names if not quick or name in QUICK_SAMPLES]
     every = [("machines",), ("construction",), *(("about", sample) for sample in samples)]
     every += [("options", name) for name in OPTIONS]
-    every += [("fold", sample, method) for method in reversed(METHODS) for sample in samples]
+    every += [("fold", sample, method) for method in METHODS for sample in samples]
     return every if quick else [("batch",), *every]
 
 
@@ -228,22 +234,27 @@ def main() -> int:
     parser.add_argument("--verbose", action="store_true", help="tell how long each task took")
     arguments = parser.parse_args()
     before = json.loads(arguments.file.read_text()) if arguments.action == "compare" else {}
+    if arguments.action == "record":
+        arguments.file.parent.mkdir(parents=True, exist_ok=True)
     chosen = [task for task in tasks(quick=arguments.quick) if arguments.only in " ".join(task)]
     found: dict[str, Found] = {}
     with ProcessPoolExecutor(arguments.processes) as pool:
         for task, seconds, some in pool.map(work, chosen):
             found[" ".join(task)] = some
+            if arguments.action == "record":
+                arguments.file.write_text(json.dumps(found, indent=1, sort_keys=True))
             if arguments.verbose:
                 print(f"{seconds:7.1f} s  {' '.join(task)}: {len(some)}", flush=True)
     files_now = sum(len(some) for some in found.values())
     if arguments.action == "record":
-        arguments.file.parent.mkdir(parents=True, exist_ok=True)
-        arguments.file.write_text(json.dumps(found, indent=1, sort_keys=True))
         print(f"{files_now} outputs of {len(found)} tasks recorded in {arguments.file}")
         return 0
     differ = []
     for task, now in found.items():
-        then = before.get(task, {})
+        if task not in before:
+            differ.append(f"{task}: not recorded before")
+            continue
+        then = before[task]
         differ += [
             f"{key}: {then.get(key)} -> {now.get(key)}"
             for key in sorted({*then, *now})

@@ -12,7 +12,7 @@ from support.strategies import cross, rectangle, regular, simple_polygons, star,
 
 import foldcut
 from foldcut.drawing.shape import make_shape
-from foldcut.methods import METHODS
+from foldcut.methods import CHOICES
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_names, sample_path
 
@@ -108,7 +108,7 @@ def test_a_simplified_shape_is_what_is_folded_and_cut() -> None:
     assert foldcut.fold([bumpy], "a4-landscape", scale=1.0, method="paper").notes == ()
 
 
-@pytest.mark.parametrize("method", [method for method in METHODS if method != "gate"])  # for several loops
+@pytest.mark.parametrize("method", [method for method in CHOICES if method != "gate"])  # for several loops
 @pytest.mark.parametrize("name", SYMMETRIC)
 def test_symmetric_shapes_with_exact_coordinates_are_verified(name: str, method: str) -> None:
     assert foldcut.fold([SYMMETRIC[name]], method=method, effort="fast", min_crease=0).findings == ()

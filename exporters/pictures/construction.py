@@ -22,7 +22,7 @@ from foldcut.profiles import Drawing
 from .panels import BOLD, EDGE, EDGE_COLOUR, PANEL_MM, Item, Key, Label, Panel, faces, fine, mountain, valley
 
 if TYPE_CHECKING:
-    from foldcut.pipeline import PaperStages
+    from foldcut.methods.disks.method import DiskStages
 
 OFF_MM = 0.02
 """How far circles may be from the polygons that they are drawn as, on a panel."""
@@ -50,7 +50,7 @@ AROUND, TILT = math.radians(-35), math.radians(28)
 """From where a starfish is seen: turned about its spine, and from above."""
 
 
-def packing(stages: PaperStages, look: Drawing) -> Panel:
+def packing(stages: DiskStages, look: Drawing) -> Panel:
     """Draw the disks, the gaps between them, and circles through the tangency points: paper section 2, Figure 1."""
     made = stages.packing
     gaps = [(made.centres[gap], made.radii[gap]) for gap in made.gaps]
@@ -112,7 +112,7 @@ def _circle_of_tangency(centres: Floats, radii: Floats) -> tuple[Floats, float]:
     return middle, math.dist(middle, points[0])
 
 
-def _loops(stages: PaperStages) -> list[Floats]:
+def _loops(stages: DiskStages) -> list[Floats]:
     """The boundary of the shape: the middle between the disks of a node on either side of the ribbon."""
     made = stages.packing
     on_loop = made.node >= 0
@@ -122,7 +122,7 @@ def _loops(stages: PaperStages) -> list[Floats]:
     return [centre[[*loop, loop[0]]] for loop in made.loop_nodes.to_lists()[1:]]
 
 
-def molecules(stages: PaperStages, look: Drawing) -> Panel:
+def molecules(stages: DiskStages, look: Drawing) -> Panel:
     """Draw all molecules with their bisectors, tangency edges and gussets: paper section 3."""
     made = stages.molecules
     lines = made.vertices[made.creases]
@@ -142,7 +142,7 @@ def molecules(stages: PaperStages, look: Drawing) -> Panel:
 class _Molecule:
     """One molecule: its own creases, and where they go."""
 
-    def __init__(self, stages: PaperStages, sides: int) -> None:
+    def __init__(self, stages: DiskStages, sides: int) -> None:
         made = stages.molecules
         best: tuple[float, int, Ints] | None = None
         inside = list(stages.packing.face_inside)
@@ -227,7 +227,7 @@ def _keys(look: Drawing) -> list[Key]:
     ]
 
 
-def rabbit_ear(stages: PaperStages, look: Drawing) -> Panel:
+def rabbit_ear(stages: DiskStages, look: Drawing) -> Panel:
     """Draw the largest rabbit ear, flat and as a starfish of three arms: paper section 3, Figure 2."""
     ear = _Molecule(stages, 3)
     items = [*ear.flat(look, THREE), *ear.starfish()]
@@ -237,7 +237,7 @@ def rabbit_ear(stages: PaperStages, look: Drawing) -> Panel:
 class _Gusset(_Molecule):
     """A gusset molecule, and its points as the paper names them."""
 
-    def __init__(self, stages: PaperStages) -> None:
+    def __init__(self, stages: DiskStages) -> None:
         super().__init__(stages, 4)
         vertices = self.made.vertices
         diagonal = [set(p.tolist()) for p, kind in zip(self.pairs, self.kinds, strict=True) if kind is Kind.DIAGONAL]
@@ -281,7 +281,7 @@ def _dot(at: Floats, size: float) -> Item:
     return Item([at + 0.012 * size * DOT], fill="#1a1a1a", closed=True)
 
 
-def gusset(stages: PaperStages, look: Drawing) -> Panel:
+def gusset(stages: DiskStages, look: Drawing) -> Panel:
     """Draw the largest gusset molecule, flat and as a starfish of four arms: paper section 3, Figure 3."""
     made = _Gusset(stages)
     sheet, *lines = made.flat(look, PLAIN)
@@ -299,7 +299,7 @@ def gusset(stages: PaperStages, look: Drawing) -> Panel:
     return Panel([sheet, shaded, *lines, *dots, *star], keys)
 
 
-def inset(stages: PaperStages, look: Drawing) -> Panel:
+def inset(stages: DiskStages, look: Drawing) -> Panel:
     """Draw the inset quadrilateral, and the rabbit ears that it is folded with: paper section 3, Figure 4."""
     made = _Gusset(stages)
     ring, inner = made.corners[made.order], made.inset()
@@ -365,7 +365,7 @@ def _middles(made: Molecules) -> Floats:
     return np.array([made.vertices[row].mean(axis=0) for row in made.feet])
 
 
-def trees(stages: PaperStages, look: Drawing) -> Panel:
+def trees(stages: DiskStages, look: Drawing) -> Panel:
     """Draw T_C over the corners and T_M over the molecules: paper section 4, Figure 5(a)."""
     made, assignment = stages.molecules, stages.assignment
     gaps = faces([made.vertices[row] for row in made.corners], PLAIN)
@@ -393,7 +393,7 @@ def trees(stages: PaperStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-def matching(stages: PaperStages, look: Drawing) -> Panel:
+def matching(stages: DiskStages, look: Drawing) -> Panel:
     """Draw the edges that the trees reverse, which are mountains then: paper section 4, Figure 5(b)."""
     made, kinds = stages.molecules, stages.assignment.crease_assignment
     lines = made.vertices[made.creases]
@@ -420,7 +420,7 @@ def matching(stages: PaperStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-def ribbon(stages: PaperStages, look: Drawing) -> Panel:
+def ribbon(stages: DiskStages, look: Drawing) -> Panel:
     """Draw the strip along the boundary that stays unfolded: paper section 5, Figure 7."""
     made = stages.molecules
     strip = [
@@ -441,7 +441,7 @@ def ribbon(stages: PaperStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-CONSTRUCTION: dict[str, Callable[[PaperStages, Drawing], Panel]] = {
+CONSTRUCTION: dict[str, Callable[[DiskStages, Drawing], Panel]] = {
     "packing": packing,
     "molecules": molecules,
     "rabbit-ear": rabbit_ear,

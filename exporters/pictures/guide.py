@@ -23,6 +23,7 @@ from foldcut.core.model import FoldedPattern, FoldedState
 from foldcut.folding_steps import Step, folding_steps
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import left_normal, signed_area
+from foldcut.methods import fewer_creases
 from foldcut.pattern.foldability import foldability, most_layers
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.profiles import Drawing, Profile, load_profile
@@ -55,7 +56,7 @@ class Instruction:
 
 def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
     """Return what to do from the flat sheet to the shape cut out."""
-    numbers = foldability(pattern)
+    numbers = foldability(pattern, method=fewer_creases())
     advice = [f"{numbers.layers_at_cut} layers will lie on the cut, {numbers.layers} at the thickest place"]
     told = any(warning.startswith("the shortest crease") for warning in numbers.warnings)
     if numbers.shortest_crease_mm and not told:

@@ -21,7 +21,7 @@ from .construction import CONSTRUCTION
 from .panels import BOLD, EDGE, EDGE_COLOUR, Item, Key, Panel, faces, fine, laid_out, mountain, valley
 
 if TYPE_CHECKING:
-    from foldcut.pipeline import PaperStages
+    from foldcut.methods.disks.method import DiskStages
 
 INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK = "#ffe08a", "#e6b93f", "#ffffff", "#cfd8e3"
 CUT = "#c00000"
@@ -39,7 +39,7 @@ def check(show: Sequence[str], *, construction: bool = False) -> None:
 
 
 def draw(
-    pattern: FoldedPattern, show: Sequence[str], profile: Profile, stages: PaperStages | None = None
+    pattern: FoldedPattern, show: Sequence[str], profile: Profile, stages: DiskStages | None = None
 ) -> tuple[bytes, tuple[float, float]]:
     """Return an SVG with a panel for each name in ``show``, and its width and height in mm.
 

@@ -22,7 +22,7 @@ from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from foldcut.core.errors import BadInputError, FileFormatError, FoldcutError, ShapeError, UnfoldableError
-from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, EFFORTS, METHODS
+from foldcut.methods import ADJUST_MM, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
     from foldcut.core.model import Finding, FoldedPattern
@@ -344,7 +344,8 @@ def _draw(args: argparse.Namespace) -> int:
     """Fold a shape and draw pictures of it."""
     from foldcut.exporters.pattern.png import rendered
     from foldcut.exporters.pictures import pictures
-    from foldcut.pipeline import PaperStages, Result
+    from foldcut.methods.disks.method import DiskStages
+    from foldcut.pipeline import Result
     from foldcut.profiles import load_profile
 
     source = _source(args)
@@ -352,10 +353,10 @@ def _draw(args: argparse.Namespace) -> int:
     if output.suffix.lower() not in (".svg", ".png"):
         raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
     show = tuple(name.strip() for name in args.show.split(","))
-    pictures.check(show, construction=args.method == "paper")
+    pictures.check(show, construction=args.method in METHODS and METHODS[args.method].construction)
 
     def drawn(result: Result | Reopened) -> bytes:
-        stages = result.stages if isinstance(result, Result) and isinstance(result.stages, PaperStages) else None
+        stages = result.stages if isinstance(result, Result) and isinstance(result.stages, DiskStages) else None
         svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
         return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
 
@@ -1171,7 +1172,7 @@ def _add_folding(make: argparse.ArgumentParser) -> None:
     )
     make.add_argument(
         "--method",
-        choices=METHODS,
+        choices=CHOICES,
         default=DEFAULT_METHOD,
         help="mirror: fold the drawing's mirror axes first, the rest through two or four layers; compact: one loop, "
         "few creases; skeleton: any loops, few creases, but not all drawings (extra: skeleton); auto: of these, what "

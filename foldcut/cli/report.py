@@ -11,6 +11,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from foldcut.core.model import CreasePattern, Finding, Sheet
+from foldcut.methods import METHODS, fewer_creases
 from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.proof.verify import CHECKS
 
@@ -49,13 +50,14 @@ def make_report(
         "scale_mm_per_unit": pattern.placement.scale,
         "corners": pattern.shape.corner_count,
         "method": result.method,
-        **_method_numbers(result),
+        **result.numbers,
+        "told": list(result.told),
         "attempts": list(map(asdict, result.attempts)),
         "actions": result.actions,
         "first_folds": [line.tolist() for line in pattern.first_folds],
         "ribbon_mm": result.ribbon,
         "paper": paper,
-        **asdict(foldability(pattern, paper_mm)),
+        **asdict(foldability(pattern, paper_mm, fewer_creases())),
         "faces": len(pattern.creases.faces_vertices),
         "seconds": dict(result.seconds),
         "verified": list(CHECKS) if result.verified else [],
@@ -170,35 +172,13 @@ def _job_rows(report: Report) -> list[tuple[str, str]]:
     return rows
 
 
-def _method_numbers(result: Result) -> Report:
-    """Return what only the method of a pattern has."""
-    stages: Any = result.stages
-    if result.method in ("compact", "mirror"):
-        found = stages if result.method == "compact" else stages.found
-        return {"tried": found.tried, "interrupted": found.interrupted}
-    if result.method == "skeleton":
-        return {"perpendiculars": stages.perpendiculars, "moved_mm": stages.moved_mm}
-    numbers = {"disks": len(stages.packing.radii), "molecules": len(stages.molecules.corners)}
-    return numbers | ({"rings": len(stages.rings)} if result.method == "gate" else {})
-
-
 def _method_rows(report: Report) -> list[tuple[str, str]]:
     """Return the lines on how the pattern was made."""
-    width = f"ribbon {report['ribbon_mm']:.3g} mm"
-    packing = f"{report.get('disks')} disks, {report.get('molecules')} molecules"
-    if report["method"] == "paper":
-        ribbon = f"{width} (the paper's method needs one)" if report["ribbon_mm"] else "no ribbon"
-        return [("packing", packing), ("", ribbon)]
-    if report["method"] == "gate":
-        rows = [("method", f"gate: {report['rings']} rings, {packing}")]
-    elif report["method"] == "skeleton":
-        rows = [("method", f"skeleton: {_count(report['perpendiculars'], 'perpendicular')}")]
-    else:
-        best = f"{report['method']}, best of {report['tried']} tried"
-        rows = [("method", f"interrupted: {best}" if report["interrupted"] else best)]
+    rows = [("method" if number == 0 else "", text) for number, text in enumerate(report["told"])]
     others = (attempt for attempt in report["attempts"] if attempt["method"] != report["method"])
     rows += [("", f"{attempt['method']}: {_attempt_text(attempt)}") for attempt in others]
-    return [*rows, ("", width)] if report["ribbon_mm"] else rows
+    needed = " (this method needs one)" if METHODS[report["method"]].needs_ribbon else ""
+    return [*rows, ("", f"ribbon {report['ribbon_mm']:.3g} mm{needed}")] if report["ribbon_mm"] else rows
 
 
 def _attempt_text(attempt: Report) -> str:

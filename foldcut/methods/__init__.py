@@ -1,16 +1,101 @@
-"""The names of what can be chosen, apart from the stages so that the command line can list them without loading any."""
+"""The ways to fold a shape: one package and one row of ``METHODS`` each.
+
+A method's package has a module ``method`` with one function, ``fold(problem, effort) -> Made`` (see ``methods.base``):
+it returns a pattern, or raises ``UnfoldableError``. Whatever it returns is verified by the pipeline. The command line's
+choices and help, reports, and the remedies in errors read this table; ``methods.auto`` says in which order methods are
+tried. Nothing slow is imported here, so that the command line can list the methods at once.
+"""
 
 from __future__ import annotations
 
-METHODS = ("auto", "mirror", "compact", "paper", "skeleton", "gate")
-DEFAULT_METHOD = "auto"
-"""Of "mirror", "compact" and "skeleton" the one whose pattern is easiest to fold; else "gate"."""
+from collections.abc import Collection
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from foldcut.core.errors import BadInputError
+
+if TYPE_CHECKING:
+    from foldcut.methods.base import Effort, Made, Problem
+
+__all__ = ["ADJUST_MM", "AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases"]
+
+AUTO = "auto"
+"""Not a method: of the patterns that several methods make, the one that is easiest to fold (``methods.auto``)."""
+
+DEFAULT_METHOD = AUTO
 
 EFFORTS = ("fast", "normal", "best")
-"""How long there is a search for the best pattern."""
+"""How long a method searches for the best pattern."""
 
 ADJUST_MM = 0.25
 """How far corners may be moved so that creases meet: no more than a cut by hand is off."""
 
-MIN_CREASE_MM = {"mirror": 0.5, "compact": 0.5, "paper": 0.0, "skeleton": 0.0, "gate": 0.0}
-"""The shortest crease that a method's patterns may have unless told otherwise; some have no say in it."""
+
+@dataclass(frozen=True)
+class Method:
+    """A way to fold a shape.
+
+    - ``summary``: what it does, in words for ``--help``;
+    - ``package``: where it is, under ``foldcut.methods``;
+    - ``extra``: the extra of foldcut that has to be installed for it, if any;
+    - ``min_crease_mm``: the shortest crease that its patterns may have unless told otherwise;
+    - ``needs_ribbon``: without a ribbon along the cut its creases fold onto the cut line;
+    - ``few_creases``: it is the one to try where another method's creases get too short;
+    - ``construction``: its stages can be drawn.
+    """
+
+    name: str
+    summary: str
+    package: str
+    extra: str | None = None
+    min_crease_mm: float = 0.0
+    needs_ribbon: bool = False
+    few_creases: bool = False
+    construction: bool = False
+
+    def fold(self, problem: Problem, effort: Effort) -> Made:
+        """Return the pattern that this method makes of a shape on its sheet.
+
+        Raises ``UnfoldableError`` with the reason where it makes none.
+        """
+        made: Made = import_module(f"{__name__}.{self.package}.method").fold(problem, effort)
+        return made
+
+
+METHODS = {
+    method.name: method
+    for method in (
+        Method(
+            "mirror",
+            "fold the drawing's mirror axes first, the rest through two or four layers",
+            package="mirror",
+            min_crease_mm=0.5,
+        ),
+        Method("compact", "one loop, few creases", package="compact", min_crease_mm=0.5, few_creases=True),
+        Method(
+            "paper",
+            "the disk packing of Bern, Demaine, Eppstein and Hayes, thousands of creases",
+            package="disks",
+            needs_ribbon=True,
+            construction=True,
+        ),
+        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton", extra="skeleton"),
+        Method("gate", "the same as paper for several loops", package="gate", needs_ribbon=True),
+    )
+}
+"""By name, in the order in which they are listed."""
+
+CHOICES = (AUTO, *METHODS)
+"""What can be asked for."""
+
+
+def check_choice(name: str) -> None:
+    """Raise ``BadInputError`` unless a pattern can be asked for by this name."""
+    if name not in CHOICES:
+        raise BadInputError(f"unknown method {name!r}; known: {', '.join(CHOICES)}")
+
+
+def fewer_creases(tried: Collection[str] = ()) -> str:
+    """Return the name of the method to try where creases get too short; an empty text if it has been ``tried``."""
+    return next((method.name for method in METHODS.values() if method.few_creases and method.name not in tried), "")

@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,8 +86,11 @@ class Foldability(CreaseNumbers):
     warnings: tuple[str, ...]
 
 
-def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM) -> Foldability:
-    """Return how hard ``pattern`` is to fold and to cut, of paper that is ``paper_mm`` thick."""
+def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM, method: str = "") -> Foldability:
+    """Return how hard ``pattern`` is to fold and to cut, of paper that is ``paper_mm`` thick.
+
+    ``method``: the name of one to try that makes fewer creases, if there is one, for the warnings.
+    """
     faces, folded = pattern.creases.faces_vertices, pattern.folded
     numbers = crease_numbers(pattern.creases)
     at_cut = layers_at_cut(faces, folded)
@@ -99,7 +101,7 @@ def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM) -> Foldabili
         layers_at_cut=at_cut,
         thickness_mm=layers * paper_mm,
         sheet_used=_area(pattern.shape) / (pattern.sheet.width * pattern.sheet.height),
-        warnings=_warnings(numbers, at_cut, at_cut * paper_mm, pattern),
+        warnings=_warnings(numbers, at_cut, at_cut * paper_mm, pattern, method),
     )
 
 
@@ -121,13 +123,13 @@ def crease_numbers(creases: CreasePattern) -> CreaseNumbers:
     )
 
 
-def remedies(sheet: Sheet, factor: float, loops: int, tried: Collection[str] = ()) -> str:
+def remedies(sheet: Sheet, factor: float, loops: int, method: str = "") -> str:
     """Return words for what makes the shortest crease of a drawing of so many loops ``factor`` times as long.
 
-    ``tried``: the methods that have been, if that is known.
+    ``method``: the name of one to try that makes fewer creases, if there is one that has not been tried.
     """
     if factor > LARGEST_FACTOR:
-        other = "try a higher --effort" if "compact" in tried else "try --method compact or a higher --effort"
+        other = f"try --method {method} or a higher --effort" if method else "try a higher --effort"
         other = other if loops == 1 else "fold fewer loops at a time"
         return f"leave out small corners with --simplify, or {other}"
     factor = math.ceil(factor * 10 - 1e-9) / 10
@@ -256,12 +258,14 @@ def thickness(mm: float) -> str:
     return f"{mm:.3g} mm" if mm < 999.5 else f"{mm:,.0f} mm"
 
 
-def _warnings(numbers: CreaseNumbers, at_cut: int, cut_mm: float, pattern: FoldedPattern) -> tuple[str, ...]:
+def _warnings(
+    numbers: CreaseNumbers, at_cut: int, cut_mm: float, pattern: FoldedPattern, method: str
+) -> tuple[str, ...]:
     warnings = []
     shortest = numbers.shortest_crease_mm
     if shortest is not None and numbers.shortest_crease_at is not None and shortest < COMFORTABLE_CREASE_MM:
         x, y = numbers.shortest_crease_at
-        remedy = remedies(pattern.sheet, COMFORTABLE_CREASE_MM / max(shortest, 1e-6), len(pattern.shape.loops))
+        remedy = remedies(pattern.sheet, COMFORTABLE_CREASE_MM / max(shortest, 1e-6), len(pattern.shape.loops), method)
         warnings.append(
             f"the shortest crease, at ({x:.4g}, {y:.4g}), is {shortest:.2g} mm long; creases under "
             f"{COMFORTABLE_CREASE_MM:g} mm are hard to fold by hand; {remedy}"

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -23,6 +24,7 @@ from foldcut.cli.main import main
 from foldcut.cli.progress import ProgressBar, progress_lines
 from foldcut.core.model import Finding, Sheet
 from foldcut.exporters import export
+from foldcut.methods import METHODS
 from foldcut.proof.verify import CHECKS
 
 SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
@@ -397,7 +399,7 @@ def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytes
     (warning,) = report["warnings"]
     assert main(arguments) == 0
     out = capsys.readouterr().out
-    assert "ribbon 0.25 mm (the paper's method needs one)" in out
+    assert "ribbon 0.25 mm (this method needs one)" in out
     assert "44% of it is the shape" in out
     assert f"; on {report['lines']} lines\n" in out
     assert f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of office paper" in out
@@ -435,9 +437,17 @@ def fake_search(monkeypatch: pytest.MonkeyPatch, *, interrupted: bool = False) -
                 signal.raise_signal(signal.SIGINT)
         except KeyboardInterrupt:
             tried = 2
-        return SimpleNamespace(creases=pattern.creases, folded=pattern.folded, tried=tried, interrupted=interrupted)
+        return SimpleNamespace(
+            creases=pattern.creases,
+            folded=pattern.folded,
+            walk=None,
+            molecules=None,
+            tried=tried,
+            interrupted=interrupted,
+        )
 
-    monkeypatch.setattr(pipeline, "fold_compact", fold_compact)
+    monkeypatch.setattr("foldcut.methods.compact.method.fold_compact", fold_compact)
+    monkeypatch.setattr("foldcut.methods.compact.method.regions", lambda *_: ())
     return seen
 
 
@@ -473,7 +483,7 @@ def test_an_interrupted_search_goes_on_to_verify_and_write(
 def test_compact_patterns_have_a_shortest_crease_by_default(
     drawing: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(pipeline.MIN_CREASE_MM, "compact", 30.0)
+    monkeypatch.setitem(METHODS, "compact", replace(METHODS["compact"], min_crease_mm=30.0))
     fake_search(monkeypatch)
     assert main(["make", drawing, *COMPACT]) == 1
     assert "is only 24 mm long, shorter than 30 mm" in capsys.readouterr().err

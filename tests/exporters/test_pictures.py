@@ -17,8 +17,8 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters.pictures.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
+from foldcut.methods.disks.method import DiskStages, fold
 from foldcut.methods.disks.molecules import Kind
-from foldcut.pipeline import PaperStages, fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
 
@@ -103,7 +103,7 @@ def test_unknown_pictures_and_formats_are_errors(tmp_path: Path, capsys: pytest.
 def test_the_construction_is_drawn_with_every_disk_molecule_and_tree() -> None:
     result = fold(sample_path("triangle"), method="paper", ribbon=1.0)
     stages = result.stages
-    assert isinstance(stages, PaperStages)
+    assert isinstance(stages, DiskStages)
     data, _ = draw(result.folded_pattern, list(CONSTRUCTION), load_profile(), stages)
     drawing = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
     groups = {

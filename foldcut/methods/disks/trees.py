@@ -24,7 +24,6 @@ import numpy as np
 
 from foldcut.core.arrays import BLOCK, Bools, Chars, Ints, Numbers, index_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Shape
 from foldcut.methods.disks.molecules import Kind, Molecules
 
 SHAPE, BORDER = 0, 1  # the nodes of T_C that stand for a whole boundary come after the vertices
@@ -45,24 +44,6 @@ class Assignment:
     parent: Ints
     roots: tuple[int, int]
     corner_tree: Ints
-
-
-def require_one_loop(shape: Shape) -> None:
-    """Raise ``UnfoldableError``, naming the loops, unless the shape has exactly one boundary loop.
-
-    With more loops the joining rule has no flat-folded state in general (see docs/assignment.md).
-    """
-    if len(shape.loops) == 1:
-        return
-    names = []
-    for number, loop in enumerate(shape.loops, start=1):
-        role = "outer boundary" if shape.depth(number - 1) % 2 == 0 else "hole"
-        x, y = loop.mean(axis=0)
-        names.append(f"loop {number} ({role}, {len(loop)} corners, around ({x:.4g}, {y:.4g}))")
-    raise UnfoldableError(
-        f"the shape has {len(names)} boundary loops, and this method folds only one: {', '.join(names)}; "
-        "try --method auto, or cut the loops from separate sheets"
-    )
 
 
 def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignment:

@@ -11,8 +11,9 @@ from support.strategies import SINGLE_LOOPS, regular, star
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.drawing.shape import make_shape
+from foldcut.methods.base import require_one_loop
 from foldcut.methods.disks.molecules import Kind
-from foldcut.methods.disks.trees import assign_creases, require_one_loop
+from foldcut.methods.disks.trees import assign_creases
 
 
 def assignment_faults(stages: Stages) -> list[str]:

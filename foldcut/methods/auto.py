@@ -1,0 +1,134 @@
+"""``auto``: which methods are tried, in which order, and whose pattern is taken.
+
+``TRIES`` is the table. Of all patterns that are made the one that is easiest to fold is taken (``pattern.ranking``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from foldcut.core.errors import UnfoldableError
+from foldcut.methods import AUTO, METHODS
+from foldcut.methods.base import Effort, Made, Problem
+from foldcut.methods.fewest_folds import fewest_folds
+from foldcut.pattern.ranking import rank, shortest_crease
+
+__all__ = ["FOLDED", "Attempt", "run"]
+
+FOLDED = 0.98
+"""How much of all is done when there is a pattern; the rest is verification."""
+
+AFTER_OTHERS = 0.3
+"""The part of the effort that a method gets when another one has made a pattern."""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """What a method came to: its creases on the sheet, folding actions and shortest crease in mm, or why it failed."""
+
+    method: str
+    creases: int | None
+    actions: int | None
+    shortest_mm: float | None
+    failure: str
+
+
+def run(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
+    """Return what a method makes, or with ``auto`` the best of what several make, and what came of each.
+
+    Raises ``UnfoldableError`` with the reason of each that was tried where none makes a pattern.
+    """
+    if method == AUTO:
+        return _best(problem, effort)
+    problem.stages.up_to(FOLDED)
+    made = METHODS[method].fold(problem, effort)
+    return made, (_attempt(made),)
+
+
+def _best(problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
+    """Go through the table of tries."""
+    made: list[Made] = []
+    attempts: list[Attempt] = []
+    for row in TRIES:
+        if not row.when(problem) or (row.last_resort and made):
+            continue
+        problem.stages.up_to(row.until)
+        try:
+            one = row.fold(problem, effort.part(AFTER_OTHERS) if made else effort)
+        except UnfoldableError as error:
+            if not row.unsaid:
+                attempts.append(Attempt(row.method, None, None, None, str(error)))
+            continue
+        except KeyboardInterrupt:
+            if not made:
+                raise
+            break
+        made.append(one)
+        attempts.append(_attempt(one))
+        if row.is_best or one.interrupted:
+            break
+    if not made:
+        raise UnfoldableError("; ".join(f"{attempt.method}: {attempt.failure}" for attempt in attempts))
+    return min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases))), tuple(attempts)
+
+
+def _attempt(made: Made) -> Attempt:
+    return Attempt(made.method, made.creases.crease_count, made.actions, shortest_crease(made.creases), "")
+
+
+def _proven_fewest(problem: Problem, _: Effort) -> Made:
+    """Return the pattern of the straight skeleton's ridges alone where it is proven that none has fewer folds.
+
+    Raises ``UnfoldableError`` where it is not.
+    """
+    from foldcut.methods.skeleton.method import fold_ridges_alone
+
+    wishes = problem.wishes
+    least = fewest_folds(problem.shape, problem.sheet, wishes.adjust, wishes.symmetry)
+    if not least.bisectors <= least.folds < least.corners:
+        raise UnfoldableError("a pattern of ridges alone is unlikely, or has more folds than are needed")
+    made = fold_ridges_alone(problem)
+    too_short, folds, _shortest = rank(made.actions, shortest_crease(made.creases))
+    if too_short or folds > least.folds:
+        raise UnfoldableError("the pattern of ridges alone is not proven to have the fewest folds")
+    return made
+
+
+@dataclass(frozen=True)
+class _Try:
+    """A row of the table.
+
+    ``when``: whether the method is worth a try. ``until``: how much of all is done after it. ``instead``: what is done
+    instead of all that the method does. ``last_resort``: only while there is no pattern. ``is_best``: no other pattern
+    can be better, so nothing more is tried. ``unsaid``: that it failed is of no interest.
+    """
+
+    method: str
+    until: float
+    when: Callable[[Problem], bool] = lambda _: True
+    instead: Callable[[Problem, Effort], Made] | None = None
+    last_resort: bool = False
+    is_best: bool = False
+    unsaid: bool = False
+
+    def fold(self, problem: Problem, effort: Effort) -> Made:
+        return (self.instead or METHODS[self.method].fold)(problem, effort)
+
+
+def _has_one_loop(problem: Problem) -> bool:
+    return len(problem.shape.loops) == 1
+
+
+def _has_several_loops(problem: Problem) -> bool:
+    return len(problem.shape.loops) > 1
+
+
+TRIES = (
+    _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=True, unsaid=True),
+    _Try("mirror", until=0.6),
+    _Try("skeleton", until=0.75),
+    _Try("compact", until=0.9),
+    _Try("paper", until=FOLDED, when=_has_one_loop, last_resort=True),
+    _Try("gate", until=FOLDED, when=_has_several_loops, last_resort=True),
+)

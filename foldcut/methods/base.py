@@ -1,0 +1,146 @@
+"""What a method is given and what it returns: ``fold(problem, effort) -> Made``.
+
+The data that passes between the pipeline and the methods; ``foldcut.methods`` has the table of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+from foldcut.core.arrays import Floats
+from foldcut.core.errors import BadInputError, RibbonError, UnfoldableError
+from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
+from foldcut.drawing.laying import Laid
+from foldcut.methods import ADJUST_MM, EFFORTS
+from foldcut.methods.progress import Stages
+from foldcut.pattern.foldability import crease_numbers
+
+__all__ = ["Effort", "Made", "Problem", "Wishes", "require_one_loop"]
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How long a method may search: ``name`` is one of ``EFFORTS``, ``seconds`` a limit instead, ``share`` of either.
+
+    Raises ``BadInputError`` for what is none.
+    """
+
+    name: str = "normal"
+    seconds: float | None = None
+    share: float = 1.0
+
+    def __post_init__(self) -> None:
+        if self.name not in EFFORTS:
+            raise BadInputError(f"unknown effort {self.name!r}; known: {', '.join(EFFORTS)}")
+        if self.seconds is not None and not 0 < self.seconds < float("inf"):
+            raise BadInputError(f"the time to search is {self.seconds} s; give a positive number")
+
+    def part(self, share: float) -> Effort:
+        """Return this part of the effort."""
+        return replace(self, share=self.share * share)
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What a pattern is to be like, in mm; each method heeds what it has a say in.
+
+    ``ribbon``: the half-width of the strip along the shape's boundary that is not folded, None for the method's
+    default; ``min_crease``: the shortest crease allowed, None for the method's default; ``symmetry``: how far corners
+    may be off for a mirror axis; ``adjust``: how far corners may be moved so that creases meet.
+
+    Raises ``BadInputError`` for what is negative or infinite, and ``RibbonError``, one of these, for the ribbon.
+    """
+
+    ribbon: float | None = None
+    min_crease: float | None = None
+    symmetry: float = 0.0
+    adjust: float = ADJUST_MM
+
+    def __post_init__(self) -> None:
+        for value, what, error in (
+            (self.ribbon, "the ribbon's half-width", RibbonError),
+            (self.min_crease, "the shortest crease allowed", BadInputError),
+            (self.symmetry, "the deviation from symmetry allowed", BadInputError),
+            (self.adjust, "how far corners may be moved", BadInputError),
+        ):
+            if value is not None and not 0 <= value < float("inf"):
+                raise error(f"{what} is {value} mm; give 0 or a positive number")
+
+    @property
+    def free_ribbon(self) -> float:
+        """The half-width in mm for methods that need no ribbon."""
+        return self.ribbon or 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A shape on its sheet, and what is wished for.
+
+    ``lay`` lays the shape anew, turned by so many degrees more; ``may_turn``: a method may do so. ``stages`` times and
+    reports what a method does.
+    """
+
+    laid: Laid
+    lay: Callable[[float], Laid]
+    wishes: Wishes = field(default_factory=Wishes)
+    may_turn: bool = False
+    stages: Stages = field(default_factory=Stages)
+
+    @property
+    def shape(self) -> Shape:
+        """The shape in the sheet's mm."""
+        return self.laid.shape
+
+    @property
+    def sheet(self) -> Sheet:
+        """The sheet that the shape lies on."""
+        return self.laid.sheet
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """What a method made of a shape; not verified yet unless the method has done so.
+
+    ``laid``: the shape that was folded, on its sheet. ``ribbon``: the half-width in mm that the pattern has.
+    ``actions``: how many straight folds a person makes, through one layer or more. ``first_folds``: lines across all of
+    the sheet, ``(2, 2)`` mm each, that are folded before all else. ``regions``: how the molecules hang together.
+    ``told``: how the pattern was made, in words, a line each; ``numbers``: the same for programs, by name.
+    ``interrupted``: by Ctrl-C, so that the search is not complete. ``detail``: what the method's own stages made.
+    """
+
+    method: str
+    creases: CreasePattern
+    folded: FoldedState
+    laid: Laid
+    ribbon: float
+    actions: int
+    told: tuple[str, ...]
+    numbers: Mapping[str, float]
+    first_folds: tuple[Floats, ...] = ()
+    regions: tuple[Region, ...] = ()
+    interrupted: bool = False
+    detail: object = None
+
+
+def straight_folds(creases: CreasePattern) -> int:
+    """Return how many straight folds a pattern is, each through one layer."""
+    return crease_numbers(creases).lines
+
+
+def require_one_loop(shape: Shape) -> None:
+    """Raise ``UnfoldableError``, naming the loops, unless the shape has exactly one boundary loop.
+
+    With more loops the joining rule has no flat-folded state in general (see docs/assignment.md).
+    """
+    if len(shape.loops) == 1:
+        return
+    names = []
+    for number, loop in enumerate(shape.loops, start=1):
+        role = "outer boundary" if shape.depth(number - 1) % 2 == 0 else "hole"
+        x, y = loop.mean(axis=0)
+        names.append(f"loop {number} ({role}, {len(loop)} corners, around ({x:.4g}, {y:.4g}))")
+    raise UnfoldableError(
+        f"the shape has {len(names)} boundary loops, and this method folds only one: {', '.join(names)}; "
+        "try --method auto, or cut the loops from separate sheets"
+    )
