@@ -57,6 +57,9 @@ OPTIONS = {
     "text": ("--text", "L", "--corners", "12"),
 }
 
+IN_WORDS = ("seconds", "notes", "next", "error", "files", "told")
+"""Keys of the report that are not compared: times, paths, and what is in words."""
+
 Found = dict[str, str]
 
 
@@ -91,11 +94,7 @@ def hashed(name: str, arguments: list[str], *, report: bool = True) -> tuple[Fou
     with contextlib.suppress(ValueError):
         told = json.loads(text)
     # what is said in words may be said better; what is said in numbers may not change
-    numbers = {
-        key: value
-        for key, value in told.items()
-        if key not in ("seconds", "notes", "next", "error", "files", "told", "warnings")
-    }
+    numbers = {key: value for key, value in told.items() if key not in IN_WORDS}
     numbers["attempts"] = [{**one, "failure": ""} for one in told.get("attempts", ())]  # type: ignore[attr-defined]
     if report and told:
         found[f"{name} report"] = hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()[:16]
