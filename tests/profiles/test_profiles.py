@@ -128,10 +128,10 @@ def test_the_users_own_profiles_are_found(tmp_path: Path, monkeypatch: pytest.Mo
     assert load_profile(str(folder / "mine.toml")).title == "Mine"
 
 
-def test_the_readme_lists_every_machine() -> None:
-    readme = (ROOT / "README.md").read_text("utf-8")
+def test_the_page_of_machines_lists_every_machine() -> None:
+    page = (ROOT / "docs" / "machines.md").read_text("utf-8")
     for name in profile_names():
         profile = load_profile(name)
         if profile.operations:
             steps = "<br>".join(profile.instructions)
-            assert f"| {profile.title} | `{name}` | {profile.format.upper()} | {steps} |" in readme
+            assert f"| {profile.title} | `{name}` | {profile.format.upper()} | {steps} |" in page
