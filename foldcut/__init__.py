@@ -1,13 +1,21 @@
 """Fold a sheet so that one straight cut cuts out any drawing with straight edges.
 
-The library in one call: ``foldcut.fold("fish.svg", "a4")`` computes the crease pattern, folds it and verifies it.
+Public names:
+
+- ``fold`` computes the crease pattern of a drawing, folds it and verifies it; it returns a ``Result``.
+- ``Result`` has the ``FoldedPattern`` (``CreasePattern``, ``FoldedState``, ``Sheet``, ``Shape``, ``Placement``), what
+  verification found (``Finding``), and how hard the pattern is to fold (``Foldability``).
+- Errors: ``FoldcutError`` and, below it, ``BadInputError`` (``FileFormatError``, ``ShapeError``, ``SheetError``,
+  ``RibbonError``), and ``UnfoldableError`` (``CreaseTooShortError``, ``VerificationError``).
+
+``foldcut.exporters.export`` makes files of a pattern, ``foldcut.batch.run_batch`` folds many drawings.
 
     >>> import foldcut
     >>> result = foldcut.fold([[(0, 0), (40, 0), (0, 30)]], "a5")
     >>> result.verified
     True
 
-The names below are imported when they are first used, so that the command line starts at once.
+The names are imported when they are first used, so that the command line starts at once.
 """
 
 from __future__ import annotations
@@ -63,3 +71,7 @@ def __getattr__(name: str) -> object:
             if hasattr(module, name):
                 return getattr(module, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

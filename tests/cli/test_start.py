@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pydoc
 import subprocess
 import sys
 from pathlib import Path
@@ -83,6 +84,16 @@ main(sys.argv[1:])
 
 def test_all_public_names_are_there() -> None:
     assert all(getattr(foldcut, name) is not None for name in foldcut.__all__)
+    assert dir(foldcut) == sorted(foldcut.__all__)
+
+
+def test_help_starts_with_the_public_names() -> None:
+    assert foldcut.__doc__ is not None
+    start = foldcut.__doc__.partition(">>>")[0]
+    assert [name for name in foldcut.__all__ if f"``{name}``" not in start] == []
+    shown = pydoc.plain(pydoc.render_doc(foldcut))
+    assert shown.index("Public names:") < shown.index("PACKAGE CONTENTS")
+    assert "    fold(shape:" in shown
 
 
 def test_paths_between_few_faces_are_as_short_as_scipys() -> None:
