@@ -15,22 +15,17 @@ See docs/several-loops.md.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
 from itertools import islice
 
 import numpy as np
 import shapely
 
-from foldcut.core.arrays import Bools, Floats, points_array
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
+from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.vectors import cross, signed_area
-from foldcut.methods.compact.pattern import regions
-from foldcut.methods.compact.search import EFFORTS, Compact, Whole, fold_compact
-from foldcut.pattern.assemble import Ring, assemble, creases_of_stack
-from foldcut.pattern.ranking import Rank, rank, shortest_crease
+from foldcut.methods.mirror.unfold import Half
 
 FAR = (1.0, 0.35)
 """How far beyond the border chains may be joined, as parts of the half sheet's diagonal."""
@@ -41,168 +36,8 @@ NEAR = (0.55, 1.2, 0.25)
 MOST_CHAINS = 12
 MOST_MATCHINGS = 4
 
-SCAN, MOST_SCAN, FINAL, FINALISTS = 0.4, 0.08, 0.3, 2
-"""Parts of the effort: for a first look at loops, for each of them at most, and for so many of the best."""
-
-LOOK_S, FEWEST_LOOKS, MOST_LOOKS = 0.25, 3, 16
-"""What a first look takes at least, in seconds of effort; and how many loops are looked at."""
 
 Arc = tuple[int, int]
-
-
-@dataclass(frozen=True, eq=False)
-class Half(Whole):
-    """A part of the sheet, and one loop to fold it by.
-
-    ``sheet`` is the part to the right of the upright axis, 0, or above the level one, 1, or both: see ``axes``;
-    ``loop`` ``(n, 2)`` mm on it, counter-clockwise, reaches beyond it at the axes; ``shape`` is the whole one on the
-    whole sheet.
-    """
-
-    loop: Floats
-    sheet: Sheet
-    axes: tuple[int, ...]
-
-    @property
-    def first_folds(self) -> tuple[Floats, ...]:
-        """The axes on the whole sheet, ``(2, 2)`` mm each, in the order in which they are folded."""
-        size = np.array([self.sheet.width, self.sheet.height]) * np.where(np.isin([0, 1], self.axes), 2.0, 1.0)
-        lines = []
-        for axis in reversed(self.axes):
-            line = np.array([(0.0, 0.0), size])
-            line[:, axis] = size[axis] / 2
-            lines.append(points_array(line))
-        return tuple(lines)
-
-    def creased(self, creases: CreasePattern) -> Bools:
-        """Which edges of the half's pattern are creases of the whole: those on the axes are, too."""
-        ends = np.abs(creases.vertices_coords[creases.edges_vertices]) <= self.tie
-        on_axis = np.logical_and(ends[:, 0], ends[:, 1])[:, list(self.axes)].any(axis=1)
-        return np.asarray((creases.edges_assignment != "B") | on_axis)
-
-    @property
-    def tie(self) -> float:
-        """How near a vertex is to an axis that it is on, in mm."""
-        return 1e-9 * self.sheet.diagonal
-
-    def unfold(self, creases: CreasePattern, folded: FoldedState) -> tuple[CreasePattern, FoldedState]:
-        """Unfold the pattern of the half sheet to that of the whole one."""
-        size = np.array([self.sheet.width, self.sheet.height])
-        at = np.zeros(2)
-        for axis in self.axes:
-            at[axis] = size[axis]
-            creases, folded = _doubled(creases, folded, axis, self.tie)
-        moved = points_array(creases.vertices_coords + at)
-        return CreasePattern(moved, creases.edges_vertices, creases.edges_assignment, creases.faces_vertices), folded
-
-    def unfold_regions(self, regions: tuple[Region, ...]) -> tuple[Region, ...]:
-        """Unfold the regions of the half sheet: behind each goes its mirror image, which is folded with it."""
-        at = np.where(np.isin([0, 1], self.axes), [self.sheet.width, self.sheet.height], 0.0)
-        signs = [np.ones(2)]
-        for axis in self.axes:
-            signs += [sign * np.where(np.arange(2) == axis, -1.0, 1.0) for sign in signs]
-        return tuple(
-            Region(
-                tuple(points_array(outline * sign + at) for outline in region.outlines for sign in signs), region.parent
-            )
-            for region in regions
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Mirrored:
-    """The pattern of a sheet that is folded along its axes first: what the search found for the half, and the half."""
-
-    found: Compact
-    half: Half
-
-    @property
-    def creases(self) -> CreasePattern:
-        """The creases of the whole sheet."""
-        return self.found.creases
-
-    @property
-    def folded(self) -> FoldedState:
-        """How the whole sheet folds."""
-        return self.found.folded
-
-    @property
-    def regions(self) -> tuple[Region, ...]:
-        """The regions of the whole sheet."""
-        return self.half.unfold_regions(regions(self.found.walk, self.found.molecules, self.half.sheet))
-
-
-def fold_mirrored(
-    candidates: Sequence[Half],
-    *,
-    ribbon: float = 0.0,
-    effort: str = "normal",
-    seconds: float | None = None,
-    progress: Callable[[str, float], None] | None = None,
-) -> Mirrored:
-    """Return the verified pattern that is easiest to fold: see ``fold_compact`` for the options and Ctrl-C.
-
-    The most promising of ``candidates`` get a first look, the best of these more. Raises ``UnfoldableError`` when none
-    folds.
-    """
-    best: tuple[Rank, Mirrored] | None = None
-    part = 0.0
-
-    def tell(text: str, done: float) -> None:
-        if progress is not None:
-            progress(f"half of the sheet: {text}", part + share * done)
-
-    def look(half: Half) -> Rank | None:
-        nonlocal best, part
-        try:
-            found = fold_compact(
-                half.loop,
-                half.sheet,
-                ribbon=ribbon,
-                effort=effort,
-                seconds=seconds,
-                progress=tell,
-                share=share,
-                whole=half,
-            )
-        except UnfoldableError:
-            return None
-        finally:
-            part += share
-        key = rank(len(half.axes) + found.part.crease_count, shortest_crease(found.creases))
-        if best is None or key < best[0]:
-            best = key, Mirrored(found, half)
-        if found.interrupted:
-            raise KeyboardInterrupt
-        return key
-
-    try:
-        looks = min(max(round(SCAN * (seconds or EFFORTS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
-        candidates = _by_promise(candidates)[:looks]
-        share = min(MOST_SCAN, SCAN / max(1, len(candidates)))
-        ranked = [(key, number) for number, half in enumerate(candidates) if (key := look(half)) is not None]
-        finalists = sorted(ranked)[:FINALISTS]
-        share = FINAL / max(1, len(finalists))
-        for _, number in finalists:
-            look(candidates[number])
-    except KeyboardInterrupt:
-        if best is None:
-            raise
-        return Mirrored(replace(best[1].found, interrupted=True), best[1].half)
-    if best is None:
-        raise UnfoldableError("no pattern was found for the half sheet; try a higher effort")
-    return best[1]
-
-
-def _by_promise(candidates: Sequence[Half]) -> list[Half]:
-    """Return those first that promise most: few corners and two axes; ways to lay the shape take turns."""
-    seen: Counter[tuple[int, tuple[int, ...]]] = Counter()
-    keys = []
-    for number, half in enumerate(candidates):
-        way = id(half.shape), half.axes
-        keys.append((len(half.loop) - 2 * len(half.axes), seen[way], number))
-        seen[way] += 1
-    return [candidates[number] for *_, number in sorted(keys)]
 
 
 def halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
@@ -379,25 +214,3 @@ def _without_straight(loop: Floats) -> Floats:
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     bent: Floats = loop[np.abs(cross(before, after)) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)]
     return bent
-
-
-def _doubled(creases: CreasePattern, folded: FoldedState, axis: int, tie: float) -> tuple[CreasePattern, FoldedState]:
-    """Unfold a pattern about the axis on which this coordinate is 0: behind each face goes its mirror image."""
-    flat = creases.vertices_coords.copy()
-    on_axis = np.abs(flat[:, axis]) <= tie
-    flat[on_axis, axis] = 0.0
-    image = np.where(on_axis, np.arange(len(flat)), len(flat) + np.cumsum(~on_axis) - 1)
-    sign = np.where(np.arange(2) == axis, -1.0, 1.0)
-    every = np.concatenate([flat, flat[~on_axis] * sign])
-    landing = np.concatenate([folded.vertices_coords, folded.vertices_coords[~on_axis]])
-    stack: list[Ring] = []
-    faces = creases.faces_vertices.to_lists()
-    for face in folded.layers.tolist():
-        ring = faces[face]
-        mirrored = image[ring[::-1]].tolist()
-        up = signed_area(folded.vertices_coords[ring]) > 0
-        stack += [mirrored, ring] if up else [ring, mirrored]
-    edges, kinds = creases_of_stack(landing, stack)
-    low, high = every.min(axis=0), every.max(axis=0)
-    at_corner = ((np.abs(every - low) <= tie) | (np.abs(every - high) <= tie)).all(axis=1)
-    return assemble(every, landing, stack, edges, kinds, set(np.flatnonzero(at_corner).tolist()))

@@ -13,7 +13,9 @@ from foldcut.drawing.laying import Laid
 from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
-from foldcut.methods.mirror.halves import Half, fold_mirrored, halves
+from foldcut.methods.mirror.halves import halves
+from foldcut.methods.mirror.search import fold_mirrored
+from foldcut.methods.mirror.unfold import Half
 from foldcut.proof.tolerance import COINCIDENT
 
 __all__ = ["fold"]

@@ -18,8 +18,9 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.methods import ADJUST_MM
 from foldcut.methods.skeleton.layer_order import NO_ORDER, OrderSolver, layer_order
-from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
+from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
+from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
 from foldcut.pattern.assemble import assemble, creases_of_stack
 from foldcut.pattern.foldability import crease_numbers
 from foldcut.pattern.ranking import FOLDABLE_MM, Rank, rank, shortest_crease

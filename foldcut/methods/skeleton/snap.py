@@ -19,15 +19,8 @@ from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.union_find import groups
-from foldcut.methods.skeleton.perpendiculars import (
-    EXACT,
-    SNAP,
-    TIES,
-    DrawnSkeleton,
-    Perpendiculars,
-    divide_sheet,
-    straight_skeleton,
-)
+from foldcut.methods.skeleton.perpendiculars import SNAP, Perpendiculars, divide_sheet
+from foldcut.methods.skeleton.straight_skeleton import EXACT, TIES, DrawnSkeleton, straight_skeleton
 
 __all__ = ["tie_nodes", "tie_perpendiculars"]
 

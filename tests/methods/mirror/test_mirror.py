@@ -15,7 +15,9 @@ from foldcut.core.arrays import Floats
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.methods.mirror import halves as mirror
-from foldcut.methods.mirror.halves import Mirrored, _beyond, halves
+from foldcut.methods.mirror import search
+from foldcut.methods.mirror.halves import _beyond, halves
+from foldcut.methods.mirror.search import Mirrored
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_path
 
@@ -227,7 +229,7 @@ def test_random_symmetric_shapes_are_verified(seed: int) -> None:
 
 
 def test_ctrl_c_keeps_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
-    real = mirror.fold_compact
+    real = search.fold_compact
     calls = []
 
     def interrupted(*args: object, **options: object) -> object:
@@ -236,7 +238,7 @@ def test_ctrl_c_keeps_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
             raise KeyboardInterrupt
         return real(*args, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(mirror, "fold_compact", interrupted)
+    monkeypatch.setattr(search, "fold_compact", interrupted)
     result = foldcut.fold([cross()], effort="fast", min_crease=0)
     assert result.findings == ()
     assert isinstance(result.stages, Mirrored)

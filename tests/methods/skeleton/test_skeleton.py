@@ -25,9 +25,10 @@ from foldcut.drawing.shape import make_shape
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.methods.skeleton import search as straight
 from foldcut.methods.skeleton.layer_order import OrderSolver, layer_order
-from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet, straight_skeleton
+from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet
 from foldcut.methods.skeleton.search import fold_skeletal
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
+from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
 from foldcut.pattern.ranking import shortest_crease
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
