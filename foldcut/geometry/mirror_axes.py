@@ -1,9 +1,9 @@
-"""Mirror axes of a shape, exact and near enough, and the shape made exactly symmetric.
+"""The mirror axes of a shape, exact or nearly so, and the shape made exactly symmetric.
 
-``Shape`` -> ``Axis`` list; ``Shape`` on its sheet -> the same, with coordinates that agree with their mirror images.
+``Shape`` -> list of ``Axis``; ``Shape`` on its sheet -> the same with every corner moved to match its mirror image.
 
-An axis of symmetry goes through the mean of the corners and takes the corner that is farthest from it to one as far
-away, so only those need to be tried.
+A mirror axis goes through the mean of the corners, and reflects the corner farthest from the mean to a corner that is
+as far away. So only the axes that do this are tried.
 """
 
 from __future__ import annotations
@@ -19,19 +19,24 @@ from foldcut.core.arrays import Floats, Numbers, points_array
 from foldcut.core.model import Shape
 
 ROUNDING = 2e-6
-"""Off by less than this, relative to its size, a drawing is symmetric but for the rounding of its file."""
+"""A drawing whose corners are off by less than this, relative to its size, is symmetric but for its file's rounding."""
 
 ALIGNED = 1e-5
-"""Axes that differ by less than this, in radians, are parallel."""
+"""Axes whose directions differ by less than this, in radians, are parallel."""
+
+NEARLY_SAME = 0.1
+"""By how much, in radians, the best axis for all corners may differ from the one that was tried."""
 
 MOST_TURNS = 3
+"""How many ways to turn the shape are tried."""
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A mirror axis: its direction in radians, from 0 up to pi, and by how much corners are off, in the shape's unit.
+    """A mirror axis through the mean of a shape's corners.
 
-    It goes through the mean of the shape's corners.
+    ``angle`` is its direction in radians, at least 0 and less than pi; ``deviation`` is how far a corner is from the
+    mirror image of its partner at most, in the shape's unit.
     """
 
     angle: float
@@ -39,9 +44,9 @@ class Axis:
 
 
 def mirror_axes(shape: Shape, allowed: float = 0.0) -> list[Axis]:
-    """Return the axes about which ``shape`` is symmetric, those first that are exact but for rounding.
+    """Return the axes about which ``shape`` is symmetric: first those that are exact but for rounding.
 
-    ``allowed``: by how much a corner may be off, in the shape's unit; what rounding does always may.
+    ``allowed`` is by how much a corner may be off, in the shape's unit; rounding is always allowed.
     """
     points = np.concatenate(shape.loops)
     centred = points - points.mean(axis=0)
@@ -64,9 +69,10 @@ def mirror_axes(shape: Shape, allowed: float = 0.0) -> list[Axis]:
 
 
 def sheet_axes(shape: Shape, allowed: float, *, may_turn: bool) -> Iterator[tuple[float, tuple[int, ...]]]:
-    """Yield turns in degrees that take mirror axes along the sheet, and which: 0 upright, 1 level, or both.
+    """Yield turns in degrees after which mirror axes are parallel to the sheet's sides, and which axes these then are.
 
-    ``allowed`` as for ``mirror_axes``; ``may_turn``: also other turns than none.
+    0 is an upright axis, 1 a level one; both come before either. ``allowed`` is as for ``mirror_axes``. Unless
+    ``may_turn``, the only turn is none.
     """
     groups: dict[int, set[int]] = {}
     turns: dict[int, float] = {}
@@ -84,9 +90,9 @@ def sheet_axes(shape: Shape, allowed: float, *, may_turn: bool) -> Iterator[tupl
 
 
 def symmetric(shape: Shape, middle: Floats, axes: Iterable[int]) -> tuple[Shape, float]:
-    """Return ``shape`` with every corner half-way to the mirror image of its partner, and how far corners moved.
+    """Return ``shape`` with every corner moved half-way to its partner's mirror image, and the longest such move.
 
-    ``middle`` ``(2,)``; ``axes``: 0 for the upright axis through it, 1 for the level one, or both.
+    ``axes`` go through ``middle`` ``(2,)``: 0 is the upright axis, 1 the level one.
     """
     drawn = np.concatenate(shape.loops) - middle
     points = drawn
@@ -107,21 +113,21 @@ def _reflected(points: Floats, angle: float) -> Floats:
 
 
 def _best_angle(points: Floats, partners: Floats, angle: float) -> float:
-    """Return the angle of the axis about which points come nearest to their partners, by least squares."""
+    """Return the direction of the axis that takes points nearest to their partners, by least squares."""
     z, w = points @ (1, 1j), partners @ (1, 1j)
     best = float(np.angle((z * w).sum())) / 2 % math.pi
-    return best if abs(math.remainder(best - angle, math.pi)) < 0.1 else angle
+    return best if abs(math.remainder(best - angle, math.pi)) < NEARLY_SAME else angle
 
 
 def _nearest(points: Floats, places: Floats) -> Numbers:
-    """Return for each of ``places`` the number of the point that is nearest to it."""
+    """Return the number of the nearest point for each of ``places``."""
     return np.asarray(shapely.STRtree(shapely.points(points)).nearest(shapely.points(places)), dtype=np.intp)
 
 
 def _partners(shape: Shape, reflected: Floats, points: Floats) -> tuple[Numbers | None, float]:
-    """Return for each corner the one nearest to its mirror image, and the largest distance between them.
+    """Return for each corner the one nearest to its mirror image, and the largest distance between the two.
 
-    None if these do not make up the same loops, walked backwards.
+    None if those are not the corners of the same loops, walked backwards.
     """
     partner = _nearest(points, reflected)
     distance = np.hypot(*(points[partner] - reflected).T)

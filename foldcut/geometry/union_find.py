@@ -1,4 +1,4 @@
-"""Which things hang together, from pairs that do."""
+"""Union-find: the groups into which things fall when some pairs of them belong together."""
 
 from __future__ import annotations
 
@@ -6,7 +6,10 @@ from collections.abc import Sequence
 
 
 def groups(count: int, pairs: Sequence[Sequence[int]]) -> list[int]:
-    """For each of so many things the first of those that hang together with it by pairs."""
+    """Return for each of ``count`` things, numbered from 0, the least number in its group.
+
+    The two things of each of ``pairs`` are in one group.
+    """
     first = list(range(count))
 
     def find(one: int) -> int:

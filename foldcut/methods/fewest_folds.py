@@ -1,15 +1,20 @@
-"""How few folds a shape can have: a lower bound, so that a search can end where nothing is left to be found.
+"""A lower bound for the number of folds that a shape needs, so that a search can stop where nothing better exists.
 
 ``Shape`` on its sheet -> ``Fewest``.
 
-At a corner c of the shape both sides come to lie on the cut line, the paper inside on one side of it and that outside
-on the other. So creases leave c inside and outside. If there is one on each side, both halve the corner: they are on
-one line. Else there are four or more, as their number is even. A line that halves c counts 1 for it; any other through
-c counts 1/2, as it has two creases there at most; and along a side it counts 1/2 for both of its ends together, as the
-side itself is no crease. Then the lines through every corner count 1 or more together, and if no line counts more than
-w for all of its corners, n corners need n / w lines.
+At a corner of the shape both sides come to lie on the cut line, with the paper inside the shape on one side of it and
+the paper outside on the other. So at least one crease leaves the corner on the inside and one on the outside. If it is
+just one on each, both bisect the corner, so they lie on one line. Otherwise there are four or more, as their number is
+even. Let a line count at each corner that it passes through:
 
-A drawing that is folded along mirror axes first needs these, and the lines for the corners at one side of them.
+- 1 if it bisects the corner;
+- 1/2 if it does not, as at most two of the corner's creases lie on it;
+- 1/2 for both ends of a side together if it runs along that side, as the side itself is no crease.
+
+Then the lines through any one corner count 1 or more there. If no line counts more than w at all its corners together,
+n corners need at least n / w lines.
+
+Where the sheet is folded along mirror axes first, these are needed, and the lines for the corners on one side of them.
 """
 
 from __future__ import annotations
@@ -28,17 +33,21 @@ from foldcut.geometry.vectors import cross
 __all__ = ["Fewest", "fewest_folds"]
 
 MOST_CORNERS = 60
-"""Drawings with more corners are not looked at: the time grows with the third power."""
+"""Drawings with more corners get no bound: the time grows with the third power of their number."""
 
-SQUARE = 1e-5
-"""Axes that differ from a right angle by less, in radians, are at one."""
+RIGHT_ANGLE = 1e-5
+"""Axes whose angle differs from a right one by less than this, in radians, are perpendicular."""
+
+STRAIGHT = 1e-6
+"""A corner is straight if the directions of its sides differ by less than this."""
 
 
 @dataclass(frozen=True)
 class Fewest:
-    """``folds``: no pattern has fewer lines, nor one folded along mirror axes first fewer folds; 0 if not known.
+    """Lower bounds for a shape with a number of ``corners``.
 
-    ``bisectors``: on so many lines are the bisectors of the ``corners``; every straight skeleton has them.
+    ``folds``: no pattern has creases on fewer lines, or where mirror axes are folded first, fewer folds; 0 if unknown.
+    ``bisectors``: how many lines the bisectors of the corners lie on; every straight skeleton has creases on these.
     """
 
     folds: int
@@ -47,9 +56,9 @@ class Fewest:
 
 
 def fewest_folds(shape: Shape, sheet: Sheet, near: float = 0.0, symmetry: float = 0.0) -> Fewest:
-    """Return how many folds a shape on its sheet needs at least, even if corners are moved by up to ``near`` mm.
+    """Return a lower bound for the folds of a shape on its sheet that holds even if corners move by ``near`` mm.
 
-    ``symmetry``: how far in mm corners may be off for a mirror axis.
+    ``symmetry`` is how far corners may be off for a mirror axis, in mm.
     """
     corners = np.concatenate(shape.loops)
     inside = np.minimum(corners, (sheet.width, sheet.height) - corners).min() > near
@@ -62,13 +71,17 @@ def fewest_folds(shape: Shape, sheet: Sheet, near: float = 0.0, symmetry: float 
     sides = [distance > lines.near for distance in away]
     folds += [1 + lines.fewest(side) for side in sides]
     for one, other in combinations(range(len(sides)), 2):
-        if abs(normals[one] @ normals[other]) < SQUARE:
+        if abs(normals[one] @ normals[other]) < RIGHT_ANGLE:
             folds.append(2 + lines.fewest(sides[one] & sides[other]))
     return Fewest(min(folds), lines.bisectors(), len(corners))
 
 
 class _Lines:
-    """The lines through two corners, and which corners are on each, or may be if corners are moved a little."""
+    """The lines through two corners each, and which corners lie on each of them, or may do so once corners have moved.
+
+    ``on`` and ``bisected`` are ``(lines, corners)``: which corners a line passes, and which of these it bisects.
+    ``bent`` ``(corners,)``: which corners cannot become straight.
+    """
 
     def __init__(self, shape: Shape, near: float) -> None:
         self.near = near
@@ -81,10 +94,10 @@ class _Lines:
         before = np.empty_like(self.following)
         before[self.following] = np.arange(len(corners))
         bisector = ahead - ahead[before]
-        flat = np.hypot(*bisector.T) < 1e-6  # it hardly turns: upright on the side
+        flat = np.hypot(*bisector.T) < STRAIGHT  # so the bisector is perpendicular to the side
         bisector[flat] = np.column_stack([-ahead[flat, 1], ahead[flat, 0]])
         bisector /= np.hypot(*bisector.T)[:, None]
-        turning = 2 * near / np.minimum(length, length[before])  # how far sides, and bisectors, may be turned
+        turning = 2 * near / np.minimum(length, length[before])
         self.bent: Bools = np.abs(np.arctan2(cross(ahead[before], ahead), (ahead * ahead[before]).sum(axis=1))) > (
             2 * turning
         )
@@ -96,27 +109,27 @@ class _Lines:
         at = (to * along[:, None]).sum(axis=2) / apart
         self.on: Bools = np.abs(cross(along[:, None], to)) <= near * (2 + 2 * np.abs(at))
         turned = np.abs(cross(along[:, None], bisector))
-        self.halved: Bools = self.on & (turned <= 2 * near / apart + turning)
+        self.bisected: Bools = self.on & (turned <= 2 * near / apart + turning)
         self.ends = one, other
 
     def fewest(self, some: Bools) -> int:
-        """Return the least number of lines for some of the corners; those that may become straight need none."""
+        """Return how many lines some of the corners need at least; those that may become straight need none."""
         some = some & self.bent
-        halved, on = self.halved & some, self.on & some
-        single = on & ~halved
-        # both ends of a side on the line, the first of a row of such sides only
+        bisected, on = self.bisected & some, self.on & some
+        single = on & ~bisected
+        # both ends of a side are on the line; of several such sides in a row only the first counts
         pair = single & single[:, self.following]
         before_on = np.zeros_like(on)
         before_on[:, self.following] = on
         pair &= ~before_on
-        counts: Floats = halved.sum(axis=1) + single.sum(axis=1) / 2 - pair.sum(axis=1) / 2
+        counts: Floats = bisected.sum(axis=1) + single.sum(axis=1) / 2 - pair.sum(axis=1) / 2
         return math.ceil(int(some.sum()) / max(1.0, float(counts.max(initial=0.0))) - 1e-9)
 
     def bisectors(self) -> int:
-        """Return how many lines the corners' bisectors are on."""
+        """Return how many lines the bisectors of the corners lie on."""
         one, other = self.ends
         numbers = np.arange(len(one))
-        shared = self.halved[numbers, one] & self.halved[numbers, other]
+        shared = self.bisected[numbers, one] & self.bisected[numbers, other]
         sizes = np.ones(self.on.shape[1]) + np.bincount(one[shared], minlength=self.on.shape[1])
         sizes += np.bincount(other[shared], minlength=self.on.shape[1])
         return round(float((1 / sizes).sum()))

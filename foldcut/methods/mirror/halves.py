@@ -1,15 +1,13 @@
-"""Fold the mirror axes of a symmetric shape first: what is left to fold is a half or a quarter of it.
+"""Cut a symmetric shape at its mirror axes, and join what is left to one loop: what has to be folded is a half or less.
 
-``Shape`` on its sheet, symmetric about the sheet's own axes -> ``Half`` loops; the folded half -> the whole pattern.
+``Shape`` on its sheet, symmetric about the sheet's own axes -> ``Half`` candidates.
 
-The loops are cut off at the axes. What is left are chains that begin and end on the border of the half sheet, inside
-and outside of the shape on either side of them. What is beyond the border does not matter: there the chains are joined
-to one loop, in any way in which they do not cross. The compact pattern of that loop, clipped at the half sheet, folds
-the half; behind every face then goes its mirror image. Holes and several components need nothing else, as long as all
-loops meet an axis.
+The loops are cut at the axes. In the half sheet this leaves *chains*, which run from border to border with the shape on
+their left. What lies beyond the border does not matter, so there the ends of chains are joined by arcs, in any way in
+which they do not cross, to form one loop. The compact pattern of that loop, clipped at the half sheet, folds the half.
+Holes and several components need nothing else, as long as every loop meets an axis.
 
-A straight line across all of the sheet that is folded first is a fold through one layer; each other fold goes through
-two, or four. Why the order of the layers is right: it is that of a folded sheet of double thickness.
+An axis is one fold through a single layer; every other fold then goes through two layers, or through four.
 See docs/several-loops.md.
 """
 
@@ -31,20 +29,32 @@ FAR = (1.0, 0.35)
 """How far beyond the border chains may be joined, as parts of the half sheet's diagonal."""
 
 NEAR = (0.55, 1.2, 0.25)
-"""The same as parts of how far the ends are from each other."""
+"""The same, as parts of the distance between the ends."""
 
 MOST_CHAINS = 12
-MOST_MATCHINGS = 4
+"""Shapes with more chains are refused."""
 
+MOST_MATCHINGS = 4
+"""How many ways to join the chains are tried."""
+
+STRAIGHT = 1e-9
+"""Directions whose cross product is no larger than this are parallel."""
+
+NESTED = 1.5
+"""An arc around another one reaches this many times as far."""
+
+FLAT = 3.0
+"""A side that runs on along the border goes on for no longer than this many times the distance that is asked for."""
 
 Arc = tuple[int, int]
+"""The two ends of chains that an arc joins: 2 n is the start of the nth chain, 2 n + 1 its end."""
 
 
 def halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
-    """Yield loops for the part of ``sheet`` on one side of its axes, the simplest first.
+    """Yield loops by which a half or a quarter of the sheet can be folded, the simplest first.
 
     ``shape`` is symmetric about each of ``axes``: 0 is the sheet's upright middle line, 1 the level one. Raises
-    ``UnfoldableError`` when a loop meets no axis.
+    ``UnfoldableError`` where a loop meets no axis, and where the shape crosses the axes too often.
     """
     size = np.array([sheet.width, sheet.height])
     middle = np.where(np.isin([0, 1], axes), size / 2, 0.0)
@@ -60,20 +70,20 @@ def halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
         return
     ends = np.array([(_along_border(chain[0], axes), _along_border(chain[-1], axes)) for chain in chains])
     order = np.argsort(ends.ravel(), kind="stable")
-    matchings = list(islice((arcs for arcs in _matchings(order.tolist()) if _is_one_loop(arcs)), MOST_MATCHINGS))
-    # the arms of several chains are best cut off soon
+    ways = list(islice((arcs for arcs in matchings(order.tolist()) if _is_one_loop(arcs)), MOST_MATCHINGS))
+    # long arms of several chains would need many turns
     far, near = [(0.0, part * half.diagonal) for part in FAR], [(part, 0.0) for part in NEAR]
     for margins in far + near if len(chains) == 1 else near + far:
-        for arcs in matchings:
+        for arcs in ways:
             loop = _joined(chains, arcs, axes, *margins)
             if loop is not None:
                 yield Half(shape, points_array(loop), half, axes)
 
 
 def _chains(shape: Shape, middle: Floats, axes: Sequence[int]) -> tuple[list[Floats], list[Floats]]:
-    """Return the pieces of loops in the half sheet, from border to border, and the loops that are there whole.
+    """Return the chains in the half sheet, ``(n, 2)`` each, and the loops that lie in it as a whole.
 
-    The shape is at their left.
+    The shape is on their left.
     """
     chains: list[Floats] = []
     closed: list[Floats] = []
@@ -100,7 +110,7 @@ def _chains(shape: Shape, middle: Floats, axes: Sequence[int]) -> tuple[list[Flo
 
 
 def _clipped(start: Floats, end: Floats, axes: Sequence[int], tie: float) -> tuple[Floats, Floats] | None:
-    """Return what is left of a side on the right of the axes, its ends there exactly, or None."""
+    """Return the ends of what is left of a side, exactly on the axes where these cut it; None if nothing is left."""
     a, b = start.copy(), end.copy()
     for axis in axes:
         for point in (a, b):
@@ -116,23 +126,23 @@ def _clipped(start: Floats, end: Floats, axes: Sequence[int], tie: float) -> tup
 
 
 def _along_border(point: Floats, axes: Sequence[int]) -> float:
-    """Where a point of the half sheet's border is: a number that grows along the axes with the sheet at the right."""
+    """Return how far along the axes a point on them is, walking with the half sheet on the right, in mm."""
     return float(point[1]) if 0 in axes and point[0] == 0 else -float(point[0])
 
 
-def _matchings(places: Sequence[int]) -> Iterator[list[Arc]]:
+def matchings(places: Sequence[int]) -> Iterator[list[Arc]]:
     """Yield all ways to join places on a line in pairs by arcs on one side of it that do not cross."""
     if not places:
         yield []
         return
     for k in range(1, len(places), 2):
-        for inner in _matchings(places[1:k]):
-            for outer in _matchings(places[k + 1 :]):
+        for inner in matchings(places[1:k]):
+            for outer in matchings(places[k + 1 :]):
                 yield [(places[0], places[k]), *inner, *outer]
 
 
 def _is_one_loop(arcs: Sequence[Arc]) -> bool:
-    """Whether chains, 2 n and 2 n + 1 the ends of the nth, are one loop when they are joined by arcs, end to start."""
+    """Return whether arcs join each end of a chain to a start, and all chains to one loop."""
     following = {}
     for a, b in arcs:
         if a % 2 == b % 2:
@@ -148,25 +158,20 @@ def _is_one_loop(arcs: Sequence[Arc]) -> bool:
 def _joined(
     chains: Sequence[Floats], arcs: Sequence[Arc], axes: Sequence[int], near: float, far: float
 ) -> Floats | None:
-    """Join chains to one loop beyond the border, or return None if there is no room so far out.
+    """Join chains to one loop beyond the border, or return None where they would cross.
 
-    ``near`` times the distance of ends and ``far`` mm away.
+    Arcs reach ``far`` mm beyond the border, and ``near`` times the distance between their ends.
     """
     place = {}
     for number, chain in enumerate(chains):
         place[2 * number], place[2 * number + 1] = (_along_border(chain[k], axes) for k in (0, -1))
-    reach: dict[Arc, float] = {}
-    spans = {arc: tuple(sorted(place[end] for end in arc)) for arc in arcs}
-    for arc in sorted(arcs, key=lambda arc: spans[arc][1] - spans[arc][0]):
-        low, high = spans[arc]
-        within = [reach[other] for other in reach if low < spans[other][0] and spans[other][1] < high]
-        reach[arc] = max([far + near * (high - low), *(1.5 * inner for inner in within)])
+    reach = _reaches(arcs, place, near, far)
     joins: dict[int, tuple[int, list[Floats]]] = {}
     for arc in arcs:
         end, start = arc if arc[0] % 2 else (arc[1], arc[0])
         away = reach[arc]
         one, other = chains[end // 2], chains[start // 2]
-        first, last = _beyond(one[-2], one[-1], axes, away), _beyond(other[1], other[0], axes, away)
+        first, last = extended(one[-2], one[-1], axes, away), extended(other[1], other[0], axes, away)
         between: list[Floats] = [first, last]
         if len(axes) == 2 and place[end] * place[start] < 0:
             between.insert(1, np.array([-away, -away]))
@@ -187,22 +192,35 @@ def _joined(
     return loop if good else None
 
 
-def _beyond(before: Floats, end: Floats, axes: Sequence[int], away: float) -> Floats:
-    """Where a chain's last side, from ``before`` to ``end``, goes on to so far beyond the border."""
+def _reaches(arcs: Sequence[Arc], place: dict[int, float], near: float, far: float) -> dict[Arc, float]:
+    """Return how far beyond the border each arc reaches, in mm; ``place`` of ends is along the border."""
+    reach: dict[Arc, float] = {}
+    spans = {arc: tuple(sorted(place[end] for end in arc)) for arc in arcs}
+    for arc in sorted(arcs, key=lambda arc: spans[arc][1] - spans[arc][0]):
+        low, high = spans[arc]
+        within = [reach[other] for other in reach if low < spans[other][0] and spans[other][1] < high]
+        reach[arc] = max([far + near * (high - low), *(NESTED * inner for inner in within)])
+    return reach
+
+
+def extended(before: Floats, end: Floats, axes: Sequence[int], away: float) -> Floats:
+    """Return where a chain's last side, from ``before`` to ``end``, is ``away`` mm beyond the border.
+
+    ``end`` lies on the border at one of the axes, ``before`` does not. A flat side stops sooner.
+    """
     axis = next(axis for axis in axes if end[axis] == 0)
     along = end - before
     reach = away / -along[axis]
-    # a flat side does not go far
-    reach = min(reach, 3 * away / float(np.hypot(*along)))
+    reach = min(reach, FLAT * away / float(np.hypot(*along)))
     place: Floats = end + along * reach
     return place
 
 
 def _meeting(a: Floats, a_far: Floats, b: Floats, b_far: Floats) -> Floats | None:
-    """Where the lines from a to a_far and from b to b_far meet on the way, or None."""
+    """Return where the segments from a to a_far and from b to b_far meet, None if they do not."""
     one, other, between = a_far - a, b_far - b, b - a
     slope = float(cross(one, other))
-    if abs(slope) < 1e-9 * np.hypot(*one) * np.hypot(*other):
+    if abs(slope) <= STRAIGHT * np.hypot(*one) * np.hypot(*other):  # or one of them has no length
         return None
     s, t = float(cross(between, other)) / slope, float(cross(between, one)) / slope
     place: Floats = a + one * s
@@ -210,7 +228,7 @@ def _meeting(a: Floats, a_far: Floats, b: Floats, b_far: Floats) -> Floats | Non
 
 
 def _without_straight(loop: Floats) -> Floats:
-    """Leave out points where the loop goes straight on."""
+    """Return a loop without the points where it goes straight on."""
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
-    bent: Floats = loop[np.abs(cross(before, after)) > 1e-9 * np.hypot(*before.T) * np.hypot(*after.T)]
+    bent: Floats = loop[np.abs(cross(before, after)) > STRAIGHT * np.hypot(*before.T) * np.hypot(*after.T)]
     return bent

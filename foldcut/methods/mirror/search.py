@@ -1,4 +1,8 @@
-"""Which half is folded: the search for the pattern that is easiest to fold."""
+"""Fold a half of the sheet by the loop that is easiest to fold.
+
+``Half`` candidates -> ``Mirrored``, a verified pattern of the whole sheet. All promising candidates get a first look
+with little effort, and the best of them more.
+"""
 
 from __future__ import annotations
 
@@ -13,17 +17,31 @@ from foldcut.methods.compact.search import EFFORTS, Compact, fold_compact
 from foldcut.methods.mirror.unfold import Half
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 
-SCAN, MOST_SCAN, FINAL, FINALISTS = 0.4, 0.08, 0.3, 2
-"""Parts of the effort: for a first look at loops, for each of them at most, and for so many of the best."""
+SCAN = 0.4
+"""The part of the effort for the first looks."""
 
+MOST_SCAN = 0.08
+"""The part of the effort for one first look, at most."""
 
-LOOK_S, FEWEST_LOOKS, MOST_LOOKS = 0.25, 3, 16
-"""What a first look takes at least, in seconds of effort; and how many loops are looked at."""
+FINAL = 0.3
+"""The part of the effort for the second looks."""
+
+FINALISTS = 2
+"""How many candidates get a second look."""
+
+LOOK_S = 0.25
+"""How long a first look takes at least, in seconds of effort."""
+
+FEWEST_LOOKS = 3
+"""How many candidates get a first look however little effort there is."""
+
+MOST_LOOKS = 16
+"""How many candidates get a first look at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mirrored:
-    """The pattern of a sheet that is folded along its axes first: what the search found for the half, and the half."""
+    """The pattern of a sheet that is folded along its axes first: what was found for a half, and which half."""
 
     found: Compact
     half: Half
@@ -52,10 +70,9 @@ def fold_mirrored(
     seconds: float | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Mirrored:
-    """Return the verified pattern that is easiest to fold: see ``fold_compact`` for the options and Ctrl-C.
+    """Return the verified pattern that is easiest to fold; see ``fold_compact`` for the options and for Ctrl-C.
 
-    The most promising of ``candidates`` get a first look, the best of these more. Raises ``UnfoldableError`` when none
-    folds.
+    Raises ``UnfoldableError`` where no pattern is found for any of the candidates.
     """
     best: tuple[Rank, Mirrored] | None = None
     part = 0.0
@@ -107,7 +124,7 @@ def fold_mirrored(
 
 
 def _by_promise(candidates: Sequence[Half]) -> list[Half]:
-    """Return those first that promise most: few corners and two axes; ways to lay the shape take turns."""
+    """Return candidates with few corners and two axes first; those for different layings of the shape take turns."""
     seen: Counter[tuple[int, tuple[int, ...]]] = Counter()
     keys = []
     for number, half in enumerate(candidates):

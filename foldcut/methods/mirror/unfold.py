@@ -1,4 +1,11 @@
-"""Unfolding the pattern of a half sheet to that of the whole one."""
+"""Unfold the pattern of a half or a quarter of the sheet to that of the whole sheet.
+
+``Half``, and the pattern that folds it -> the whole pattern.
+
+The sheet is folded along its axes first, so what folds the half folds all layers there at once: behind each face goes
+its mirror image, on the side of its back. The order of layers is that of a folded sheet of double thickness, so nothing
+needs to be shown about it. Mountains and valleys are read off the order, also along the axes.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +17,16 @@ from foldcut.core.arrays import Bools, Floats, points_array
 from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
 from foldcut.geometry.vectors import signed_area
 from foldcut.methods.compact.search import Whole
-from foldcut.pattern.assemble import Ring, assemble, creases_of_stack
+from foldcut.pattern.assemble import assemble, creases_of_stack
 
 
 @dataclass(frozen=True, eq=False)
 class Half(Whole):
-    """A part of the sheet, and one loop to fold it by.
+    """A half or a quarter of the sheet, and a loop to fold it by.
 
-    ``sheet`` is the part to the right of the upright axis, 0, or above the level one, 1, or both: see ``axes``;
-    ``loop`` ``(n, 2)`` mm on it, counter-clockwise, reaches beyond it at the axes; ``shape`` is the whole one on the
+    ``axes`` are the axes that are folded first: 0 is the sheet's upright middle line, 1 the level one. ``sheet`` is the
+    part to the right of the upright axis, above the level one, or both. ``loop`` ``(n, 2)`` mm, counter-clockwise, is
+    in the coordinates of that part and reaches beyond its border at the axes. ``shape`` is the whole shape, on the
     whole sheet.
     """
 
@@ -28,7 +36,7 @@ class Half(Whole):
 
     @property
     def first_folds(self) -> tuple[Floats, ...]:
-        """The axes on the whole sheet, ``(2, 2)`` mm each, in the order in which they are folded."""
+        """The axes as lines on the whole sheet, ``(2, 2)`` mm each, in the order in which they are folded."""
         size = np.array([self.sheet.width, self.sheet.height]) * np.where(np.isin([0, 1], self.axes), 2.0, 1.0)
         lines = []
         for axis in reversed(self.axes):
@@ -38,18 +46,18 @@ class Half(Whole):
         return tuple(lines)
 
     def creased(self, creases: CreasePattern) -> Bools:
-        """Which edges of the half's pattern are creases of the whole: those on the axes are, too."""
+        """Return which edges of the half's pattern are creases of the whole: those on the axes are, too."""
         ends = np.abs(creases.vertices_coords[creases.edges_vertices]) <= self.tie
         on_axis = np.logical_and(ends[:, 0], ends[:, 1])[:, list(self.axes)].any(axis=1)
         return np.asarray((creases.edges_assignment != "B") | on_axis)
 
     @property
     def tie(self) -> float:
-        """How near a vertex is to an axis that it is on, in mm."""
+        """How near to an axis a vertex lies on it, in mm."""
         return 1e-9 * self.sheet.diagonal
 
     def unfold(self, creases: CreasePattern, folded: FoldedState) -> tuple[CreasePattern, FoldedState]:
-        """Unfold the pattern of the half sheet to that of the whole one."""
+        """Return the pattern of the whole sheet, from that of the half."""
         size = np.array([self.sheet.width, self.sheet.height])
         at = np.zeros(2)
         for axis in self.axes:
@@ -59,7 +67,7 @@ class Half(Whole):
         return CreasePattern(moved, creases.edges_vertices, creases.edges_assignment, creases.faces_vertices), folded
 
     def unfold_regions(self, regions: tuple[Region, ...]) -> tuple[Region, ...]:
-        """Unfold the regions of the half sheet: behind each goes its mirror image, which is folded with it."""
+        """Return the regions of the whole sheet: those of the half, each with its mirror images as outlines."""
         at = np.where(np.isin([0, 1], self.axes), [self.sheet.width, self.sheet.height], 0.0)
         signs = [np.ones(2)]
         for axis in self.axes:
@@ -73,7 +81,7 @@ class Half(Whole):
 
 
 def _doubled(creases: CreasePattern, folded: FoldedState, axis: int, tie: float) -> tuple[CreasePattern, FoldedState]:
-    """Unfold a pattern about the axis on which this coordinate is 0: behind each face goes its mirror image."""
+    """Unfold a pattern about the axis on which this coordinate is 0; vertices nearer to it than ``tie`` are on it."""
     flat = creases.vertices_coords.copy()
     on_axis = np.abs(flat[:, axis]) <= tie
     flat[on_axis, axis] = 0.0
@@ -81,13 +89,13 @@ def _doubled(creases: CreasePattern, folded: FoldedState, axis: int, tie: float)
     sign = np.where(np.arange(2) == axis, -1.0, 1.0)
     every = np.concatenate([flat, flat[~on_axis] * sign])
     landing = np.concatenate([folded.vertices_coords, folded.vertices_coords[~on_axis]])
-    stack: list[Ring] = []
+    stack: list[list[int]] = []
     faces = creases.faces_vertices.to_lists()
-    for face in folded.layers.tolist():
-        ring = faces[face]
-        mirrored = image[ring[::-1]].tolist()
-        up = signed_area(folded.vertices_coords[ring]) > 0
-        stack += [mirrored, ring] if up else [ring, mirrored]
+    for number in folded.layers.tolist():
+        face = faces[number]
+        mirrored = image[face[::-1]].tolist()
+        up = signed_area(folded.vertices_coords[face]) > 0
+        stack += [mirrored, face] if up else [face, mirrored]
     edges, kinds = creases_of_stack(landing, stack)
     low, high = every.min(axis=0), every.max(axis=0)
     at_corner = ((np.abs(every - low) <= tie) | (np.abs(every - high) <= tie)).all(axis=1)

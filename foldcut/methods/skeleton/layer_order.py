@@ -2,11 +2,14 @@
 
 Folded facets and their creases -> a linear order from bottom to top, or ``UnfoldableError``.
 
-Which of two facets is the upper one is an unknown for each pair that overlaps. A facet that a crease runs across is
-above both of the crease's facets or below both (taco-tortilla); of two creases that coincide, with their facets on one
-side, neither has just one of the other's facets between its own (taco-taco): of four pairs an even number is true.
-Facets must not lie on each other in a circle: such circles are looked for in what the solver proposes, and forbidden,
-until there are none.
+For each pair of facets that overlap, which one is the upper is an unknown. Two kinds of conditions relate these:
+
+- taco-tortilla: a facet that a crease runs across is above both of the crease's facets or below both;
+- taco-taco: of two creases that coincide and have their facets on the same side, neither has just one of the other's
+  facets between its own. Of the four pairs between them, an even number has its first facet above.
+
+Both are equations modulo 2, so most contradictions are found without the solver. Facets must not lie on each other in a
+circle, either: circles are looked for in what the solver proposes, and forbidden, until there are none.
 Source: Akitaya, Demaine and Ku, "Computing Flat-Folded States", 2024 (the unknowns and the conditions).
 """
 
@@ -22,188 +25,182 @@ from numpy.typing import NDArray
 from foldcut.core.arrays import Bools, Floats
 from foldcut.core.errors import UnfoldableError, needed_extra
 from foldcut.geometry.segments import collinear_overlap
+from foldcut.methods.skeleton.facets import Crease
+from foldcut.methods.skeleton.straight_skeleton import Vertices
 
-Edge = tuple[int, int]
-Ring = list[int]
-Crease = tuple[Edge, tuple[int, int]]
 Ints = NDArray[np.intp]
 
 OVERLAP = 1e-9
-"""Facets overlap when they do so by more than this, relative to the size of the folded sheet."""
+"""Facets overlap where they reach into each other by more than this, relative to the size of the folded sheet."""
 
-MOST_CONFLICTS, MOST_CIRCLES = 100_000, 20_000
-"""What the solver may run into before it gives up, and how many circles are forbidden at a time."""
+MOST_CONFLICTS = 100_000
+"""How many conflicts the solver may run into before it gives up."""
 
-NO_ORDER = "the facets cannot be put in an order in which no paper passes through paper"
+MOST_CIRCLES = 20_000
+"""How many circles are forbidden at a time."""
 
 MOST_ROUNDS = 40
-"""So many times circles are forbidden; 26 were needed for 460 facets."""
+"""How many times circles are forbidden before the search gives up; 460 facets needed 26."""
 
 WAYS = 8
-"""Of so many pairs that would have to lie both ways the reason is looked for."""
+"""For how many of the pairs that would have to lie both ways the reason is looked for."""
 
 MOST_PAIRS = 400_000
 """With more pairs of overlapping facets no order is looked for."""
 
+NO_ORDER = "the facets cannot be put in an order in which no paper passes through paper"
 
-class OrderSolver:
+
+class OrderConditions:
     """The conditions on the order of folded facets.
 
-    ``folded`` ``(v, 2)`` mm, ``rings`` of vertices, ``creases`` with the facets at their left and right, ``up`` whether
-    a facet shows its upper side. ``contradictory``: how many pairs would have to lie both ways because of the facets
-    that creases run across, and if there are none, how many conditions of creases that coincide contradict others; with
-    any there is no order, and that is quickly known: all these conditions are equations modulo 2.
-    Raises ``UnfoldableError`` without the extra, or with too many facets.
+    ``folded`` ``(v, 2)`` mm; ``facets`` their vertices; ``creases`` with the facets on their left and right; ``up``
+    whether a facet shows its upper side.
+
+    ``across`` ``(n, 3)`` are the taco-tortillas: a facet that a crease runs across, and the crease's two facets.
+    ``coinciding`` ``(n, 4)`` are the taco-tacos: the two facets of one crease, and those of the other. ``number``
+    ``(count, count)`` numbers the pairs of facets that overlap, from 1, with the lesser facet first; 0 means none.
+
+    ``contradictory`` has two counts: of pairs that would have to lie both ways because of the taco-tortillas, and if
+    there are none, of taco-tacos that contradict those before them. Unless both are 0, there is no order.
+    Raises ``UnfoldableError`` without the extra ``skeleton``, with too many facets, and where a crease has no length.
     """
 
-    def __init__(self, folded: Floats, rings: Sequence[Ring], creases: Sequence[Crease], up: Sequence[bool]) -> None:
+    def __init__(
+        self, folded: Floats, facets: Sequence[Vertices], creases: Sequence[Crease], up: Sequence[bool]
+    ) -> None:
         try:
             import pysat.solvers  # noqa: F401  # used only where there may be an order
         except ImportError as error:
             raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
-        self.count = len(rings)
+        self.count = len(facets)
         self.rounds = 0  # how many the solver took
-        self.beside: Ints = np.array([facets for _, facets in creases], dtype=np.intp).reshape(-1, 2)
-        self.tolerance = OVERLAP * float(np.hypot(*np.ptp(folded, axis=0)))
-        full = shapely.polygons([shapely.linearrings(folded[ring]) for ring in rings])
-        self.polygons = shapely.buffer(full, -self.tolerance, join_style="mitre")
-        self.ends = folded[np.array([edge for edge, _ in creases], dtype=np.intp).reshape(-1, 2)]
-        self.tree = shapely.STRtree(self.polygons)
-        overlapping = self.tree.query(self.polygons, predicate="intersects").T
+        self._beside: Ints = np.array([pair for _, pair in creases], dtype=np.intp).reshape(-1, 2)
+        self._tolerance = OVERLAP * float(np.hypot(*np.ptp(folded, axis=0)))
+        self._ends = folded[np.array([edge for edge, _ in creases], dtype=np.intp).reshape(-1, 2)]
+        if not (np.hypot(*(self._ends[:, 1] - self._ends[:, 0]).T) > 0).all():
+            raise UnfoldableError("a crease has no length when it is folded")
+        full = shapely.polygons([shapely.linearrings(folded[facet]) for facet in facets])
+        inset = shapely.buffer(full, -self._tolerance, join_style="mitre")
+        tree = shapely.STRtree(inset)
+        overlapping = tree.query(inset, predicate="intersects").T
         count = int((overlapping[:, 0] < overlapping[:, 1]).sum())
         if count > MOST_PAIRS:
-            raise UnfoldableError(f"{count:,} pairs of facets overlap when folded; too many to order")
-        across = self._across()
-        self.coinciding = self._coinciding(np.array(up, dtype=np.bool_))
-        # the facets of a crease always count as overlapping
-        pairs = [overlapping, self.beside, across[:, [0, 1]], across[:, [0, 2]]]
+            raise UnfoldableError(f"{count:,} pairs of facets overlap when they are folded; too many to order")
+        self.across = self._find_across(tree)
+        self.coinciding = self._find_coinciding(np.array(up, dtype=np.bool_))
+        self._number_pairs(overlapping)
+        self._unite_pairs()
+        self.contradictory = len(self._both_ways), 0
+        a, b, c, d = self.coinciding.T
+        self._even: Ints = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
+        if not any(self.contradictory):
+            self.contradictory = 0, _contradictory_equations(self._even)
+
+    def _number_pairs(self, overlapping: Ints) -> None:
+        """Number all pairs that overlap; the facets of one condition always count as overlapping."""
+        pairs = [overlapping, self._beside, self.across[:, [0, 1]], self.across[:, [0, 2]]]
         pairs += [self.coinciding[:, [k, m]] for k in (0, 1) for m in (2, 3)]
         low, high = np.sort(np.concatenate(pairs), axis=1).T
         self.number: Ints = np.zeros((self.count, self.count), dtype=np.intp)
         self.number[low, high] = low < high
-        self.pair = np.nonzero(self.number)
-        self.number[self.pair] = np.arange(1, len(self.pair[0]) + 1)
-        self._unite(across)
+        self._pair = np.nonzero(self.number)
+        self.number[self._pair] = np.arange(1, len(self._pair[0]) + 1)
 
-    def _unite(self, across: Ints) -> None:
-        """Make one unknown of all pairs that are known to lie the same way, or opposite ways."""
-        # every pair twice: the lesser facet below, and above
-        n = len(self.pair[0]) + 1
+    def _unite_pairs(self) -> None:
+        """Make one unknown of all pairs that lie the same way, or opposite ways, because of taco-tortillas."""
+        # every pair twice: number k for the lesser facet below, n + k for the lesser facet above
+        n = len(self._pair[0]) + 1
         group: Ints = np.arange(2 * n)
-        if len(across):  # scipy takes a while to load
+        if len(self.across):  # scipy takes a while to load
             from scipy.sparse import coo_array
             from scipy.sparse.csgraph import connected_components
 
-            one, other = (self._signed(across[:, 0], across[:, k]) for k in (1, 2))
+            one, other = (self._signed(self.across[:, 0], self.across[:, k]) for k in (1, 2))
             i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
-            self.alike = coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)).tocsr()
-            group = connected_components(self.alike, directed=False)[1].astype(np.intp)
+            self._alike = coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)).tocsr()
+            group = connected_components(self._alike, directed=False)[1].astype(np.intp)
         straight, turned = group[:n], group[n:]
         _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
-        self.unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
-        self.both_ways = np.flatnonzero(straight[1:] == turned[1:]) + 1
-        self.contradictory = len(self.both_ways), 0
-        a, b, c, d = self.coinciding.T
-        self.even: Ints = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
-        if not any(self.contradictory):
-            self.contradictory = 0, self._contradictory_equations()
+        self._unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
+        self._both_ways = np.flatnonzero(straight[1:] == turned[1:]) + 1
 
     def facets_of_contradiction(self) -> Ints:
-        """The facets by which a pair would have to lie both ways: the shortest way there of a few pairs' ways."""
+        """Return the facets that make a pair lie both ways, where ``contradictory`` counts such pairs.
+
+        Of several such pairs it is the one for which the chain of taco-tortillas is the shortest.
+        """
         from scipy.sparse.csgraph import shortest_path
 
-        n = len(self.pair[0]) + 1
-        tried = self.both_ways[np.linspace(0, len(self.both_ways) - 1, WAYS).astype(np.intp)]
+        n = len(self._pair[0]) + 1
+        tried = self._both_ways[np.linspace(0, len(self._both_ways) - 1, WAYS).astype(np.intp)]
         steps, before = shortest_path(
-            self.alike, directed=False, indices=tried, unweighted=True, return_predecessors=True
+            self._alike, directed=False, indices=tried, unweighted=True, return_predecessors=True
         )
         least = int(steps[np.arange(WAYS), tried + n].argmin())
         way = [int(tried[least]) + n]
         while way[-1] != tried[least]:
             way.append(int(before[least, way[-1]]))
         pairs = np.array(way) % n - 1
-        return np.unique(np.concatenate([side[pairs] for side in self.pair]))
-
-    def _contradictory_equations(self) -> int:
-        """How many conditions of coinciding creases contradict those before them: Gaussian elimination modulo 2."""
-        rows = np.sort(np.abs(self.even), axis=1)
-        rows = np.unique(np.column_stack([rows, (self.even < 0).sum(axis=1) % 2]), axis=0)
-        pivots: dict[int, int] = {}
-        count = 0
-        for *unknowns, odd in rows.tolist():
-            equation = odd  # bit k for unknown k, bit 0 for the right side
-            for unknown in unknowns:
-                equation ^= 1 << unknown
-            while equation > 1 and (pivot := pivots.get(equation.bit_length())):
-                equation ^= pivot
-            if equation > 1:
-                pivots[equation.bit_length()] = equation
-            count += equation == 1
-        return count
+        return np.unique(np.concatenate([side[pairs] for side in self._pair]))
 
     def _signed(self, above: Ints, below: Ints) -> Ints:
-        """The numbers of pairs, negative where the first facet is the lesser one."""
+        """Return the numbers of pairs, negative where the first facet is the lesser one."""
         number = self.number[np.minimum(above, below), np.maximum(above, below)]
         return np.where(above > below, number, -number)
 
     def literals(self, above: Ints, below: Ints) -> Ints:
-        """The solver's names for "the first facet is above the second"; arrays of facets."""
+        """Return the solver's literals for "the first facet is above the second", for two arrays of facets."""
         signed = self._signed(above, below)
-        return np.sign(signed) * self.unknown[np.abs(signed)]
+        return np.sign(signed) * self._unknown[np.abs(signed)]
 
     def clauses(self) -> list[list[int]]:
-        """Return what is left to be kept, each a list of literals one of which is true."""
+        """Return the taco-tacos as clauses: lists of literals, of each of which one has to be true."""
         odd = [signs for signs in itertools.product((1, -1), repeat=4) if np.prod(signs) < 0]
-        return _different(np.concatenate([self.even * signs for signs in odd]))
+        return _different(np.concatenate([self._even * signs for signs in odd]))
 
-    def _across(self) -> Ints:
-        """Facets that creases run across, and the facets of these, ``(n, 3)``: the first is not between the others."""
-        along = self.ends[:, 1] - self.ends[:, 0]
+    def _find_across(self, tree: shapely.STRtree) -> Ints:
+        """Find the facets, all in a tree, that creases run across by more than the tolerance."""
+        along = self._ends[:, 1] - self._ends[:, 0]
         length = np.hypot(*along.T)
-        inset = (np.minimum(2 * self.tolerance, length / 3) / length)[:, None] * along
-        lines = shapely.linestrings(np.stack([self.ends[:, 0] + inset, self.ends[:, 1] - inset], axis=1))
-        crease, facet = self.tree.query(lines, predicate="intersects")
-        found = np.column_stack([facet, self.beside[crease]])
+        inset = (np.minimum(2 * self._tolerance, length / 3) / length)[:, None] * along
+        lines = shapely.linestrings(np.stack([self._ends[:, 0] + inset, self._ends[:, 1] - inset], axis=1))
+        crease, facet = tree.query(lines, predicate="intersects")
+        found = np.column_stack([facet, self._beside[crease]])
         kept: Ints = found[(found[:, :1] != found[:, 1:]).all(axis=1)]
         return kept
 
-    def _coinciding(self, up: Bools) -> Ints:
-        """The facets of creases that coincide, ``(n, 4)``: the first two and the last two do not interleave."""
-        lines = shapely.linestrings(self.ends)
+    def _find_coinciding(self, up: Bools) -> Ints:
+        """Find the creases that coincide with their facets on the same side."""
+        lines = shapely.linestrings(self._ends)
         tree = shapely.STRtree(lines)
-        one, other = tree.query(lines, predicate="dwithin", distance=self.tolerance)
+        one, other = tree.query(lines, predicate="dwithin", distance=self._tolerance)
         keep = one < other
         one, other = one[keep], other[keep]
-        length, same_way = collinear_overlap(self.ends[one], self.ends[other], self.tolerance)
-        left = up[self.beside[:, 0]]
-        bad = (length > 6 * self.tolerance) & ((left[one] == left[other]) == same_way)
-        first, second = self.beside[one[bad]], self.beside[other[bad]]
+        length, same_way = collinear_overlap(self._ends[one], self._ends[other], self._tolerance)
+        left = up[self._beside[:, 0]]
+        bad = (length > 6 * self._tolerance) & ((left[one] == left[other]) == same_way)
+        first, second = self._beside[one[bad]], self._beside[other[bad]]
         apart = (first[:, :, None] != second[:, None, :]).all(axis=(1, 2))
         return np.concatenate([first[apart], second[apart]], axis=1)
 
     def above(self, model: Sequence[int]) -> Bools:
-        """Which facet is above which in a model, ``(n, n)``."""
-        true = np.zeros(int(np.abs(self.unknown).max()) + 1, dtype=np.bool_)
+        """Return whether facet a is above facet b in a model of the solver, ``(count, count)``."""
+        true = np.zeros(int(np.abs(self._unknown).max()) + 1, dtype=np.bool_)
         true[[x for x in model if 0 < x < len(true)]] = True
-        unknown = self.unknown[1:]
+        unknown = self._unknown[1:]
         over = true[np.abs(unknown)] == (unknown > 0)
-        low, high = self.pair
+        low, high = self._pair
         order = np.zeros((self.count, self.count), dtype=np.bool_)
         order[high[over], low[over]] = True
         order[low[~over], high[~over]] = True
         return order
 
 
-def _different(clauses: Ints) -> list[list[int]]:
-    """Return clauses of as many literals once each, without those that are always true."""
-    rows = np.unique(np.sort(clauses, axis=1), axis=0)
-    return [row for row in (list(set(row)) for row in rows.tolist()) if not any(-x in row for x in row)]
-
-
-def layer_order(conditions: OrderSolver) -> list[int]:
+def layer_order(conditions: OrderConditions) -> list[int]:
     """Return the facets from bottom to top, in an order in which no paper passes through paper.
 
-    Raises ``UnfoldableError`` when there is no such linear order, or when none is found soon.
+    Raises ``UnfoldableError`` when there is no such order, and when none is found soon enough.
     """
     from pysat.solvers import Solver
 
@@ -218,7 +215,7 @@ def layer_order(conditions: OrderSolver) -> list[int]:
             if found is None:
                 break
             order = conditions.above(solver.get_model() or [])
-            circles = list(_circles(order, conditions))
+            circles = _circles(order, conditions)
             if not circles:
                 return _sorted(order)
             for clause in circles:
@@ -226,8 +223,35 @@ def layer_order(conditions: OrderSolver) -> list[int]:
     raise UnfoldableError(f"no order of the {conditions.count} facets was found; there may be one")
 
 
+def _contradictory_equations(even: Ints) -> int:
+    """Return how many equations contradict those before them, by Gaussian elimination modulo 2.
+
+    Each of ``even`` ``(n, 4)`` says that an even number of four literals is true.
+    """
+    rows = np.sort(np.abs(even), axis=1)
+    rows = np.unique(np.column_stack([rows, (even < 0).sum(axis=1) % 2]), axis=0)
+    pivots: dict[int, int] = {}
+    count = 0
+    for *unknowns, odd in rows.tolist():
+        equation = odd  # bit k for unknown k, bit 0 for the right side
+        for unknown in unknowns:
+            equation ^= 1 << unknown
+        while equation > 1 and (pivot := pivots.get(equation.bit_length())):
+            equation ^= pivot
+        if equation > 1:
+            pivots[equation.bit_length()] = equation
+        count += equation == 1
+    return count
+
+
+def _different(clauses: Ints) -> list[list[int]]:
+    """Return clauses of the same number of literals once each, without those that are always true."""
+    rows = np.unique(np.sort(clauses, axis=1), axis=0)
+    return [row for row in (list(set(row)) for row in rows.tolist()) if not any(-x in row for x in row)]
+
+
 def _reaches(order: Bools) -> Bools:
-    """Which facets are above which others in the order, directly or by others between."""
+    """Return which facets are above which others, directly or by others between, ``(count, count)``."""
     reach = order
     while True:
         further = reach | ((reach.astype(np.float32) @ reach.astype(np.float32)) > 0)
@@ -236,10 +260,10 @@ def _reaches(order: Bools) -> Bools:
         reach = further
 
 
-def _circles(order: Bools, conditions: OrderSolver) -> list[list[int]]:
-    """Return clauses that forbid circles: those of three facets, else shortest ones."""
+def _circles(order: Bools, conditions: OrderConditions) -> list[list[int]]:
+    """Return clauses that forbid circles: those of three facets, and where there are none, the shortest ones."""
     reach = _reaches(order)
-    both = reach & reach.T  # facets on one circle
+    both = reach & reach.T  # pairs of facets that are on one circle
     inside = np.flatnonzero(both.any(axis=1)).tolist()
     found: list[Ints] = []
     count = 0
@@ -261,6 +285,7 @@ def _circles(order: Bools, conditions: OrderSolver) -> list[list[int]]:
 
 
 def _shortest_circle(order: Bools, start: int) -> list[int]:
+    """Return a shortest circle of facets through one that is on a circle, each above the next one."""
     before = {start: -1}
     row = [start]
     while row:
@@ -276,11 +301,11 @@ def _shortest_circle(order: Bools, start: int) -> list[int]:
                     before[b] = a
                     following.append(b)
         row = following
-    raise AssertionError("no circle")
+    raise AssertionError(f"facet {start} is on no circle")
 
 
 def _sorted(order: Bools) -> list[int]:
-    """Sort facets so that those above come later."""
+    """Return the facets so that those above come later."""
     below = order.sum(axis=1)
     ready = [int(k) for k in np.flatnonzero(below == 0)]
     result = []

@@ -14,9 +14,8 @@ import foldcut
 from foldcut.core.arrays import Floats
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
-from foldcut.methods.mirror import halves as mirror
 from foldcut.methods.mirror import search
-from foldcut.methods.mirror.halves import _beyond, halves
+from foldcut.methods.mirror.halves import extended, halves, matchings
 from foldcut.methods.mirror.search import Mirrored
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_path
@@ -180,7 +179,7 @@ def test_an_axis_is_folded_however_the_drawing_is_turned_to_have_room(sheet: str
 
 def test_arcs_do_not_cross_and_are_all() -> None:
     for n in range(1, 6):
-        found = list(mirror._matchings(range(2 * n)))
+        found = list(matchings(range(2 * n)))
         assert len(found) == comb(2 * n, n) // (n + 1)  # Catalan's numbers
         for arcs in found:
             assert sorted(end for arc in arcs for end in arc) == list(range(2 * n))
@@ -262,7 +261,7 @@ def test_a_side_goes_on_as_far_beyond_the_border_as_asked_but_a_flat_one_no_more
         ((6.0, 2.0), (-6.0, 18.0)),
         ((0.3, 6.0), (-18 * 0.3 / np.hypot(0.3, 4), 10 + 18 * 4 / np.hypot(0.3, 4))),
     ):
-        assert np.allclose(_beyond(np.array(before), end, (0,), 6.0), beyond)
-        turned = _beyond(np.array(before[::-1]), end[::-1], (1,), 6.0)
+        assert np.allclose(extended(np.array(before), end, (0,), 6.0), beyond)
+        turned = extended(np.array(before[::-1]), end[::-1], (1,), 6.0)
         assert np.allclose(turned, beyond[::-1])
-    assert np.allclose(_beyond(np.array([4.0, 6.0]), np.array([10.0, 0.0]), (0, 1), 6.0), (16.0, -6.0))
+    assert np.allclose(extended(np.array([4.0, 6.0]), np.array([10.0, 0.0]), (0, 1), 6.0), (16.0, -6.0))

@@ -23,10 +23,12 @@ from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.planar_graph import edge_faces
-from foldcut.methods.skeleton import search as straight
-from foldcut.methods.skeleton.layer_order import OrderSolver, layer_order
-from foldcut.methods.skeleton.perpendiculars import Facets, Perpendiculars, divide_sheet
-from foldcut.methods.skeleton.search import fold_skeletal
+from foldcut.methods.skeleton import search, trial
+from foldcut.methods.skeleton.choices import away_from_roots, exchanges, fewest_pieces, is_even, promising_sets
+from foldcut.methods.skeleton.facets import Facets, divide_sheet
+from foldcut.methods.skeleton.layer_order import OrderConditions, layer_order
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
+from foldcut.methods.skeleton.search import Skeletal, fold_skeletal
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
 from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
 from foldcut.pattern.ranking import shortest_crease
@@ -45,9 +47,8 @@ def placed(loops: list[Points], margin: float = 30.0) -> Shape:
 
 
 def perpendiculars(loops: list[Points]) -> Perpendiculars:
-    found = Perpendiculars(straight_skeleton(placed(loops), SHEET), SHEET)
-    found.trace(found.odd)
-    return found
+    ridges = Ridges(straight_skeleton(placed(loops), SHEET), SHEET)
+    return trace(ridges, ridges.odd)
 
 
 def rough(loops: list[Points], off: float, seed: int = 0) -> list[Points]:
@@ -69,17 +70,17 @@ def test_the_skeleton_of_a_rectangle_has_the_two_nodes_that_one_expects() -> Non
 @pytest.mark.parametrize("loops", [HOLED, ROOF, random_loops(0, holes=True), random_loops(2, holes=False)])
 def test_nodes_are_equally_far_from_all_sides_around_them(loops: list[Points]) -> None:
     skeleton = straight_skeleton(placed(loops), SHEET)
-    for region in skeleton.regions:
-        away = skeleton.points[region.ring] - skeleton.starts[region.side]
-        x, y = skeleton.along[region.side]
+    for face in skeleton.faces:
+        away = skeleton.points[face.vertices] - skeleton.starts[face.side]
+        x, y = skeleton.along[face.side]
         height = np.abs(away @ (-y, x))
         near = np.hypot(*away.T) < SHEET.diagonal
-        np.testing.assert_allclose(height[near], skeleton.height[region.ring][near], atol=1e-8)
+        np.testing.assert_allclose(height[near], skeleton.height[face.vertices][near], atol=1e-8)
 
 
-def test_sides_on_one_line_share_their_region() -> None:
+def test_sides_on_one_line_share_their_face() -> None:
     skeleton = straight_skeleton(placed(ROOF), SHEET)
-    assert len(skeleton.regions) == 2 * 8 - 1  # inside the two halves of the roof are one
+    assert len(skeleton.faces) == 2 * 8 - 1  # inside the two halves of the roof are one
 
 
 @pytest.mark.parametrize("loops", [HOLED, random_loops(1, holes=True), random_loops(1, holes=False)])
@@ -87,31 +88,31 @@ def test_perpendiculars_are_at_right_angles_to_their_sides_and_make_the_creases_
     loops: list[Points],
 ) -> None:
     found = perpendiculars(loops)
-    skeleton = found.skeleton
+    skeleton = found.ridges.skeleton
     for path in found.paths:
-        for step in path.steps:
-            along = skeleton.along[skeleton.regions[step.region].side]
-            assert abs((step.end - step.start) @ along) < 1e-9 * SHEET.diagonal
-    for taken in [*found.fewest(3), *found.rooted()]:
-        count = dict.fromkeys(found.odd, 0)
+        for piece in path.pieces:
+            along = skeleton.along[skeleton.faces[piece.face].side]
+            assert abs((piece.end - piece.start) @ along) < 1e-9 * SHEET.diagonal
+    for taken in [*fewest_pieces(found, 3), *away_from_roots(found)]:
+        count = dict.fromkeys(found.ridges.odd, 0)
         for number in taken:
             for node in (found.paths[number].start, found.paths[number].end):
                 if node >= 0:
                     count[node] = count.get(node, 0) + 1
-        assert all((found.degree[node] + number) % 2 == 0 for node, number in count.items())
+        assert all((found.ridges.degree[node] + number) % 2 == 0 for node, number in count.items())
 
 
 @pytest.mark.parametrize("loops", [HOLED, random_loops(3, holes=True), random_loops(3, holes=False)])
 def test_folded_facets_keep_their_form_and_the_shape_is_above_the_cut_line(loops: list[Points]) -> None:
     found = perpendiculars(loops)
-    facets = divide_sheet(found, next(found.fewest(1)))
+    facets = divide_sheet(found, next(fewest_pieces(found, 1)))
     ends = np.array([edge for edge, _ in facets.creases])
     for points in (facets.flat, facets.folded):
         assert np.isfinite(points[ends]).all()
     flat, folded = (np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T) for points in (facets.flat, facets.folded))
     np.testing.assert_allclose(flat, folded, atol=1e-9)
-    for ring, up in zip(facets.rings, facets.up, strict=True):
-        x, y = facets.folded[ring].T
+    for facet, up in zip(facets.facets, facets.up, strict=True):
+        x, y = facets.folded[facet].T
         area = (x * np.roll(y, -1) - y * np.roll(x, -1)).sum()
         assert (area > 0) == up
 
@@ -121,12 +122,12 @@ def test_corners_are_moved_so_that_nodes_of_a_roughly_drawn_star_meet() -> None:
     tied, moved = tie_nodes(drawn, SHEET, 0.1)
     assert 0 < moved <= 0.1
     assert moved == pytest.approx(np.hypot(*(tied.loops[0] - drawn.loops[0]).T).max())
-    assert len(Perpendiculars(straight_skeleton(drawn, SHEET), SHEET).odd) > 0
-    assert Perpendiculars(straight_skeleton(tied, SHEET), SHEET).odd == []
+    assert len(Ridges(straight_skeleton(drawn, SHEET), SHEET).odd) > 0
+    assert Ridges(straight_skeleton(tied, SHEET), SHEET).odd == []
     # not farther than allowed
     same, none = tie_nodes(drawn, SHEET, 1e-4)
     assert none <= 1e-4
-    assert Perpendiculars(straight_skeleton(same, SHEET), SHEET).odd != []
+    assert Ridges(straight_skeleton(same, SHEET), SHEET).odd != []
 
 
 def test_a_rough_star_has_ten_creases_once_its_nodes_are_tied() -> None:
@@ -140,9 +141,8 @@ def test_corners_are_moved_so_that_perpendiculars_come_to_the_nodes_that_they_ne
     swan = place(make_shape(read_shape(sample_path("swan")).loops), sheet)[0]
 
     def met(shape: Shape) -> int:
-        found = Perpendiculars(straight_skeleton(shape, sheet), sheet)
-        found.trace(found.odd)
-        return sum(path.end >= 0 for path in found.paths)
+        ridges = Ridges(straight_skeleton(shape, sheet), sheet)
+        return sum(path.end >= 0 for path in trace(ridges, ridges.odd).paths)
 
     tied, moved = tie_perpendiculars(swan, sheet, 0.5)
     assert 0 < moved <= 0.5
@@ -181,20 +181,20 @@ def test_a_node_that_nearly_is_on_another_ridge_is_put_there() -> None:
 
 def test_choices_without_a_layer_order_are_refused_by_the_solver() -> None:
     found = perpendiculars([loop.tolist() for loop in random_loops(0, holes=True)])
-    first = divide_sheet(found, next(found.fewest(1)))
+    first = divide_sheet(found, next(fewest_pieces(found, 1)))
     with pytest.raises(UnfoldableError, match="cannot be put in an order"):
-        layer_order(OrderSolver(first.folded, first.rings, first.creases, first.up))
-    rooted = divide_sheet(found, found.rooted()[0])
-    order = layer_order(OrderSolver(rooted.folded, rooted.rings, rooted.creases, rooted.up))
-    assert sorted(order) == list(range(len(rooted.rings)))
+        layer_order(trial.conditions_of(first))
+    rooted = divide_sheet(found, away_from_roots(found)[0])
+    order = layer_order(trial.conditions_of(rooted))
+    assert sorted(order) == list(range(len(rooted.facets)))
 
 
-def conditions_of(found: Perpendiculars, taken: Iterable[int]) -> tuple[Facets, OrderSolver]:
+def conditions_of(found: Perpendiculars, taken: Iterable[int]) -> tuple[Facets, OrderConditions]:
     facets = divide_sheet(found, sorted(taken))
-    return facets, OrderSolver(facets.folded, facets.rings, facets.creases, facets.up)
+    return facets, trial.conditions_of(facets)
 
 
-def may_have_order(conditions: OrderSolver) -> bool:
+def may_have_order(conditions: OrderConditions) -> bool:
     """Whether the conditions on pairs can be kept, circles left aside, with an unknown for every pair."""
     from pysat.solvers import Solver
 
@@ -203,7 +203,7 @@ def may_have_order(conditions: OrderSolver) -> bool:
         return number if above > below else -number
 
     with Solver(name="minisat22") as solver:
-        for facet, left, right in conditions._across().tolist():
+        for facet, left, right in conditions.across.tolist():
             one, other = literal(facet, left), literal(facet, right)
             solver.add_clause([one, -other])
             solver.add_clause([-one, other])
@@ -218,9 +218,9 @@ def may_have_order(conditions: OrderSolver) -> bool:
 @pytest.mark.parametrize("seed", [0, 1, 4])
 def test_contradictions_are_found_just_where_a_solver_with_an_unknown_for_every_pair_finds_no_order(seed: int) -> None:
     found = perpendiculars([loop.tolist() for loop in random_loops(seed, holes=True)])
-    start = frozenset(next(found.fewest(1)))
+    start = frozenset(next(fewest_pieces(found, 1)))
     said = set()
-    for taken in [start, *map(frozenset, found.rooted()[:6]), *(start ^ one for one in found.exchanges()[:6])]:
+    for taken in [start, *map(frozenset, away_from_roots(found)[:6]), *(start ^ one for one in exchanges(found)[:6])]:
         _, conditions = conditions_of(found, taken)
         said.add(may_have_order(conditions))
         assert may_have_order(conditions) == (conditions.contradictory == (0, 0))
@@ -230,25 +230,24 @@ def test_contradictions_are_found_just_where_a_solver_with_an_unknown_for_every_
 @pytest.mark.parametrize("seed", [0, 1, 4])
 def test_without_a_change_in_its_cause_a_contradiction_stays(seed: int) -> None:
     found = perpendiculars([loop.tolist() for loop in random_loops(seed, holes=True)])
-    start = frozenset(next(found.fewest(1)))
+    start = frozenset(next(fewest_pieces(found, 1)))
     facets, conditions = conditions_of(found, start)
     assert conditions.contradictory[0]
-    cause = straight._perpendiculars_in(found, facets, conditions.facets_of_contradiction())
-    elsewhere = [one for one in found.exchanges() if not one & cause]
+    cause = trial.perpendiculars_in(found, facets, conditions.facets_of_contradiction())
+    elsewhere = [one for one in exchanges(found) if not one & cause]
     assert elsewhere
-    for one in found.exchanges():
-        assert found._is_even(set(start ^ one))
+    for one in exchanges(found):
+        assert is_even(found, start ^ one)
     for one in elsewhere:
         assert conditions_of(found, start ^ one)[1].contradictory[0]
 
 
 def test_from_a_set_without_an_order_the_search_walks_to_one_that_has(monkeypatch: pytest.MonkeyPatch) -> None:
-    choices = straight._choices
-    monkeypatch.setattr(straight, "_choices", lambda of: islice(choices(of), 1))
+    monkeypatch.setattr(search, "promising_sets", lambda ridges: islice(promising_sets(ridges), 1))
     shape, _ = place(make_shape(random_loops(6, holes=True)), SHEET, margin=40)
     made = fold_skeletal(shape, SHEET, near=0.0, effort="fast")
     assert verify(made.creases, made.folded.layers, made.shape) == []
-    monkeypatch.setattr(straight._Search, "walk", lambda *_: None)
+    monkeypatch.setattr(search.Search, "walk", lambda *_: None)
     with pytest.raises(UnfoldableError, match="cannot be put in an order"):
         fold_skeletal(shape, SHEET, near=0.0, effort="fast")
 
@@ -289,10 +288,10 @@ def test_where_no_perpendicular_ends_the_reason_names_the_node() -> None:
 
 
 def test_what_would_take_too_long_is_refused_at_once() -> None:
-    with pytest.raises(UnfoldableError, match=r"the drawing has 130 corners; at most 120"):
+    with pytest.raises(UnfoldableError, match=r"the drawing has 130 corners; this method takes at most 120"):
         fold_skeletal(placed([star(65, 0.8)]), SHEET)
     shape, _ = place(make_shape(random_loops(2, holes=False)), SHEET, margin=40)
-    with pytest.raises(UnfoldableError, match=r"the pattern has 1,\d+ creases; at most 1,000"):
+    with pytest.raises(UnfoldableError, match=r"the pattern has 1,\d+ creases; this method takes at most 1,000"):
         fold_skeletal(shape, SHEET, near=0.0)
 
 
@@ -348,15 +347,15 @@ def test_the_command_moves_corners_as_far_as_it_is_told(tmp_path: Path, capsys: 
 
 
 def test_ctrl_c_takes_the_best_so_far_and_tries_no_other_method(monkeypatch: pytest.MonkeyPatch) -> None:
-    ordered, made = straight._ordered, list[straight.Skeletal]()
+    ordered, made = trial.ordered, list[Skeletal]()
 
-    def once(*arguments: Any) -> straight.Skeletal:
+    def once(*arguments: Any) -> Skeletal:
         if made:
             raise KeyboardInterrupt
         made.append(ordered(*arguments))
         return made[-1]
 
-    monkeypatch.setattr(straight, "_ordered", once)
+    monkeypatch.setattr(trial, "ordered", once)
     result = foldcut.fold(HOLED)
     assert result.findings == ()
     assert result.folded_pattern.creases is made[0].creases

@@ -1,0 +1,188 @@
+"""Which perpendiculars are folded: sets that make the number of creases at every node even.
+
+``Ridges`` -> sets of perpendiculars, by number, the most promising first.
+
+Few of these sets can be folded without paper that passes through paper, so two kinds are tried: those with the fewest
+pieces, and those that fold all paper away from one corridor. ``exchanges`` leads from one set to others near to it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import combinations
+
+import numpy as np
+
+from foldcut.core.arrays import Floats
+from foldcut.geometry.union_find import groups
+from foldcut.methods.skeleton.facets import Division, divide_sheet
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
+
+FEWEST = 4
+"""How many of the sets with the fewest pieces are tried."""
+
+
+def promising_sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]:
+    """Yield perpendiculars and a set of them to fold, the most promising first.
+
+    First come sets of the perpendiculars at odd nodes: those with the fewest pieces, and those away from a root, in
+    turns; then sets away from a root with the perpendiculars of all nodes. Raises ``UnfoldableError`` where a node
+    needs a perpendicular and none of its own ends, and where even the fewest pieces make too many creases.
+    """
+    perpendiculars = trace(ridges, ridges.odd)
+    perpendiculars.require_ends()
+    fewest = list(fewest_pieces(perpendiculars, FEWEST))
+    if fewest:
+        divide_sheet(perpendiculars, fewest[0])  # if this set has too many creases, the others have, too
+    rooted = away_from_roots(perpendiculars)
+    seen: set[tuple[int, ...]] = set()
+    for taken in [*fewest[:1], *rooted[:1], *fewest[1:], *rooted[1:]]:
+        if tuple(taken) not in seen:
+            seen.add(tuple(taken))
+            yield perpendiculars, taken
+    if len(ridges.nodes) > len(ridges.odd):
+        perpendiculars = trace(ridges, ridges.nodes)
+        for taken in away_from_roots(perpendiculars):
+            yield perpendiculars, taken
+
+
+def fewest_pieces(perpendiculars: Perpendiculars, count: int) -> Iterator[list[int]]:
+    """Yield up to ``count`` sets of perpendiculars that make every node even, those with the fewest pieces first."""
+    cost = np.array([float(len(path.pieces)) for path in perpendiculars.paths])
+    cuts: list[tuple[Floats, float]] = []
+    for _ in range(count):
+        taken = _cheapest(perpendiculars, cost, cuts)
+        if taken is None:
+            return
+        yield taken
+        sign = np.full(len(perpendiculars.paths), -1.0)
+        sign[taken] = 1.0
+        cuts.append((sign, len(taken) - 1.0))  # of its perpendiculars one less, or of the others one more
+
+
+def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:
+    """Return the sets of perpendiculars that fold all paper away from one corridor, those with the fewest pieces first.
+
+    A *corridor* is a strip of paper between perpendiculars; nodes' perpendiculars are the *joints* between corridors.
+    Where all perpendiculars end, corridors and joints form a tree. Any corridor may be its root: of a joint's
+    perpendiculars only those are folded that do not border on the corridor towards the root. Then no corridor comes
+    back to the joint that it hangs on, so nothing runs across the folds there.
+    """
+    paths = perpendiculars.paths
+    division = Division(perpendiculars, range(len(paths)))
+    facets, creases = division.planar()
+    corridor = groups(len(facets), [pair for edge, pair in creases if edge not in division.path_of])
+    beside: dict[int, set[int]] = defaultdict(set)
+    for edge, pair in creases:
+        if edge in division.path_of:
+            beside[division.path_of[edge]] |= {corridor[facet] for facet in pair}
+    joint = _joints(perpendiculars)
+    corridors_at: dict[int, set[int]] = defaultdict(set)
+    joints_at: dict[int, set[int]] = defaultdict(set)
+    for path, mine in beside.items():
+        corridors_at[joint[path]] |= mine
+        for one in mine:
+            joints_at[one].add(joint[path])
+    found: dict[frozenset[int], float] = {}
+    for root in sorted(joints_at):
+        above = _corridors_above(root, joints_at, corridors_at)
+        folded = {path for path, mine in beside.items() if len(mine) == 1 or above.get(joint[path]) not in mine}
+        if is_even(perpendiculars, folded):
+            taken = sorted(folded)
+        else:
+            # the set nearest to that one; of several, that with the fewest pieces
+            cost = np.array([len(path.pieces) / 1e4 for path in paths])
+            cost += np.where(np.isin(np.arange(len(cost)), list(folded)), -1.0, 1.0)
+            taken = _cheapest(perpendiculars, cost) or []
+        if taken or not perpendiculars.ridges.odd:
+            found[frozenset(taken)] = perpendiculars.pieces(taken)
+    return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
+
+
+def exchanges(perpendiculars: Perpendiculars) -> list[frozenset[int]]:
+    """Return twos and threes of perpendiculars that may change together: every even node stays even.
+
+    They form closed ways, for which the sheet's whole border counts as one place. To change means that those of them
+    that are folded no longer are, and the others are.
+    """
+    paths = perpendiculars.paths
+    at: dict[int, set[int]] = defaultdict(set)
+    for number, path in enumerate(paths):
+        at[path.start].add(number)
+        at[path.end].add(number)
+    found: set[frozenset[int]] = set()
+    for node in sorted(at.keys() - {-1}):
+        for one, other in combinations(sorted(at[node]), 2):
+            ends = [path.start + path.end - node for path in (paths[one], paths[other])]
+            if ends[0] == ends[1]:
+                found.add(frozenset({one, other}))
+            else:
+                found |= {frozenset({one, other, third}) for third in at[ends[0]] & at[ends[1]]}
+    return sorted((ways for ways in found if len(ways) > 1), key=sorted)
+
+
+def is_even(perpendiculars: Perpendiculars, taken: Iterable[int]) -> bool:
+    """Return whether the number of creases is even at every node if these perpendiculars are folded."""
+    paths, ridges = perpendiculars.paths, perpendiculars.ridges
+    count = Counter(v for k in taken for v in (paths[k].start, paths[k].end) if v >= 0)
+    return all((count[v] + ridges.degree[v]) % 2 == 0 for v in {*count, *ridges.odd})
+
+
+def _cheapest(
+    perpendiculars: Perpendiculars, cost: Floats, cuts: Sequence[tuple[Floats, float]] = ()
+) -> list[int] | None:
+    """Return the cheapest set of perpendiculars that makes every node even, by integer programming; None without one.
+
+    A cut is a coefficient for every perpendicular, and how large their sum over the set may be.
+    """
+    paths, ridges = perpendiculars.paths, perpendiculars.ridges
+    nodes = sorted({node for path in paths for node in (path.start, path.end) if node >= 0} | set(ridges.odd))
+    if not ridges.odd and (cost >= 0).all():
+        return None if cuts else []
+    from scipy.optimize import Bounds, LinearConstraint, milp
+    from scipy.sparse import coo_array
+
+    # the unknowns: 0 or 1 for every perpendicular; for every node, half of how many are folded there beyond its parity
+    row = {node: k for k, node in enumerate(nodes)}
+    n, m = len(paths), len(nodes)
+    entries = [(row[v], k, 1.0) for k, path in enumerate(paths) for v in (path.start, path.end) if v >= 0]
+    entries += [(k, n + k, -2.0) for k in range(m)]
+    i, j, value = zip(*entries, strict=True)
+    wanted = np.array([ridges.degree[node] % 2 for node in nodes], dtype=np.float64)
+    rules = [LinearConstraint(coo_array((value, (i, j)), shape=(m, n + m)).tocsr(), wanted, wanted)]
+    rules += [LinearConstraint(np.append(sign, np.zeros(m))[None], -np.inf, most) for sign, most in cuts]
+    found = milp(
+        np.append(cost, np.zeros(m)),
+        constraints=rules,
+        integrality=np.ones(n + m, dtype=np.int64),
+        bounds=Bounds(0, np.append(np.ones(n), np.full(m, float(n)))),
+    )
+    return None if found.x is None else np.flatnonzero(found.x[:n] > 0.5).tolist()
+
+
+def _joints(perpendiculars: Perpendiculars) -> list[int]:
+    """Return a number for each perpendicular that it shares with those to which nodes join it."""
+    at: dict[int, int] = {}
+    ends = [
+        (number, node)
+        for number, path in enumerate(perpendiculars.paths)
+        for node in (path.start, path.end)
+        if node >= 0
+    ]
+    return groups(len(perpendiculars.paths), [(k, at.setdefault(node, k)) for k, node in ends])
+
+
+def _corridors_above(root: int, joints_at: dict[int, set[int]], corridors_at: dict[int, set[int]]) -> dict[int, int]:
+    """Return for each joint the corridor through which the way from the root comes to it."""
+    above: dict[int, int] = {}
+    seen, stack = {root}, [root]
+    while stack:
+        here = stack.pop()
+        for joint in joints_at[here]:
+            if joint not in above:
+                above[joint] = here
+                following = corridors_at[joint] - seen
+                seen |= following
+                stack += following
+    return above

@@ -1,0 +1,128 @@
+"""One trial: a set of perpendiculars is folded, its layers are ordered, and the pattern is verified.
+
+``Drawing``, and the perpendiculars to fold -> ``Trial``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import CreasePattern, FoldedState, Shape
+from foldcut.methods.skeleton.budget import Budget
+from foldcut.methods.skeleton.facets import Facets, divide_sheet
+from foldcut.methods.skeleton.layer_order import NO_ORDER, OrderConditions, layer_order
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars
+from foldcut.pattern.assemble import assemble, creases_of_stack
+from foldcut.pattern.foldability import crease_numbers
+from foldcut.pattern.ranking import rank, shortest_crease
+from foldcut.proof.verify import verify
+
+
+@dataclass(frozen=True, eq=False)
+class Skeletal:
+    """What the method made.
+
+    ``shape`` is the drawing that was folded, and ``moved_mm`` how far its corners were moved for that at most;
+    ``perpendiculars`` how many are folded; ``interrupted`` whether Ctrl-C ended the search early.
+    """
+
+    shape: Shape
+    moved_mm: float
+    perpendiculars: int
+    creases: CreasePattern
+    folded: FoldedState
+    interrupted: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A shape, how far in mm its corners were ``moved`` at most, and its perpendiculars."""
+
+    shape: Shape
+    moved: float
+    perpendiculars: Perpendiculars
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A set of perpendiculars that was tried, and what it ``made``, if anything, else the ``problem``.
+
+    ``contradictory`` counts its contradictions as ``OrderConditions`` does, and is infinite where these are not known.
+    ``cause`` is a set of perpendiculars: unless one of them changes, some contradiction stays.
+    """
+
+    drawing: Drawing
+    taken: frozenset[int]
+    made: Skeletal | None
+    problem: str
+    contradictory: tuple[float, float]
+    cause: frozenset[int]
+
+    @cached_property
+    def quality(self) -> tuple[float, ...]:
+        """Less is better: first all that have a pattern, those that are easy to fold before others."""
+        if self.made is None:
+            return (1.0, *self.contradictory)
+        creases = self.made.creases
+        return (0.0, *rank(crease_numbers(creases).lines, shortest_crease(creases)))
+
+
+def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget) -> Trial:
+    """Try a set of perpendiculars, and spend what that costs."""
+    contradictory: tuple[float, float] = (np.inf, np.inf)
+    cause = frozenset(range(len(drawing.perpendiculars.paths)))
+    try:
+        budget.start_division()
+        facets = divide_sheet(drawing.perpendiculars, sorted(taken))
+        budget.divided(len(facets.facets))
+        conditions = conditions_of(facets)
+        contradictory = conditions.contradictory
+        if contradictory[0]:
+            cause = perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
+        if any(contradictory):
+            raise UnfoldableError(NO_ORDER)
+        try:
+            made = ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+        finally:
+            budget.ordered(len(facets.facets), conditions.rounds)
+    except UnfoldableError as error:
+        return Trial(drawing, taken, None, str(error), contradictory, cause)
+    return Trial(drawing, taken, made, "", contradictory, cause)
+
+
+def conditions_of(facets: Facets) -> OrderConditions:
+    """Return the conditions on the layer order of facets."""
+    return OrderConditions(facets.folded, facets.facets, facets.creases, facets.up)
+
+
+def ordered(shape: Shape, moved: float, facets: Facets, conditions: OrderConditions, perpendiculars: int) -> Skeletal:
+    """Find a layer order, and return the pattern that it makes.
+
+    Raises ``UnfoldableError`` where no order is found, and where the pattern fails verification.
+    """
+    order = layer_order(conditions)
+    stack = [facets.facets[k] for k in order]
+    edges, kinds = creases_of_stack(facets.folded, stack)
+    creases, folded = assemble(facets.flat, facets.folded, stack, edges, kinds, facets.sheet_corners)
+    findings = verify(creases, folded.layers, shape)
+    if findings:
+        raise UnfoldableError(f"the pattern fails verification ({findings[0]})")
+    return Skeletal(shape, moved, perpendiculars, creases, folded)
+
+
+def perpendiculars_in(perpendiculars: Perpendiculars, facets: Facets, within: Iterable[int]) -> frozenset[int]:
+    """Return the perpendiculars that border on some of the facets, or would divide them if they were folded."""
+    outlines = [facets.flat[facets.facets[k]] for k in within]
+    tree = shapely.STRtree(shapely.polygons([shapely.linearrings(outline) for outline in outlines]))
+    pieces = [
+        (k, (piece.start + piece.end) / 2) for k, path in enumerate(perpendiculars.paths) for piece in path.pieces
+    ]
+    middles = shapely.points(np.array([middle for _, middle in pieces]))
+    found = tree.query(middles, predicate="dwithin", distance=perpendiculars.ridges.snap)[0]
+    return frozenset(pieces[k][0] for k in found.tolist())
