@@ -86,7 +86,7 @@ def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget) -> Trial:
         if contradictory[0]:
             cause = perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
         if any(contradictory):
-            raise UnfoldableError(NO_ORDER)
+            return Trial(drawing, taken, None, NO_ORDER, contradictory, cause)
         try:
             made = ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
         finally:
