@@ -20,7 +20,17 @@ import shapely
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import ShapeError, SheetError
 from foldcut.core.model import Placement, Shape, Sheet
-from foldcut.core.units import MM_PER_INCH, MM_PER_UNIT
+from foldcut.core.units import LENGTH, MM_PER_INCH, MM_PER_UNIT, parse_length
+
+__all__ = [
+    "NAMED_SHEETS",
+    "SHEET_LIMITS_MM",
+    "Layout",
+    "as_it_lies",
+    "parse_length",
+    "parse_sheet",
+    "place",
+]
 
 #: Portrait sizes in mm. a0 to a6: ISO 216; letter and tabloid: sizes A and B of ANSI/ASME Y14.1 (8.5 x 11 in
 #: and 11 x 17 in); legal, which is in neither, is 8.5 x 14 in.
@@ -49,22 +59,6 @@ FIT_TOLERANCE = 1e-9
 #: How many angles are tried before the best of them is made better.
 ROTATIONS = 360
 
-_LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
-
-
-def parse_length(text: str) -> float:
-    """Return the length that ``text`` names, in mm: a number with mm, cm or in; a bare number is mm.
-
-    Zero is allowed. Raises ``SheetError``.
-    """
-    match = re.fullmatch(_LENGTH, text.strip().lower())
-    length = float(match[1]) * MM_PER_UNIT[match[2] or "mm"] if match else math.nan
-    if not 0 <= length < math.inf:
-        raise SheetError(
-            f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
-        )
-    return length
-
 
 def parse_sheet(text: str) -> Sheet:
     """Return the sheet that ``text`` names.
@@ -80,7 +74,7 @@ def parse_sheet(text: str) -> Sheet:
         if orientation == "landscape":
             return Sheet(height, width, f"{title} landscape")
         return Sheet(width, height, title, either_way=not orientation)
-    match = re.fullmatch(rf"{_LENGTH}\s*[x×]\s*{_LENGTH}", text.strip().lower())
+    match = re.fullmatch(rf"{LENGTH}\s*[x×]\s*{LENGTH}", text.strip().lower())
     if not match:
         raise SheetError(
             f"{text!r} is not a sheet; give {', '.join(NAMED_SHEETS)}, with -landscape if wanted, or width x "

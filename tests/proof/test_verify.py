@@ -19,12 +19,13 @@ from foldcut.geometry import box_tree as layertree
 from foldcut.geometry.planar_graph import edge_faces, trace_faces
 from foldcut.geometry.polygons import Outlines
 from foldcut.pattern import face_maps as flatfold
+from foldcut.pattern.cut_line import sides_of
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof import cut as cutline
-from foldcut.proof import verify as verify_module
 from foldcut.proof.cut import check_cut
 from foldcut.proof.layers import check_mountains, check_stacking
 from foldcut.proof.verify import CHECKS, verify
+from foldcut.proof.vertices import check_vertices, is_flat_at_vertices
 
 TINY = 1e-6
 
@@ -487,14 +488,14 @@ def test_vertices_are_flat_exactly_when_nothing_is_found_at_them(seed: int) -> N
         at = rng.choice(np.flatnonzero(np.isin(letters, ("M", "V"))), flips)
         letters[at] = np.where(letters[at] == "M", "V", "M")
         pattern = replace(good, edges_assignment=letters)
-        flat = verify_module._is_flat_at_vertices(pattern, faces, maps, TINY)
-        assert flat == (not verify_module._check_vertices(pattern, faces, TINY))
+        flat = is_flat_at_vertices(pattern, faces, maps, TINY)
+        assert flat == (not check_vertices(pattern, faces, TINY))
         verdicts.append(flat)
     assert verdicts[0]
     bent = good.vertices_coords + 1e-3 * rng.standard_normal(good.vertices_coords.shape)
     pattern = replace(good, vertices_coords=bent)
-    flat = verify_module._is_flat_at_vertices(pattern, faces, fold_faces(pattern, faces), TINY)
-    assert flat == (not verify_module._check_vertices(pattern, faces, TINY))
+    flat = is_flat_at_vertices(pattern, faces, fold_faces(pattern, faces), TINY)
+    assert flat == (not check_vertices(pattern, faces, TINY))
 
 
 def test_many_findings_of_one_kind_are_cut_short() -> None:
@@ -623,11 +624,11 @@ def cut_verdicts(pattern: CreasePattern, shape: Shape, monkeypatch: pytest.Monke
     maps = fold_faces(pattern, faces)
     monkeypatch.setattr(cutline, "MANY_EDGES", 10**9)
     slow = not check_cut(pattern, faces, maps, shape, TINY)
-    sides = cutline._sides(shape)
-    if cutline._check_on_sheet(pattern, faces, sides, TINY):
+    sides = sides_of(shape)
+    if cutline.check_on_sheet(pattern, faces, sides, TINY):
         assert not slow
         return [False, False]
-    return [cutline._is_surely_cut(pattern, faces, maps, shape, sides, TINY), slow]
+    return [cutline.is_surely_cut(pattern, faces, maps, shape, sides, TINY), slow]
 
 
 def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -660,7 +661,7 @@ def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: py
 def test_a_guess_of_the_line_need_not_be_good(off: float, believed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     paper, shape = rectangle_fold(60.0, 40.0)
     pattern, _ = paper.pattern()
-    honest, asked = cutline._line_through, []
+    honest, asked = cutline.line_through, []
 
     def guessed(points: Floats) -> tuple[Floats, float]:
         along, level = honest(points)
@@ -668,7 +669,7 @@ def test_a_guess_of_the_line_need_not_be_good(off: float, believed: bool, monkey
         turn = off if len(asked) == 2 else 0.0  # the first is that of the slow check
         return along + turn / 100 * np.array([-along[1], along[0]]), level + turn
 
-    monkeypatch.setattr(cutline, "_line_through", guessed)
+    monkeypatch.setattr(cutline, "line_through", guessed)
     assert cut_verdicts(pattern, shape, monkeypatch) == [believed, True]
 
 
