@@ -11,7 +11,7 @@ import shapely
 from support.patterns import book_fold, build_pattern, letter_fold, square_out_of_square
 
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Region
-from foldcut.folding_steps import LEAST_GROUP, MOST_GROUPS, Step, folding_steps
+from foldcut.folding_steps import LEAST_GROUP, MOST_GROUPS, FoldingStep, folding_steps
 from foldcut.pipeline import fold
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_names, sample_path
@@ -24,7 +24,7 @@ def folded(sample: str, method: str = "auto") -> FoldedPattern:
 
 
 @cache
-def steps_of(sample: str, method: str = "auto") -> tuple[Step, ...]:
+def steps_of(sample: str, method: str = "auto") -> tuple[FoldingStep, ...]:
     """Return the steps of a sample."""
     return folding_steps(folded(sample, method))
 
@@ -40,7 +40,7 @@ def bodies(creases: CreasePattern, state: FoldedState, less: float) -> list[shap
     return [shapely.Polygon(state.vertices_coords[ring]).buffer(-less) for ring in creases.faces_vertices]
 
 
-def check_fold(pattern: FoldedPattern, before: FoldedState, step: Step) -> None:
+def check_fold(pattern: FoldedPattern, before: FoldedState, step: FoldingStep) -> None:
     """Check that a step is a straight fold of what lies there: by the rules of paper, not those of ``steps``."""
     creases, tie = pattern.creases, 1e-6 * pattern.sheet.diagonal
     assert step.line is not None
