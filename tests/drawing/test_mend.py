@@ -114,7 +114,7 @@ def test_narrow_parts_and_gaps_go() -> None:
     prepared = prepare([loop], Preparation(min_feature=2))
     assert prepared.changes == ("parts and gaps narrower than 2 mm: closed 10 mm2, dropped 30 mm2, 1 -> 1 loops",)
     assert area(prepared.loops) == pytest.approx(1600, rel=1e-3)
-    with pytest.raises(ShapeError, match="nothing of the drawing is 50 mm wide"):
+    with pytest.raises(ShapeError, match="no part of the drawing is 50 mm wide"):
         prepare([loop], Preparation(min_feature=50))
 
 

@@ -205,7 +205,7 @@ REFUSED: list[tuple[dict[str, object], type[FoldcutError], str]] = [
         {"scale": 1.0},
         ShapeError,
         "the shape is 230.0 x 80.0 mm, the sheet A4 (210 x 297 mm) leaves 190.0 x 277.0 mm inside a 10 mm "
-        "margin; use --scale fit, a bigger sheet or a smaller margin",
+        "margin; use --scale fit, a larger sheet or a smaller margin",
     ),
     ({"scale": 1e308}, ShapeError, "the shape is inf x inf mm"),
     ({"scale": 1e-5}, ShapeError, "the shape is only 0.0023 x 0.0008 mm"),
