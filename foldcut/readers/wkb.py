@@ -1,4 +1,4 @@
-"""Read WKB, binary or as hexadecimal digits (OGC 06-103r4, section 8): what WKT can say, y up, no unit."""
+"""Read WKB, binary or as hexadecimal digits (OGC 06-103r4, section 8): all that WKT can say; y up, without a unit."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _Z, _M, _SRID = 0x80000000, 0x40000000, 0x20000000
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing in a WKB file; its title is the file's stem."""
+    """Return the drawing in a WKB file; its title is the name of the file."""
     data = source.data
     if _HEX.fullmatch(data):
         data = bytes.fromhex(data.decode().strip())
@@ -27,13 +27,13 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         with np.errstate(all="ignore"):
             geometry = shapely.from_wkb(data)
     except (shapely.errors.ShapelyError, NotImplementedError, struct.error, KeyError) as error:
-        about = str(error) if isinstance(error, shapely.errors.ShapelyError) else "its bytes are no geometry"
+        about = str(error) if isinstance(error, shapely.errors.ShapelyError) else "its bytes are not a geometry"
         raise FileFormatError(f"not WKB: {about}; give a POLYGON or MULTIPOLYGON with closed rings") from None
     return read_geometry(geometry, source.name, options)
 
 
 def _depth(data: bytes) -> int:
-    """Return how deep geometries are nested; raises ``struct.error`` or ``KeyError`` where there is none."""
+    """Return how deep geometries are nested; raises ``struct.error`` or ``KeyError`` if the bytes are not WKB."""
     position, deepest, left = 0, 0, [1]
     while left:
         if not left[-1]:

@@ -261,7 +261,7 @@ def size(shape: Shape) -> list[float]:
 def test_a_drawing_is_scaled_to_a_width_or_a_height(options: dict[str, float], expected: list[float]) -> None:
     _, placed, _, _ = Layout(A4, **options).place(SMALL)  # type: ignore[arg-type]
     assert size(placed) == pytest.approx(expected)
-    # a turn beyond what was asked for, for a mirror axis, does not change how large it is
+    # an additional turn, made for a mirror axis, does not change the size
     _, turned, _, _ = Layout(A4, **options).place(SMALL, 90)  # type: ignore[arg-type]
     assert size(turned) == pytest.approx(expected[::-1])
 

@@ -65,7 +65,7 @@ def strip(letters: str) -> CreasePattern:
 
 
 def grid(columns: int, rows: int) -> CreasePattern:
-    """Return unit squares in a grid, all creases mountains for want of better."""
+    """Return unit squares in a grid; all creases are mountains until layers decide."""
     number = {(x, y): x * (rows + 1) + y for x in range(columns + 1) for y in range(rows + 1)}
     edges = [(number[x, y], number[x + 1, y], "BM"[0 < y < rows]) for x in range(columns) for y in range(rows + 1)]
     edges += [(number[x, y], number[x, y + 1], "BM"[0 < x < columns]) for x in range(columns + 1) for y in range(rows)]
@@ -75,7 +75,7 @@ def grid(columns: int, rows: int) -> CreasePattern:
 
 
 def star_vertex(sectors: Sequence[float], letters: str) -> CreasePattern:
-    """Return a vertex amid a polygon, with creases to the polygon's corners; crease i is before sector i."""
+    """Return a vertex inside a polygon, with creases to its corners; crease i comes before sector i."""
     turn = np.radians(np.concatenate([[0], np.cumsum(sectors)[:-1]]))
     rim = [(float(np.cos(t)), float(np.sin(t))) for t in turn]
     count = len(sectors)
@@ -97,7 +97,7 @@ def with_creases_from(pattern: CreasePattern, layers: Ints) -> CreasePattern:
 
 
 def stack_findings(pattern: CreasePattern, layers: Sequence[int]) -> list[Finding]:
-    """Return what keeps layers from lying in this order, whatever mountains and valleys that makes."""
+    """Return what keeps layers from lying in this order, with the mountains and valleys that it makes."""
     faces = edge_faces(pattern)
     return check_stacking(pattern, faces, fold_faces(pattern, faces), index_array(layers), 1e-8)
 
@@ -107,7 +107,7 @@ def kinds(findings: Sequence[Finding]) -> set[str]:
 
 
 def only(findings: Sequence[Finding], check: str, words: str) -> Finding:
-    """Return the first finding, having seen that all are of one check and that this one says ``words``."""
+    """Return the first finding, after asserting that all are of one check and that it contains ``words``."""
     assert check in CHECKS
     assert kinds(findings) == {check}, [str(finding) for finding in findings]
     assert words in findings[0].message
@@ -619,7 +619,7 @@ def test_unfolded_edges_may_lie_on_the_boundary() -> None:
 
 
 def cut_verdicts(pattern: CreasePattern, shape: Shape, monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Return whether the cut is right: by the edges that reach the line, as of a large pattern, and by all."""
+    """Return whether the cut is right, judged by the edges that reach the line, as in large patterns, and by all."""
     faces = edge_faces(pattern)
     maps = fold_faces(pattern, faces)
     monkeypatch.setattr(cutline, "MANY_EDGES", 10**9)
@@ -645,7 +645,7 @@ def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: py
         moved = loop.copy()
         moved[rng.integers(4)] += far * np.array([0.6, 0.8])
         assert cut_verdicts(pattern, Shape((points_array(moved),), (-1,)), monkeypatch) == [False, False]
-    for _ in range(60):  # another loop, that nothing of the line comes near
+    for _ in range(60):  # another loop, which the line does not come near
         x, y, width, height = *rng.uniform(2, 90, 2), *rng.uniform(0.1, 8, 2)
         box = box_shape((x, y, x + width, y + height)).loops[0]
         more = Shape((shape.loops[0], box), (-1, -1))
