@@ -100,25 +100,26 @@ def invariant_faults(shape: Shape) -> list[str]:
         if loop.flags.writeable:
             faults.append(f"loop {number} can be written to")
     frame = _Frame.around(shape.loops)
-    rings = [frame.to_unit(loop) for loop in shape.loops]
-    for number, ring in enumerate(rings, start=1):
-        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
-        if signed_area(ring) <= 0:
+    unit_loops = [frame.to_unit(loop) for loop in shape.loops]
+    for number, loop in enumerate(unit_loops, start=1):
+        before, after = np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0)
+        if signed_area(loop) <= 0:
             faults.append(f"loop {number} is not counter-clockwise")
-        if not shapely.is_valid(shapely.polygons(ring)):
-            faults.append(f"loop {number}: {shapely.is_valid_reason(shapely.polygons(ring))}")
-        if (_distance_to_segment(ring, before, after) <= COLLINEAR_TOLERANCE).any():
+        if not shapely.is_valid(shapely.polygons(loop)):
+            faults.append(f"loop {number}: {shapely.is_valid_reason(shapely.polygons(loop))}")
+        if (_distance_to_segment(loop, before, after) <= COLLINEAR_TOLERANCE).any():
             faults.append(f"loop {number} has a corner between two collinear edges")
-    return faults + _nesting_faults(rings, shape.parent)
+    return faults + _nesting_faults(unit_loops, shape.parent)
 
 
-def _nesting_faults(rings: Sequence[Floats], parent: Sequence[int]) -> list[str]:
-    outlines = [shapely.linearrings(ring) for ring in rings]
+def _nesting_faults(loops: Sequence[Floats], parent: Sequence[int]) -> list[str]:
+    """Return which loops touch or have the wrong parent."""
+    outlines = [shapely.linearrings(loop) for loop in loops]
     one, other = shapely.STRtree(outlines).query(outlines, predicate="intersects")
     faults = [f"loops {a + 1} and {b + 1} touch" for a, b in zip(one, other, strict=True) if a < b]
     polygons = shapely.polygons(outlines)
     inside, around = shapely.STRtree(polygons).query(polygons, predicate="within")
-    depths = np.bincount(inside, minlength=len(rings)) - 1  # every polygon is within itself
+    depths = np.bincount(inside, minlength=len(loops)) - 1  # every polygon is within itself
     containers = set(zip(inside.tolist(), around.tolist(), strict=True))
     for loop, above in enumerate(parent):
         nested = (loop, above) in containers and depths[above] == depths[loop] - 1
@@ -233,17 +234,17 @@ def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
         slack.append(edge_slack)
     corners = sorted(set(kept))
     while len(corners) > 2:  # some may have been kept only because of points left out beside them
-        ring = unit[corners]
-        distances = _distance_to_segment(ring, np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0))
+        left = unit[corners]
+        distances = _distance_to_segment(left, np.roll(left, 1, axis=0), np.roll(left, -1, axis=0))
         straight = distances <= COLLINEAR_TOLERANCE
         if not straight.any():
             break
-        even = straight & (np.arange(len(ring)) % 2 == 0)  # neighbours not at once
+        even = straight & (np.arange(len(left)) % 2 == 0)  # not two neighbours at once
         corners = np.array(corners)[~(even if even.any() else straight)].tolist()
     if len(corners) < 3:
         raise ShapeError(
             f"loop {number} encloses no area near {frame.at(unit[start])}: its points lie on one line; "
-            "remove it or draw it at least 3 corners wide"
+            "remove it, or draw at least 3 corners that do not"
         )
     return corners
 

@@ -339,8 +339,7 @@ def _nonzero(loops: Sequence[Floats]) -> list[Floats]:
     rings = shapely.linearrings(np.concatenate(loops), indices=np.repeat(np.arange(len(loops)), list(map(len, loops))))
     own = np.where(shapely.is_ccw(rings), 1, -1)
     polygons, starts = shapely.polygons(rings), shapely.points([loop[0] for loop in loops])
-    inside, around = shapely.STRtree(polygons).query(
-        starts, predicate="within"
-    )  # not itself: it starts on its own edge
+    # A loop is not within itself, since it starts on its own edge.
+    inside, around = shapely.STRtree(polygons).query(starts, predicate="within")
     outside = np.bincount(inside, weights=own[around], minlength=len(loops))
     return [loop for loop, kept in zip(loops, (outside == 0) != (outside + own == 0), strict=True) if kept]

@@ -135,14 +135,13 @@ def _side_mm(root: ET.Element, attribute: str) -> float | None:
 def _transform(element: ET.Element, outer: Floats, name: str) -> Floats:
     """Return the transform of an element, ``(3, 3)``, after the ``outer`` one; ``name`` is for errors."""
     text = element.get("transform", "")
+    unreadable = FileFormatError(f"{name} has the transform {text[:40]!r}; correct it, or apply it to the points")
+    if not _TRANSFORM.fullmatch(text):
+        raise unreadable
     try:
-        if not _TRANSFORM.fullmatch(text):
-            raise ValueError
-        own = Matrix(text)  # raises ValueError for an angle beyond float64
-    except ValueError:
-        raise FileFormatError(
-            f"{name} has the transform {text[:40]!r}; correct it, or apply it to the points"
-        ) from None
+        own = Matrix(text)
+    except ValueError:  # for an angle beyond float64
+        raise unreadable from None
     matrix: Floats = outer @ np.array([(own.a, own.c, own.e), (own.b, own.d, own.f), (0.0, 0.0, 1.0)])
     return matrix
 
@@ -215,9 +214,8 @@ class _Page:
         sheets = re.sub(r"/\*.*?(?:\*/|\Z)", "", sheets, flags=re.DOTALL)
         pairs = ((names, _declarations(body)) for names, body in _RULE.findall(sheets))
         rules = [(name.strip(), said) for names, said in pairs for name in names.split(",")]
-        return sorted(
-            rules, key=lambda rule: {"#": 3, ".": 2, "*": 0}.get(rule[0][:1], 1)
-        )  # the last one that applies wins
+        # In the order of their weight: of those that apply to an element, the last one wins.
+        return sorted(rules, key=lambda rule: {"#": 3, ".": 2, "*": 0}.get(rule[0][:1], 1))
 
     def nothing(self) -> str:
         """Return the error message for a file in which no outline is found."""
