@@ -122,9 +122,9 @@ def test_a_short_crease_is_warned_of_with_the_sheet_that_would_do() -> None:
 
 def test_remedies_are_those_for_the_drawings_loops_and_thicknesses_are_in_plain_figures() -> None:
     sheet = Sheet(100.0, 100.0)
-    assert "--method compact" in remedies(sheet, 1e3, loops=1)
-    assert "--method compact" not in remedies(sheet, 1e3, loops=1, tried={"compact"})
-    assert "--method compact" not in remedies(sheet, 1e3, loops=2), "which folds one loop only"
+    assert "--method compact" in remedies(sheet, 1e3, loops=1, method="compact")
+    assert "--method" not in remedies(sheet, 1e3, loops=1)
+    assert "--method compact" not in remedies(sheet, 1e3, loops=2, method="compact"), "which folds one loop only"
     assert [thickness(mm) for mm in (0.6, 999.4, 3709.4)] == ["0.6 mm", "999 mm", "3,709 mm"]
 
 
