@@ -11,7 +11,7 @@ import shapely
 from support.patterns import book_fold, build_pattern, letter_fold, square_out_of_square
 
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Region
-from foldcut.folding_steps import LEAST_GROUP, MOST_GROUPS, Step, folding_steps
+from foldcut.folding_steps import LEAST_GROUP, MOST_GROUPS, FoldingStep, folding_steps
 from foldcut.pipeline import fold
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_names, sample_path
@@ -24,7 +24,7 @@ def folded(sample: str, method: str = "auto") -> FoldedPattern:
 
 
 @cache
-def steps_of(sample: str, method: str = "auto") -> tuple[Step, ...]:
+def steps_of(sample: str, method: str = "auto") -> tuple[FoldingStep, ...]:
     """Return the steps of a sample."""
     return folding_steps(folded(sample, method))
 
@@ -36,12 +36,12 @@ def flat_state(pattern: FoldedPattern) -> FoldedState:
 
 
 def bodies(creases: CreasePattern, state: FoldedState, less: float) -> list[shapely.Polygon]:
-    """Return the faces where they lie, a little smaller than they are."""
+    """Return the faces where they lie, shrunk by ``less``."""
     return [shapely.Polygon(state.vertices_coords[ring]).buffer(-less) for ring in creases.faces_vertices]
 
 
-def check_fold(pattern: FoldedPattern, before: FoldedState, step: Step) -> None:
-    """Check that a step is a straight fold of what lies there: by the rules of paper, not those of ``steps``."""
+def check_fold(pattern: FoldedPattern, before: FoldedState, step: FoldingStep) -> None:
+    """Check that a step is a straight fold that paper can make, without the code that found it."""
     creases, tie = pattern.creases, 1e-6 * pattern.sheet.diagonal
     assert step.line is not None
     assert step.moved is not None
@@ -199,10 +199,10 @@ def test_regions_are_trees_on_the_sheet(method: str) -> None:
     assert all(region.parent < len(pattern.regions) for region in pattern.regions)
     area = pattern.sheet.width * pattern.sheet.height
     tops = [region for region in pattern.regions if region.parent < 0]
-    assert len(tops) == (1 if method == "auto" else 2)  # all of the sheet; the molecules inside and outside
+    assert len(tops) == (1 if method == "auto" else 2)  # the whole sheet; or the molecules inside and outside
     if method == "paper":
         every = sum(shapely.Polygon(ring).area for region in pattern.regions for ring in region.outlines)
-        assert every == pytest.approx(area, rel=0.02)  # but for the ribbon
+        assert every == pytest.approx(area, rel=0.02)  # except the ribbon
         (step,) = folding_steps(pattern)
         assert len(step.groups) == MOST_GROUPS
 

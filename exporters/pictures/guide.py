@@ -20,7 +20,7 @@ from reportlab.platypus import Flowable, KeepTogether, Paragraph, SimpleDocTempl
 
 from foldcut.core.arrays import Bools, Floats, Ints, index_array
 from foldcut.core.model import FoldedPattern, FoldedState
-from foldcut.folding_steps import Step, folding_steps
+from foldcut.folding_steps import FoldingStep, folding_steps
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
@@ -103,7 +103,7 @@ class _Sheet:
         self.folded = np.zeros(len(self.ends), dtype=np.bool_)
         self.count = 0
 
-    def advance(self, step: Step) -> None:
+    def advance(self, step: FoldingStep) -> None:
         """Go on to the state after a step."""
         self.folded[step.edges] = True
         self.state = step.state
@@ -134,7 +134,7 @@ class _Sheet:
         turned = [signed_area(state.vertices_coords[ring]) < 0 for ring in self.rings]
         return [Key("the back", fill=BACK)] if any(turned) else []
 
-    def fold(self, step: Step, look: Drawing) -> Instruction:
+    def fold(self, step: FoldingStep, look: Drawing) -> Instruction:
         """Return how a part is turned over a line."""
         assert step.line is not None
         assert step.moved is not None
@@ -173,7 +173,7 @@ class _Sheet:
             panel,
         )
 
-    def collapse(self, step: Step) -> list[Instruction]:
+    def collapse(self, step: FoldingStep) -> list[Instruction]:
         """Return how creases are pressed in groups, and how they close."""
         at = self.state.vertices_coords
         groups = [self._lines(group) for group in step.groups]

@@ -1,1 +1,7 @@
-"""The data that every stage shares, and errors."""
+"""What every other package builds on: arrays, the data between stages, errors and units of length.
+
+- ``arrays``: array types, functions that make arrays read-only, and ``Ragged``, the lists of lists.
+- ``model``: the data that passes between stages, from ``Shape`` to ``FoldedPattern`` and ``Finding``.
+- ``errors``: every error that foldcut raises on purpose.
+- ``units``: millimetres per unit, and lengths as users write them.
+"""

@@ -1,4 +1,7 @@
-"""The arrays of every stage: points are ``(n, 2)`` float64, indices int32, -1 means none; ragged lists have offsets."""
+"""The arrays that all stages use: their types, functions that make them read-only, and ``Ragged`` lists of lists.
+
+Points are ``(n, 2)`` float64. Indices are int32, and -1 means none. Arrays that pass between stages are read-only.
+"""
 
 from __future__ import annotations
 
@@ -11,45 +14,53 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Floats = NDArray[np.float64]
-
+"""Coordinates and other measures."""
 
 Ints = NDArray[np.int32]
+"""Indices as they pass between stages."""
 
+Indices = NDArray[np.intp]
+"""Indices as numpy's own functions return them."""
 
 Numbers = NDArray[np.signedinteger[Any]]
-
+"""Integers of any width."""
 
 Bools = NDArray[np.bool_]
-
+"""Masks: which elements are meant."""
 
 Chars = NDArray[np.str_]
-
+"""Letters, such as the assignments of edges."""
 
 Bytes = NDArray[np.int8]
-
+"""Small integers, one byte each."""
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
-
-# So many rows are done at a time where results are large and what leads to them is larger.
 BLOCK = 1 << 13
+"""The number of rows handled at a time where the arrays on the way to a result need more memory than the result."""
+
+
+def blocks(count: int, size: int = BLOCK) -> Iterator[slice]:
+    """Yield slices that divide ``count`` rows into blocks of ``size``; the last one may reach past the end."""
+    for first in range(0, count, size):
+        yield slice(first, first + size)
 
 
 def points_array(points: ArrayLike) -> Floats:
-    """Return ``points`` as a read-only ``(n, 2)`` float64 array of its own."""
+    """Return a read-only copy of ``points``, ``(n, 2)`` float64."""
     array = np.array(points, dtype=np.float64)
     array.setflags(write=False)
     return array.reshape(-1, 2)
 
 
 def sealed(array: NDArray[Scalar]) -> NDArray[Scalar]:
-    """Return the very same array, read-only from now on: for an array that nobody else has."""
+    """Make an array that nothing else refers to read-only, and return it; nothing is copied."""
     array.setflags(write=False)
     return array
 
 
 def index_array(indices: ArrayLike) -> Ints:
-    """Return ``indices`` as a read-only int32 array of its own."""
+    """Return a read-only copy of ``indices``, int32."""
     array = np.array(indices, dtype=np.int32)
     array.setflags(write=False)
     return array
@@ -57,7 +68,7 @@ def index_array(indices: ArrayLike) -> Ints:
 
 @dataclass(frozen=True, eq=False)
 class Ragged:
-    """A list of integer lists of different lengths, as values and offsets.
+    """A list of lists of integers, of different lengths, stored as values and offsets.
 
     ``values`` is ``(m,)`` int32, ``offsets`` ``(n + 1,)`` int32; row i is ``values[offsets[i]:offsets[i + 1]]``.
     """
@@ -87,7 +98,7 @@ class Ragged:
             yield self.values[start:end]
 
     def to_lists(self) -> list[list[int]]:
-        """Return plain Python lists, for loops and for JSON."""
+        """Return plain Python lists."""
         flat = self.values.tolist()
         ends = self.offsets.tolist()
         return [flat[start:end] for start, end in pairwise(ends)]
@@ -97,12 +108,24 @@ class Ragged:
         offsets = np.zeros(len(rows) + 1, dtype=np.int32)
         np.cumsum(self.lengths[rows], out=offsets[1:])
         values = np.empty(offsets[-1], dtype=np.int32)
-        for low in range(0, len(rows), BLOCK):
-            ends = offsets[low : low + BLOCK + 1]
-            back = self.offsets[:-1][rows[low : low + BLOCK]] - ends[:-1]
+        for some in blocks(len(rows)):
+            ends = offsets[some.start : some.stop + 1]
+            back = self.offsets[:-1][rows[some]] - ends[:-1]
             places = np.arange(ends[0], ends[-1]) + np.repeat(back, np.diff(ends))
             values[ends[0] : ends[-1]] = self.values[places]
         return Ragged(sealed(values), sealed(offsets))
+
+    def alike(self, most: int = BLOCK) -> Iterator[tuple[Indices, Ints]]:
+        """Yield the rows grouped by length, short ones first, at most ``most`` of them at a time.
+
+        Each group is the row numbers, ``(k,)``, and the values, ``(length, k)``: one column for each row.
+        """
+        lengths = self.lengths
+        for length in np.flatnonzero(np.bincount(lengths)).tolist():
+            same = np.flatnonzero(lengths == length)
+            for some in blocks(len(same), most):
+                rows = same[some]
+                yield rows, self.values[self.offsets[rows] + np.arange(length)[:, None]]
 
     @property
     def lengths(self) -> Ints:
@@ -111,7 +134,7 @@ class Ragged:
 
     @property
     def following(self) -> Numbers:
-        """For every value the place of the next one in its row, after the last the first, ``(m,)``; no row is empty."""
+        """For every value the place of the next one in its row, cyclically, ``(m,)``; no row may be empty."""
         following = np.arange(1, len(self.values) + 1)
         following[self.offsets[1:] - 1] = self.offsets[:-1]
         return following

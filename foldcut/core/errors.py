@@ -1,7 +1,7 @@
-"""The errors foldcut raises: each message says what, where, which value, and the remedy.
+"""The errors that foldcut raises. Each message says what is wrong, where, with which value, and how to put it right.
 
-``BadInputError`` and its leaves mean that the input is at fault (the command exits with 2);
-``UnfoldableError`` and its leaves mean that no verified pattern was found (the command exits with 1).
+``BadInputError`` and its subclasses mean that the input is at fault (the command exits with 2).
+``UnfoldableError`` and its subclasses mean that no verified pattern was found (the command exits with 1).
 """
 
 from __future__ import annotations
@@ -17,23 +17,23 @@ class FoldcutError(Exception):
 
 
 class BadInputError(FoldcutError, ValueError):
-    """What was given cannot be used as it is."""
+    """The input cannot be used as it is."""
 
 
 class ShapeError(BadInputError):
-    """The drawing is not a set of disjoint simple loops, or does not fit the sheet."""
+    """The drawing is not a set of disjoint simple loops, or it does not fit on the sheet."""
 
 
 class SheetError(BadInputError):
-    """The sheet's name, size or margin makes no sense."""
+    """A sheet, a length or a placement on the sheet makes no sense."""
 
 
 class RibbonError(BadInputError):
-    """The ribbon is wider than the shape's smallest feature allows."""
+    """The ribbon is wider than the smallest feature of the shape allows."""
 
 
 class FileFormatError(BadInputError):
-    """A file cannot be read as, or written to, the format its name promises."""
+    """A file cannot be read as, or written in, the format that its name promises."""
 
 
 class UnfoldableError(FoldcutError, RuntimeError):
@@ -41,7 +41,7 @@ class UnfoldableError(FoldcutError, RuntimeError):
 
 
 class CreaseTooShortError(UnfoldableError):
-    """A pattern has a crease that is shorter than asked for: ``length`` in mm, its middle at ``place``."""
+    """A crease is shorter than the user allows: it is ``length`` mm long, and its middle is at ``place``."""
 
     def __init__(self, message: str, length: float, place: tuple[float, float]) -> None:
         self.length = length
@@ -50,7 +50,7 @@ class CreaseTooShortError(UnfoldableError):
 
 
 class VerificationError(UnfoldableError):
-    """A pattern did not pass verification; ``findings`` says where and by how much."""
+    """A pattern did not pass verification; ``findings`` say where and by how much."""
 
     def __init__(self, findings: tuple[Finding, ...]) -> None:
         self.findings = findings
@@ -60,5 +60,5 @@ class VerificationError(UnfoldableError):
 
 
 def needed_extra(what: str, extra: str) -> str:
-    """Return the message for ``what``, a plural, whose library is in an extra that is not installed."""
+    """Return the message that ``what`` (a plural) need a library from an extra that is not installed."""
     return f"{what} need the extra {extra!r}; install it with pip install 'foldcut[{extra}]'"

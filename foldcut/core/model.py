@@ -1,8 +1,11 @@
 """The data that passes between the stages: frozen dataclasses around read-only numpy arrays.
 
-Points are ``(n, 2)`` float64, indices int32, -1 means none. Ragged lists are values with offsets.
-Lengths are millimetres once a shape is on its sheet; before that they are the drawing's own units.
-FOLD's field names are used where FOLD has one (FOLD specification 1.2).
+A drawing becomes a ``Shape`` (package ``drawing``), which is laid on a ``Sheet`` by a ``Placement``. A method returns
+a ``CreasePattern`` and its ``FoldedState``, and perhaps the ``Region`` of each molecule. All together are a
+``FoldedPattern``, which exporters take. ``verify`` (package ``proof``) returns ``Finding``.
+
+The types of the arrays are in ``core.arrays``. Lengths are in the drawing's own units until a shape is on its sheet,
+and in mm from then on. Fields have the names that FOLD gives them, where it has one (FOLD specification 1.2).
 """
 
 from __future__ import annotations
@@ -16,17 +19,17 @@ from foldcut.core.arrays import Chars, Floats, Ints, Ragged, points_array
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Closed loops with even-odd filling: what the one cut cuts out.
+    """Closed loops, filled by the even-odd rule: what the one cut cuts out.
 
-    ``loops`` are ``(n, 2)`` arrays without a repeated last point, all counter-clockwise, no two of which
-    cross or touch, without three collinear points in a row. ``parent[i]`` is the loop right around loop i, or -1.
+    ``loops`` are ``(n, 2)`` arrays without a repeated last point. All run counter-clockwise, no two cross or touch, and
+    no three points in a row are collinear. ``parent[i]`` is the innermost loop around loop i, or -1.
     """
 
     loops: tuple[Floats, ...]
     parent: tuple[int, ...]
 
     def depth(self, loop: int) -> int:
-        """Return how many loops lie around ``loop``: even = an outer boundary, odd = a hole."""
+        """Return how many loops surround ``loop``: an even number for an outer boundary, an odd one for a hole."""
         around = self.parent[loop]
         return 0 if around < 0 else 1 + self.depth(around)
 
@@ -40,7 +43,7 @@ class Shape:
 class Sheet:
     """A rectangle of paper with its lower left corner at (0, 0); ``width`` and ``height`` in mm.
 
-    ``either_way``: it may be turned a quarter, nobody has said how it lies.
+    ``either_way``: the user has not said whether it lies in portrait or in landscape, so either will do.
     """
 
     width: float
@@ -55,7 +58,7 @@ class Sheet:
 
     @property
     def diagonal(self) -> float:
-        """The length of the diagonal, in mm: the scale that tolerances are relative to."""
+        """The length of the diagonal, in mm. Tolerances are relative to it."""
         return float(np.hypot(self.width, self.height))
 
     def __str__(self) -> str:
@@ -65,7 +68,7 @@ class Sheet:
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """The similarity, or with a y axis that points down its mirror image, from the drawing's to the sheet's mm.
+    """The similarity from the drawing's coordinates to the sheet's mm; it mirrors if the drawing's y axis points down.
 
     ``matrix`` is ``(2, 3)``: ``sheet = matrix[:, :2] @ drawing + matrix[:, 2]``.
     """
@@ -73,11 +76,11 @@ class Placement:
     matrix: Floats
 
     def apply(self, points: Floats) -> Floats:
-        """Return ``points``, ``(n, 2)``, moved to the sheet."""
+        """Return ``points`` of the drawing, ``(n, 2)``, on the sheet."""
         return points_array(points @ self.matrix[:, :2].T + self.matrix[:, 2])
 
     def from_y_down(self) -> Placement:
-        """Return the same for a drawing whose y axis points down."""
+        """Return the same placement for a drawing whose y axis points down."""
         return Placement(self.matrix * (1.0, -1.0, 1.0))
 
     @property
@@ -88,7 +91,7 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class CreasePattern:
-    """A sheet divided into faces by its creases: FOLD's arrays.
+    """A sheet that creases divide into faces, in FOLD's arrays.
 
     ``vertices_coords`` ``(v, 2)`` mm; ``edges_vertices`` ``(e, 2)``; ``edges_assignment`` ``(e,)`` of "B", "M", "V"
     (and, in foreign files, "F" and "U"); ``faces_vertices`` ragged, every face counter-clockwise.
@@ -101,7 +104,7 @@ class CreasePattern:
 
     @property
     def crease_count(self) -> int:
-        """The number of mountain and valley edges."""
+        """The number of mountains and valleys."""
         return int(np.isin(self.edges_assignment, ("M", "V")).sum())
 
 
@@ -109,9 +112,9 @@ class CreasePattern:
 class FoldedState:
     """Where every vertex lands, and which face lies on which.
 
-    ``vertices_coords`` ``(v, 2)`` mm: x along the cut line away from the spine, y the height over the cut line, so
-    the cut is along y = 0. ``layers`` ``(f,)``: the face numbers from bottom to top, up being the normal of face 0
-    in its folded place (faces counter-clockwise on the sheet; face 0 is not turned over by ``vertices_coords``).
+    ``vertices_coords`` ``(v, 2)`` mm: y is the height over the cut line, so that the cut runs along y = 0, and x is
+    measured along it, away from the spine. ``layers`` ``(f,)``: the face numbers from bottom to top. Up is where the
+    front of face 0 looks when folded; ``vertices_coords`` never turn face 0 over.
     """
 
     vertices_coords: Floats
@@ -120,10 +123,10 @@ class FoldedState:
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """A molecule, or a part of one that is folded inside it, and where it is on the sheet.
+    """The place on the sheet of a molecule, or of a part of one that is folded inside it.
 
-    ``outlines``: each ``(n, 2)`` mm; several where the sheet is folded along an axis first. ``parent``: the number of
-    the region that it is in or hangs on, in the list that it is part of, or -1.
+    ``outlines``: each ``(n, 2)`` mm; there are several if the sheet is first folded along an axis. ``parent``: the
+    region that this one lies in or hangs on, as an index into the same list, or -1.
     """
 
     outlines: tuple[Floats, ...]
@@ -134,8 +137,8 @@ class Region:
 class FoldedPattern:
     """All that an exporter needs: the creases, how they fold, the sheet, the shape on it, and its name.
 
-    ``first_folds``: straight lines across all of the sheet, each ``(2, 2)`` mm, that are folded away from you in turn
-    before all else. ``regions``: how the molecules hang together, if it is known.
+    ``first_folds``: straight lines across the whole sheet, each ``(2, 2)`` mm, to be folded away from you one after
+    another before anything else. ``regions``: how the molecules hang together, if that is known.
     """
 
     creases: CreasePattern
@@ -152,8 +155,8 @@ class FoldedPattern:
 class Finding:
     """One thing that is wrong with a pattern.
 
-    ``check`` names the invariant; ``place`` is a point of the sheet in mm, or None; ``size`` how far off it is, in
-    the unit the message gives.
+    ``check`` names the invariant that is broken. ``place`` is a point of the sheet in mm, or None. ``size`` says by how
+    much, in the unit that the message gives.
     """
 
     check: str

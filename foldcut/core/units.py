@@ -1,12 +1,21 @@
-"""Units of length: how many millimetres each is, as sheets and files name them.
+"""Units of length: how many millimetres each is, and lengths as users write them.
 
 1 in = 25.4 mm exactly (International Yard and Pound, 1959); px, pt and pc are those of CSS Values 3, section
 6.2: 96, 72 and 6 to the inch.
 """
 
-MM_PER_INCH = 25.4
+from __future__ import annotations
 
-#: Millimetres per unit.
+import math
+import re
+
+from foldcut.core.errors import SheetError
+
+__all__ = ["LENGTH", "MM_PER_INCH", "MM_PER_UNIT", "parse_length"]
+
+MM_PER_INCH = 25.4
+"""Millimetres per inch."""
+
 MM_PER_UNIT = {
     "mm": 1.0,
     "cm": 10.0,
@@ -15,3 +24,21 @@ MM_PER_UNIT = {
     "pt": MM_PER_INCH / 72,
     "pc": MM_PER_INCH / 6,
 }
+"""Millimetres per unit, for every unit that a file or a user may name."""
+
+LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
+"""A regular expression for a length in lower case: its groups are the number and the unit, if there is one."""
+
+
+def parse_length(text: str) -> float:
+    """Return the length that ``text`` names, in mm: a number with mm, cm or in; a number without a unit is in mm.
+
+    Zero is allowed. Raises ``SheetError``.
+    """
+    match = re.fullmatch(LENGTH, text.strip().lower())
+    length = float(match[1]) * MM_PER_UNIT[match[2] or "mm"] if match else math.nan
+    if not 0 <= length < math.inf:
+        raise SheetError(
+            f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
+        )
+    return length

@@ -1,6 +1,6 @@
-"""Lay a shape on its sheet, as often as methods ask for it at another angle.
+"""Lay a shape on its sheet, again at each angle that a method asks for.
 
-``Shape`` in the drawing's units, ``Layout`` -> ``Laid``: the shape in the sheet's mm, simplified if that is asked for.
+``Shape`` in the drawing's units, ``Layout`` -> ``Laid``: the shape in the sheet's mm, simplified on request.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ __all__ = ["Laid", "Laying"]
 
 @dataclass(frozen=True, eq=False)
 class Laid:
-    """A shape on its sheet, and what was done to it on the way, in words.
+    """A shape on its sheet, and notes on what was done to it.
 
-    ``shape`` is in the sheet's mm. ``quarter``: the drawing was turned a quarter, to have more room.
+    ``shape`` is in the sheet's mm. ``quarter``: the drawing was given a quarter turn, to have more room.
     """
 
     sheet: Sheet
@@ -30,10 +30,10 @@ class Laid:
 
 @dataclass(frozen=True, eq=False)
 class Laying:
-    """What is needed to lay a shape on its sheet.
+    """What is needed to lay a shape, ``outline``, on its sheet.
 
-    ``simplify``: corners are left out that are off by no more than so many mm. ``mirrored``: the drawing was turned
-    over, and ``y_down``: its y axis points down, which only the placement has to know.
+    ``simplify``: the tolerance, in mm, within which corners are left out. ``mirrored``: left and right of the drawing
+    were swapped. ``y_down``: its y axis points down. The last two only affect the placement.
     """
 
     outline: Shape
@@ -43,9 +43,10 @@ class Laying:
     y_down: bool = False
 
     def lay(self, turn: float = 0.0) -> Laid:
-        """Lay the shape on the sheet, turned by so many degrees more than the layout says.
+        """Lay the shape on the sheet, turned by ``turn`` degrees in addition to what the layout says.
 
-        Raises ``SheetError`` where it does not fit, ``ShapeError`` where nothing is left of it.
+        Raises ``SheetError`` for numbers that make no sense, and ``ShapeError`` for a shape that does not fit or that
+        is not valid once it is simplified.
         """
         sheet, shape, placement, quarter = self.layout.place(self.outline, turn)
         notes = [f"turned by {turn:.4g} degrees, so that a mirror axis lies along the sheet"] if turn else []

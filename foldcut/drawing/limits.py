@@ -1,7 +1,7 @@
-"""How large a drawing may be: what is larger is refused before it costs much time or memory.
+"""How large a drawing may be. A larger one is refused before it costs much time or memory.
 
-Bytes of a file, or loops -> nothing, or ``FileFormatError``. Points are counted twice: as numbers in the bytes, before
-anything is parsed, which takes a fraction of a second for the largest file, and exactly, once they are loops.
+Bytes of a file, or loops -> nothing, or ``FileFormatError``. Points are counted twice: roughly, as numbers in the
+bytes, before anything is parsed (a fraction of a second for the largest file), and exactly, once there are loops.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ __all__ = ["Limits", "parse_limits"]
 
 
 DEEPEST = 500
-"""Python's recursion ends at 1000 by default; GEOS's, at many times that, in a crash."""
+"""The deepest ``nesting`` that may be set: Python stops recursion at 1000 by default, and GEOS crashes later on."""
 
 
 @dataclass(frozen=True)
 class Limits:
     """The largest drawing: ``bytes`` of its file, ``points``, ``loops`` and ``pixels`` in it, and its ``nesting``.
 
-    The defaults are far beyond what anybody folds, and take less than 10 s and 1 GB to read or to refuse. ``nesting``
-    is how deep groups, clones, blocks, collections or brackets are in each other. It is never more than ``DEEPEST``:
-    libraries that read by recursion go that deep.
+    The defaults are far beyond what anybody folds, and reading or refusing them takes less than 10 s and 1 GB.
+    ``nesting`` is how deep groups, clones, blocks, collections or brackets may lie within each other. It is never more
+    than ``DEEPEST``, since some libraries read them by recursion.
     """
 
     bytes: int = 20 * 2**20
@@ -43,27 +43,27 @@ class Limits:
             raise BadInputError(f"a nesting of {self.nesting:,} is too deep; give at most {DEEPEST}")
 
     def check_size(self, size: int) -> None:
-        """Raise for a file of so many bytes."""
+        """Raise ``FileFormatError`` if a file of ``size`` bytes is too large."""
         if size > self.bytes:
             raise FileFormatError(self._message(f"the file has {size:,} bytes", "bytes", "give a smaller one"))
 
     def check_nesting(self, depth: int) -> None:
-        """Raise for things that are so deep in each other."""
+        """Raise ``FileFormatError`` if a nesting of this ``depth`` is too deep."""
         if depth > self.nesting:
             raise self.too_deep()
 
     def too_deep(self) -> FileFormatError:
-        """Return the error for things that are too deep in each other."""
+        """Return the error for a nesting that is too deep."""
         return FileFormatError(self._message("things are nested too deep", "nesting", "give a flat drawing"))
 
     def check_pixels(self, pixels: int) -> None:
-        """Raise for a picture of so many pixels."""
+        """Raise ``FileFormatError`` if a picture has too many ``pixels``."""
         if pixels > self.pixels:
             raise FileFormatError(self._message(f"the picture has {pixels:,} pixels", "pixels", "give a smaller one"))
 
     def check_numbers(self, data: builtins.bytes) -> None:
-        """Raise for a text that has too many numbers to be that few points; images embedded as base64 do not count."""
-        if len(data) < 4 * self.points:  # a point takes "1,2 "
+        """Raise ``FileFormatError`` if a text has too many numbers, two for each point; base64 images do not count."""
+        if len(data) < 4 * self.points:  # a point takes four bytes at least: "1,2 "
             return
         text = np.frombuffer(re.sub(rb"base64,[^\"')]*", b"", data), dtype=np.uint8)
         digits = ((text >= ord("0")) & (text <= ord("9"))) | (text == ord("."))
@@ -73,7 +73,7 @@ class Limits:
             raise FileFormatError(self._message(f"the file has about {points:,} points", "points", "simplify it"))
 
     def check_loops(self, loops: Sequence[ArrayLike]) -> None:
-        """Raise for too many loops, or too many points in them."""
+        """Raise ``FileFormatError`` if there are too many loops, or too many points in them."""
         points = sum(len(np.asarray(loop)) for loop in loops)
         for what, count, remedy in (
             ("points", points, "simplify the drawing"),
@@ -88,13 +88,13 @@ class Limits:
 
 
 def parse_limits(texts: Sequence[str]) -> Limits:
-    """Return the limits that ``NAME=NUMBER`` change; raises ``BadInputError`` for what is none."""
+    """Return the default limits, changed by texts such as ``points=5000``; raises ``BadInputError`` for other texts."""
     limits, names = Limits(), [field.name for field in fields(Limits)]
     for text in texts:
         name, _, number = text.partition("=")
         if name not in names or not re.fullmatch("[0-9]{1,15}", number) or int(number) == 0:
             raise BadInputError(
-                f"--limit {text} is no limit; give NAME=NUMBER, where NAME is {', '.join(names[:-1])} or {names[-1]}"
+                f"--limit {text} is not a limit; give NAME=NUMBER, where NAME is {', '.join(names[:-1])} or {names[-1]}"
             )
         limits = replace(limits, **{name: int(number)})
     return limits

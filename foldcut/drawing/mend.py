@@ -1,9 +1,14 @@
-"""Mend a drawing so that it is a valid shape, and make it simpler to fold on request.
+"""Mend a drawing so that it is a valid shape, and on request make it easier to fold.
 
-Loops in mm, even-odd -> ``Prepared``: loops in mm and what was changed, one line with numbers for each change. A valid
-drawing for which nothing is asked comes back as it is. Order: loops that repeat or bound nothing are
-dropped, crossings and overlaps become one outline by the even-odd rule, slivers go, narrow parts and gaps go, touching
-loops are set apart, corners are left out down to the budget, and last the drawing is mirrored.
+Loops in mm, even-odd -> ``Prepared``: loops in mm, and one line with numbers for each change. A valid drawing for which
+nothing is requested comes back as it is. Each step is skipped where it is not needed:
+
+1. Loops that repeat another or that enclose no area are dropped.
+2. Outlines that cross or overlap are made into one by the even-odd rule, and slivers and spikes are dropped.
+3. On request, narrow parts and gaps go, touching loops are set apart, and corners are left out (``drawing.simplify``).
+4. On request, the drawing is mirrored.
+
+Whether the result is a shape is for ``drawing.shape`` to say.
 """
 
 from __future__ import annotations
@@ -24,24 +29,25 @@ from foldcut.drawing.simplify import simplify
 __all__ = ["Preparation", "Prepared", "prepare", "preview"]
 
 SLIVER_MM = 0.05
-"""A part or hole that is thinner than this on average is dropped when the drawing is mended."""
+"""When a drawing is mended, parts and holes that are thinner than this on average are dropped."""
 
 LARGEST_MM = 1e9
-"""Coordinates beyond this are no drawing."""
+"""A drawing with coordinates beyond this is not mended."""
 
 MANY = 1_000
-"""With more corners than this, ``corners`` first leaves out by Douglas and Peucker what is hardly seen, for speed."""
+"""With more corners than this, the algorithm of Douglas and Peucker first leaves out what is hardly seen, for speed."""
 
 _MITRE = {"join_style": "mitre", "mitre_limit": 20.0}
+"""How shapely moves edges: corners stay sharp, unless they would reach out farther than 20 times the distance."""
 
 
 @dataclass(frozen=True)
 class Preparation:
     """What may be done to a drawing; lengths in mm.
 
-    ``corners``: leave out corners until so many are left. ``min_feature``: drop parts and close gaps that are
-    narrower. ``separate``: where loops touch, move every edge inward so that they are this far apart. ``mirror``: left
-    to right. ``strict``: refuse instead of mending; what is asked for by the other options is still done.
+    ``corners``: leave out corners until at most this many are left. ``min_feature``: drop parts and close gaps that are
+    narrower than this. ``separate``: if loops touch, move every edge inward until they are this far apart. ``mirror``:
+    swap left and right. ``strict``: refuse a drawing that has to be mended; the other options still apply.
     """
 
     corners: int | None = None
@@ -60,7 +66,7 @@ class Preparation:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """Loops in mm as ``drawn`` and as prepared, and one line for each change; none if they are the same."""
+    """Loops in mm, as ``drawn`` and as prepared, and one line of text for each change."""
 
     drawn: tuple[Floats, ...]
     loops: tuple[Floats, ...]
@@ -68,14 +74,15 @@ class Prepared:
 
 
 def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
-    """Return ``loops``, in mm, mended and simplified; whether they are a shape then is for ``make_shape`` to say.
+    """Return ``loops``, in mm, mended and simplified; ``make_shape`` says whether they are a shape then.
 
-    Raises ``ShapeError`` with ``strict`` for what would be mended, and for a corner budget that cannot be kept.
+    Raises ``ShapeError`` if something would have to be mended and ``strict`` is set, and if the drawing cannot have so
+    few corners.
     """
     drawn = tuple(points_array(loop) for loop in loops)
     sensible = all(np.isfinite(loop).all() and np.abs(loop).max(initial=0.0) < LARGEST_MM for loop in drawn)
     if not sensible or not any(_ring_areas(loop) for loop in drawn):
-        return Prepared(drawn, drawn, ())  # no drawing at all: make_shape says why
+        return Prepared(drawn, drawn, ())  # not a drawing at all: make_shape says why
     try:
         return _prepared(drawn, preparation)
     except shapely.errors.GEOSException as error:
@@ -99,13 +106,13 @@ def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
 
 
 def refuse_changes(changes: Sequence[str]) -> None:
-    """Raise ``ShapeError`` if there are changes that mend a drawing: what ``strict`` does."""
+    """Raise ``ShapeError`` if a drawing had to be mended by these changes; this is what ``strict`` asks for."""
     if changes:
-        raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or do so yourself")
+        raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or mend it yourself")
 
 
 def preview(before: Sequence[Floats], after: Sequence[Floats]) -> bytes:
-    """Return an SVG, true size in mm, of the loops before in red and after in black on grey."""
+    """Return an SVG in true size of the loops ``before``, in red, and ``after``, in black on grey; all in mm."""
     points = np.concatenate([*before, *after])
     low, high = points.min(axis=0) - 5, points.max(axis=0) + 5
     (width, height), path = high - low, ""
@@ -123,7 +130,7 @@ def _noted(changes: list[str], loops: tuple[Floats, ...], change: str) -> tuple[
 
 
 def _shape(loops: Sequence[Floats]) -> Shape | None:
-    """Return the shape, or None if the loops are none."""
+    """Return the shape that loops are, or None."""
     try:
         return make_shape(loops)
     except ShapeError:
@@ -131,7 +138,7 @@ def _shape(loops: Sequence[Floats]) -> Shape | None:
 
 
 def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
-    """Return loops that neither cross nor overlap nor repeat, and what was done for that."""
+    """Return loops that neither cross nor overlap nor repeat, and the changes that this took."""
     if _shape(loops) is not None:
         return loops, []
     changes: list[str] = []
@@ -170,15 +177,15 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
 
 
 def _walk(loop: Floats) -> bytes:
-    """Return the same for the same loop, wherever it begins, and whichever way around it is drawn."""
-    points = (loop[:-1] if np.array_equal(loop[0], loop[-1]) else loop) + 0.0  # no -0
+    """Return a key that is the same for a loop wherever it begins and whichever way around it is drawn."""
+    points = (loop[:-1] if np.array_equal(loop[0], loop[-1]) else loop) + 0.0  # turns -0.0 into 0.0
     start = int(np.lexsort(points.T)[0])
     onward = np.roll(points, -start, axis=0)
     return min(onward.tobytes(), np.roll(onward[::-1], 1, axis=0).tobytes())
 
 
 def _without_spikes(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], str]:
-    """Return loops without corners too sharp for a shape: hairlines that go out, and back where they came from."""
+    """Return loops without corners that are too sharp for a shape: lines that go out and come back the same way."""
     left: list[Floats] = []
     for loop in loops:
         points = loop
@@ -201,18 +208,19 @@ def _areas(geometry: shapely.Geometry) -> list[shapely.Polygon]:
 
 
 def _ring_areas(loop: Floats) -> list[shapely.Polygon]:
-    """Return what a loop bounds by the even-odd rule."""
+    """Return the areas that a loop encloses by the even-odd rule."""
     return _areas(shapely.make_valid(shapely.Polygon(loop), method="linework")) if len(loop) > 2 else []
 
 
 def _thin(polygon: shapely.Polygon) -> bool:
+    """Whether a polygon is a sliver: its average thickness is about twice its area by its length."""
     return bool(2 * polygon.area < SLIVER_MM * polygon.length)
 
 
 def _area(loops: Sequence[Floats]) -> shapely.Geometry:
-    """Return what loops bound together by the even-odd rule."""
+    """Return the area that loops enclose together by the even-odd rule."""
     areas = np.array([shapely.union_all(_ring_areas(loop)) for loop in loops] or [shapely.Polygon()])
-    while len(areas) > 1:  # in pairs, which is much faster than one by one
+    while len(areas) > 1:  # combining them in pairs is much faster than one by one
         pairs = shapely.symmetric_difference(areas[: len(areas) // 2], areas[len(areas) // 2 : len(areas) // 2 * 2])
         areas = np.concatenate([pairs, areas[len(areas) // 2 * 2 :]])
     area: shapely.Geometry = areas[0]
@@ -220,13 +228,13 @@ def _area(loops: Sequence[Floats]) -> shapely.Geometry:
 
 
 def _without_narrow_parts(loops: tuple[Floats, ...], width: float) -> tuple[tuple[Floats, ...], str]:
-    """Return loops without parts, gaps and holes narrower than ``width``; corners elsewhere stay where they are."""
+    """Return loops without parts, gaps and holes that are narrower than ``width``; other corners stay in place."""
     area, half = _area(loops), width / 2
     closed = area.buffer(half, **_MITRE).buffer(-half, **_MITRE)
     opened = closed.buffer(-half, **_MITRE).buffer(half, **_MITRE)
     parts = _areas(opened)
     if not parts:
-        raise ShapeError(f"nothing of the drawing is {width:g} mm wide; give a smaller --min-feature or a larger sheet")
+        raise ShapeError(f"no part of the drawing is {width:g} mm wide; give a smaller --min-feature or a larger sheet")
     changed = shapely.symmetric_difference(area, opened).buffer(-1e-6 * width)
     if changed.is_empty:
         return loops, ""
@@ -239,13 +247,15 @@ def _without_narrow_parts(loops: tuple[Floats, ...], width: float) -> tuple[tupl
 
 
 def _set_apart(loops: tuple[Floats, ...], distance: float) -> tuple[tuple[Floats, ...], str]:
-    """Return loops of which none touches another or itself: if one does, all edges go inward by half ``distance``."""
+    """Return loops that do not touch; if any touch, every edge of the drawing goes inward by half ``distance``."""
     if _shape(loops) is not None:
         return loops, ""
     area = _area(loops)
     parts = _areas(area.buffer(-distance / 2, **_MITRE))
     if not parts:
-        raise ShapeError(f"nothing of the drawing is left {distance:g} mm apart; give a smaller --separate")
+        raise ShapeError(
+            f"nothing is left of the drawing when loops are set {distance:g} mm apart; give a smaller --separate"
+        )
     return polygon_loops(parts), (
         f"loops that touch were set {distance:g} mm apart: every edge went inward by {distance / 2:g} mm, "
         f"{len(loops)} -> {len(parts)} parts"
@@ -253,7 +263,7 @@ def _set_apart(loops: tuple[Floats, ...], distance: float) -> tuple[tuple[Floats
 
 
 def _within_budget(loops: tuple[Floats, ...], budget: int) -> tuple[tuple[Floats, ...], str]:
-    """Return loops with at most so many corners, as near to the drawing as leaving out corners can be."""
+    """Return loops with at most ``budget`` corners, left out with the least tolerance that is found to do."""
     before = sum(map(len, loops))
     size = float(np.ptp(np.concatenate(loops), axis=0).max())
     coarse, off = loops, 0.0

@@ -1,11 +1,11 @@
-"""Name a sheet of paper and place a shape on it.
+"""Understand the name of a sheet, and lay a shape on it.
 
-Input: a sheet such as "a4" or "200x300", and a ``Shape`` in drawing units. Output: the shape in the sheet's
-millimetres, and the ``Placement`` that took it there.
+The name, such as "a4" or "200x300", and a ``Shape`` in drawing units -> the ``Sheet``, the shape in mm on it, and the
+``Placement`` that took it there. Lengths are parsed by ``core.units``; ``drawing.shape`` makes the shape.
 
-Invariants: the placed shape is similar to the drawn one and not mirrored, it lies strictly inside the sheet,
-and it keeps the margin. A corner is computed from its distance to the shape's centre, so that a symmetric
-drawing stays as symmetric as float64 allows; ``Placement.matrix`` agrees with it to 1e-9 mm.
+Invariants: the placed shape is similar to the drawn one and not mirrored, it lies strictly inside the sheet, and it
+keeps the margin. Each corner is computed from its distance to the centre of the shape, so that a symmetric drawing
+stays as symmetric as float64 allows; ``Placement.matrix`` agrees with the result to 1e-9 mm.
 """
 
 from __future__ import annotations
@@ -20,10 +20,18 @@ import shapely
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import ShapeError, SheetError
 from foldcut.core.model import Placement, Shape, Sheet
-from foldcut.core.units import MM_PER_INCH, MM_PER_UNIT
+from foldcut.core.units import LENGTH, MM_PER_INCH, MM_PER_UNIT, parse_length
 
-#: Portrait sizes in mm. a0 to a6: ISO 216; letter and tabloid: sizes A and B of ANSI/ASME Y14.1 (8.5 x 11 in
-#: and 11 x 17 in); legal, which is in neither, is 8.5 x 14 in.
+__all__ = [
+    "NAMED_SHEETS",
+    "SHEET_LIMITS_MM",
+    "Layout",
+    "as_it_lies",
+    "parse_length",
+    "parse_sheet",
+    "place",
+]
+
 NAMED_SHEETS = {
     "a0": (841.0, 1189.0),
     "a1": (594.0, 841.0),
@@ -36,42 +44,31 @@ NAMED_SHEETS = {
     "legal": (8.5 * MM_PER_INCH, 14 * MM_PER_INCH),
     "tabloid": (11 * MM_PER_INCH, 17 * MM_PER_INCH),
 }
+"""Sizes in portrait, in mm.
 
-#: The shortest and the longest side a sheet can have, in mm.
+a0 to a6: ISO 216. letter and tabloid: sizes A and B of ANSI/ASME Y14.1 (8.5 x 11 in and 11 x 17 in). legal, which is in
+neither, is 8.5 x 14 in.
+"""
+
 SHEET_LIMITS_MM = (1.0, 100_000.0)
+"""The shortest and the longest side that a sheet can have."""
 
-#: A placed shape smaller than this across, in mm, is a mistake in the scale.
 SMALLEST_SHAPE_MM = 0.1
+"""A placed shape that is smaller than this across is taken for a mistake in the scale."""
 
-#: How far rounding may take a corner over the margin, relative to the sheet's diagonal.
 FIT_TOLERANCE = 1e-9
+"""How far rounding may take a corner over the margin, relative to the diagonal of the sheet."""
 
-#: How many angles are tried before the best of them is made better.
 ROTATIONS = 360
-
-_LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
-
-
-def parse_length(text: str) -> float:
-    """Return the length that ``text`` names, in mm: a number with mm, cm or in; a bare number is mm.
-
-    Zero is allowed. Raises ``SheetError``.
-    """
-    match = re.fullmatch(_LENGTH, text.strip().lower())
-    length = float(match[1]) * MM_PER_UNIT[match[2] or "mm"] if match else math.nan
-    if not 0 <= length < math.inf:
-        raise SheetError(
-            f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
-        )
-    return length
+"""The number of angles that are tried; the best of them is then improved."""
 
 
 def parse_sheet(text: str) -> Sheet:
     """Return the sheet that ``text`` names.
 
-    A name from ``NAMED_SHEETS`` in either case, portrait or landscape if that follows after "-", else lying as the
-    shape does (``as_it_lies``); or width x height such as 200x300, 20cmx30cm, 8.5x11in (a unit given once is that of
-    both) or "200 mm x 300 mm". Raises ``SheetError``.
+    This is a name from ``NAMED_SHEETS`` in upper or lower case, perhaps with -portrait or -landscape after it (without
+    that, ``as_it_lies`` chooses), or width x height such as 200x300, 20cmx30cm, "200 mm x 300 mm" or 8.5x11in, where a
+    unit that is given once counts for both. Raises ``SheetError``.
     """
     name, _, orientation = text.strip().lower().partition("-")
     if name in NAMED_SHEETS and orientation in ("", "portrait", "landscape"):
@@ -80,7 +77,7 @@ def parse_sheet(text: str) -> Sheet:
         if orientation == "landscape":
             return Sheet(height, width, f"{title} landscape")
         return Sheet(width, height, title, either_way=not orientation)
-    match = re.fullmatch(rf"{_LENGTH}\s*[x×]\s*{_LENGTH}", text.strip().lower())
+    match = re.fullmatch(rf"{LENGTH}\s*[x×]\s*{LENGTH}", text.strip().lower())
     if not match:
         raise SheetError(
             f"{text!r} is not a sheet; give {', '.join(NAMED_SHEETS)}, with -landscape if wanted, or width x "
@@ -97,9 +94,9 @@ def parse_sheet(text: str) -> Sheet:
 
 
 def as_it_lies(sheet: Sheet, shape: Shape, rotation: float = 0.0) -> Sheet:
-    """Return ``sheet``, or if it may lie either way, the one that leaves ``shape`` more room: wide ones, landscape.
+    """Return ``sheet``; if it may lie either way, in landscape for a wide shape and in portrait for others.
 
-    ``rotation`` as for ``place``.
+    ``rotation`` is as for ``place``.
     """
     if not sheet.either_way:
         return sheet
@@ -121,9 +118,9 @@ def place(
     """Return ``shape`` on ``sheet``, in mm, and the similarity that took it there.
 
     ``scale`` is mm per drawing unit, or "fit": as large as the margin allows. ``rotation`` is in degrees,
-    counter-clockwise. ``offset`` is where the lower left corner of the turned and scaled bounding box goes,
-    in mm; None centres it. ``margin`` is in mm. Raises ``SheetError`` for numbers that make no sense and
-    ``ShapeError`` for a shape that does not fit strictly inside the sheet and its margin.
+    counter-clockwise. ``offset`` is the place of the lower left corner of the bounding box, turned and scaled, in mm;
+    None centres the shape. ``margin`` is in mm. Raises ``SheetError`` for numbers that make no sense, and
+    ``ShapeError`` for a shape that does not fit inside the margin, strictly inside the sheet.
     """
     _check_numbers(sheet, margin, scale, offset, rotation)
     points = np.concatenate(shape.loops)
@@ -133,7 +130,7 @@ def place(
     centre, size = _box_centre(turned), np.ptp(turned, axis=0)
     room = np.array([sheet.width, sheet.height]) - 2 * margin
     factor = float((room / size).min()) if scale == "fit" else float(scale)
-    with np.errstate(over="ignore"):  # an infinite size is refused like any other that is too big
+    with np.errstate(over="ignore"):  # an infinite size is refused as any other that is too large
         target = np.array([sheet.width, sheet.height]) / 2 if offset is None else offset + factor * size / 2
         placed = (turned - centre) * factor + target
     _check_fit(placed, sheet, margin)
@@ -149,9 +146,10 @@ def place(
 class Layout:
     """How a drawing is to lie on a sheet; lengths in mm.
 
-    ``margin``, ``scale`` and ``offset`` as for ``place``; instead of a scale, the ``width`` or ``height`` that the
-    drawing has, or with both, that it fits into. ``rotation`` is in degrees, or "best": the angle at which the drawing
-    is largest; None: a quarter if it fits larger so, or only so, and no offset is given.
+    ``margin``, ``scale`` and ``offset`` are as for ``place``. Instead of a scale, ``width`` or ``height`` give the size
+    of the drawing; with both, it fits into them. ``rotation`` is in degrees, or "best" for the angle at which the
+    drawing fits largest. None means a quarter turn if the drawing then fits larger, or fits at all, and no offset is
+    given.
     """
 
     sheet: Sheet
@@ -169,9 +167,9 @@ class Layout:
             raise SheetError(f"the rotation is {self.rotation!r}; give degrees, or 'best'")
 
     def place(self, shape: Shape, turn: float = 0.0) -> tuple[Sheet, Shape, Placement, bool]:
-        """Return the sheet as it lies, ``shape`` on it turned by ``turn`` degrees more, and as ``place`` its placement.
+        """Return the sheet as it lies, ``shape`` on it, its placement, and whether a quarter turn gave it more room.
 
-        Last, whether it was turned a quarter to have more room. Errors as for ``place``.
+        The shape is turned by ``turn`` degrees in addition. Errors are as for ``place``.
         """
         given = self.rotation if isinstance(self.rotation, int | float) else 0.0
         _check_numbers(self.sheet, self.margin, self.scale, self.offset, given)
@@ -189,9 +187,10 @@ class Layout:
 
 
 def _scale_to(shape: Shape, width: float | None = None, height: float | None = None, rotation: float = 0.0) -> float:
-    """Return the mm per drawing unit that make ``shape``, turned by ``rotation``, so wide and so high in mm.
+    """Return the mm per drawing unit at which ``shape``, turned by ``rotation``, has this width or height in mm.
 
-    With both, the larger of the scales at which neither is exceeded. Raises ``SheetError`` for lengths that are none.
+    With both, it is the largest scale at which neither is exceeded. Raises ``SheetError`` for lengths that are not
+    above 0.
     """
     size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
     scales = []
@@ -206,7 +205,7 @@ def _scale_to(shape: Shape, width: float | None = None, height: float | None = N
 def _lies_better_turned(
     shape: Shape, sheet: Sheet, *, margin: float = 10.0, scale: str | float = "fit", rotation: float = 0.0
 ) -> bool:
-    """Whether ``shape`` fits ``sheet`` larger, or with a ``scale`` in numbers fits at all, if turned a quarter more."""
+    """Whether ``shape`` fits ``sheet`` larger after another quarter turn, or with a fixed ``scale``, fits only then."""
     size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
     room = np.array([sheet.width, sheet.height]) - 2 * margin
     straight, turned = (float((room / extents).min()) for extents in (size, size[::-1]))
@@ -216,11 +215,12 @@ def _lies_better_turned(
 
 
 def _best_rotation(shape: Shape, sheet: Sheet, *, margin: float = 10.0) -> float:
-    """Return the degrees, from 0 up to 180, by which ``shape`` has to be turned to fit ``sheet`` as large as can be."""
+    """Return the angle in degrees, from 0 to 180, at which ``shape`` fits ``sheet`` largest."""
     points = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(np.concatenate(shape.loops))))
     hull = Shape((points_array(points),), (-1,))
 
     def taken(degrees: float) -> float:
+        """Return the share of the room that the shape takes, in the direction that is tighter."""
         on = as_it_lies(sheet, hull, degrees)
         size = np.ptp(points @ _rotation_matrix(degrees).T, axis=0)
         return float((size / (np.array([on.width, on.height]) - 2 * margin)).max())
@@ -239,7 +239,7 @@ def _box_centre(points: Floats) -> Floats:
 
 
 def _rotation_matrix(degrees: float) -> Floats:
-    """Return the rotation by ``degrees``, exact for quarter turns."""
+    """Return the matrix of the rotation by ``degrees``, exact for quarter turns."""
     quarters, rest = divmod(degrees, 90.0)
     cosine, sine = math.cos(math.radians(rest)), math.sin(math.radians(rest))
     quarter_turn = np.array([(0.0, -1.0), (1.0, 0.0)])
@@ -253,7 +253,7 @@ def _check_numbers(
     half = min(sheet.width, sheet.height) / 2
     if not 0 <= margin < half:
         raise SheetError(
-            f"a margin of {margin:g} mm leaves nothing of the sheet {sheet}; give one from 0 to below {half:g} mm"
+            f"a margin of {margin:g} mm leaves no room on the sheet {sheet}; give one from 0 to below {half:g} mm"
         )
     if scale != "fit" and not (isinstance(scale, int | float) and 0 < scale < math.inf):
         raise SheetError(f"the scale is {scale!r}; give 'fit' or a number of mm per drawing unit above 0")
@@ -277,7 +277,7 @@ def _check_fit(placed: Floats, sheet: Sheet, margin: float) -> None:
     if (size > room + slack).any():
         raise ShapeError(
             f"{what}, the sheet {sheet} leaves {room[0]:.1f} x {room[1]:.1f} mm inside a {margin:g} mm "
-            "margin; use --scale fit, a bigger sheet or a smaller margin"
+            "margin; use --scale fit, a larger sheet or a smaller margin"
         )
     if (low < margin - slack).any() or (high > sides - margin + slack).any():
         farthest = sides - margin - size

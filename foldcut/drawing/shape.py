@@ -1,18 +1,19 @@
 """Make a valid shape from drawn loops, or say where the drawing is at fault.
 
-Input: any closed loops, in the drawing's own units. Output: a ``Shape``. Nothing is moved: the corners are
-the input's own numbers; only repeated and collinear ones are left out, and clockwise loops are reversed.
+Closed loops in the drawing's own units -> ``Shape``. Nothing is moved: the corners keep their numbers. Only repeated
+and collinear ones are left out, and clockwise loops are reversed. What can be repaired is repaired before, by
+``drawing.mend``.
 
-Invariants of the result (``invariant_faults`` checks them): every loop is simple and counter-clockwise and
-has at least three corners, no three corners in a row are collinear, no two loops cross or touch, and
-``parent`` names the loop right around each loop. Nothing in it is smaller than the tolerances below. They are
-relative to the diagonal of the drawing's bounding box, and all geometry is decided in coordinates centred on
-that box and divided by its diagonal, so that scale and position do not matter.
+Invariants of the result, which ``invariant_faults`` checks: every loop is simple and counter-clockwise and has at least
+three corners, no three corners in a row are collinear, no two loops cross or touch, and ``parent`` names the innermost
+loop around each loop. No feature is smaller than the tolerances below. These are relative to the diagonal of the
+drawing's bounding box. All decisions are made in coordinates that are centred on that box and divided by its diagonal,
+so that scale and position do not matter.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NoReturn
 
@@ -20,27 +21,28 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from foldcut.core.arrays import Floats, Ints, index_array, points_array
+from foldcut.core.arrays import Floats, Ints, blocks, index_array, points_array
 from foldcut.core.errors import ShapeError
 from foldcut.core.model import Shape
 from foldcut.geometry.vectors import signed_area
 
-#: A corner nearer than this to the line between its neighbours is left out (relative to the diagonal).
 COLLINEAR_TOLERANCE = 1e-7
+"""A corner that is nearer than this to the line between its neighbours is left out (relative to the diagonal)."""
 
-#: No corner may come nearer than this to an edge that does not end in it (relative to the diagonal).
 FEATURE_TOLERANCE = 1e-6
+"""No corner may come nearer than this to an edge that does not end in it (relative to the diagonal)."""
 
-#: No corner may be sharper than this, in degrees.
 SHARPEST_CORNER = 0.01
+"""No corner may be sharper than this, in degrees."""
 
-#: The rounding error of the coordinates may not exceed this (relative to the diagonal).
 ROUNDING_LIMIT = 1e-8
+"""The rounding error of the coordinates may not exceed this (relative to the diagonal)."""
 
-#: Coordinates beyond this, or drawings smaller than its inverse, overflow when multiplied.
 LARGEST_NUMBER = 1e100
+"""Coordinates beyond this overflow when multiplied, as those of drawings smaller than its inverse underflow."""
 
-_BATCH = 256  # corners or edges per query: bounds the memory that a tangle of edges can take
+_BATCH = 256
+"""The number of corners or edges in one query; it bounds the memory that a tangle of edges can take."""
 
 Place = tuple[float, float]
 
@@ -52,11 +54,10 @@ def polygon_loops(polygons: Iterable[shapely.Polygon]) -> tuple[Floats, ...]:
 
 
 def make_shape(loops: Sequence[ArrayLike]) -> Shape:
-    """Return the shape that ``loops`` bound, with even-odd filling.
+    """Return the shape that ``loops`` enclose by the even-odd rule.
 
-    ``loops`` are sequences of x, y points in the drawing's units, in either direction, with or without a
-    repeated last point, nested to any depth. Raises ``ShapeError`` with the number of the loop (from 1) and
-    the place.
+    ``loops`` are sequences of x, y points in the drawing's units, in either direction, with or without a repeated last
+    point, nested to any depth. Raises ``ShapeError`` with the number of the loop, from 1, and the place.
     """
     drawn = [_number_pairs(loop, number) for number, loop in enumerate(loops, start=1)]
     if not drawn:
@@ -76,9 +77,9 @@ def make_shape(loops: Sequence[ArrayLike]) -> Shape:
 
 
 def minimum_feature(shape: Shape) -> tuple[float, Place]:
-    """Return the smallest distance from a corner to an edge that does not end in it, and that corner.
+    """Return the smallest distance from a corner to an edge that does not end in it, and the place of that corner.
 
-    Both in the units of ``shape``; no edge is shorter than the distance.
+    Both are in the units of ``shape``. No edge is shorter than this distance.
     """
     frame = _Frame.around(shape.loops)
     distance, corner, _ = _smallest_feature(_Boundary.of([frame.to_unit(loop) for loop in shape.loops]))
@@ -87,7 +88,7 @@ def minimum_feature(shape: Shape) -> tuple[float, Place]:
 
 
 def invariant_faults(shape: Shape) -> list[str]:
-    """Return what is wrong with ``shape`` as the stages after this one need it; empty means nothing is."""
+    """Return which of the invariants of this module ``shape`` breaks; an empty list means none."""
     if not shape.loops or len(shape.parent) != len(shape.loops):
         return [f"{len(shape.loops)} loops with {len(shape.parent)} parents"]
     faults: list[str] = []
@@ -99,25 +100,26 @@ def invariant_faults(shape: Shape) -> list[str]:
         if loop.flags.writeable:
             faults.append(f"loop {number} can be written to")
     frame = _Frame.around(shape.loops)
-    rings = [frame.to_unit(loop) for loop in shape.loops]
-    for number, ring in enumerate(rings, start=1):
-        before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
-        if signed_area(ring) <= 0:
+    unit_loops = [frame.to_unit(loop) for loop in shape.loops]
+    for number, loop in enumerate(unit_loops, start=1):
+        before, after = np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0)
+        if signed_area(loop) <= 0:
             faults.append(f"loop {number} is not counter-clockwise")
-        if not shapely.is_valid(shapely.polygons(ring)):
-            faults.append(f"loop {number}: {shapely.is_valid_reason(shapely.polygons(ring))}")
-        if (_distance_to_segment(ring, before, after) <= COLLINEAR_TOLERANCE).any():
+        if not shapely.is_valid(shapely.polygons(loop)):
+            faults.append(f"loop {number}: {shapely.is_valid_reason(shapely.polygons(loop))}")
+        if (_distance_to_segment(loop, before, after) <= COLLINEAR_TOLERANCE).any():
             faults.append(f"loop {number} has a corner between two collinear edges")
-    return faults + _nesting_faults(rings, shape.parent)
+    return faults + _nesting_faults(unit_loops, shape.parent)
 
 
-def _nesting_faults(rings: Sequence[Floats], parent: Sequence[int]) -> list[str]:
-    outlines = [shapely.linearrings(ring) for ring in rings]
+def _nesting_faults(loops: Sequence[Floats], parent: Sequence[int]) -> list[str]:
+    """Return which loops touch or have the wrong parent."""
+    outlines = [shapely.linearrings(loop) for loop in loops]
     one, other = shapely.STRtree(outlines).query(outlines, predicate="intersects")
     faults = [f"loops {a + 1} and {b + 1} touch" for a, b in zip(one, other, strict=True) if a < b]
     polygons = shapely.polygons(outlines)
     inside, around = shapely.STRtree(polygons).query(polygons, predicate="within")
-    depths = np.bincount(inside, minlength=len(rings)) - 1  # every polygon is within itself
+    depths = np.bincount(inside, minlength=len(loops)) - 1  # every polygon is within itself
     containers = set(zip(inside.tolist(), around.tolist(), strict=True))
     for loop, above in enumerate(parent):
         nested = (loop, above) in containers and depths[above] == depths[loop] - 1
@@ -128,7 +130,7 @@ def _nesting_faults(rings: Sequence[Floats], parent: Sequence[int]) -> list[str]
 
 @dataclass(frozen=True)
 class _Frame:
-    """The bounding box of the drawing: where the centred, unit-sized coordinates lie in it."""
+    """The bounding box of the drawing, which takes its coordinates to centred ones of unit size and back."""
 
     centre: Floats
     diagonal: float
@@ -158,7 +160,7 @@ class _Frame:
         return unit
 
     def at(self, point: Floats) -> str:
-        """Return a place in the drawing's coordinates, to a ten-thousandth of the drawing's size."""
+        """Return a place in words, in the drawing's coordinates, to a ten-thousandth of the drawing's size."""
         decimals = 4 - int(np.floor(np.log10(self.diagonal)))
         x, y = (np.round(point * self.diagonal + self.centre, decimals) + 0.0).tolist()
         return f"({x:.12g}, {y:.12g})"
@@ -169,7 +171,7 @@ class _Frame:
 
 @dataclass(frozen=True)
 class _Boundary:
-    """All loops in one: edge k runs from corner k to corner ``after[k]``, both of loop ``number[k]``."""
+    """All loops together: edge k runs from corner k to corner ``after[k]``, both of loop ``number[k]``, from 1."""
 
     corners: Floats
     after: Ints
@@ -188,7 +190,7 @@ class _Boundary:
         return np.stack([self.corners, self.corners[self.after]], axis=1)
 
     def pair(self, one: int, other: int) -> tuple[str, str]:
-        """Return the subject and the object of a sentence about the loops of two edges."""
+        """Return the subject and the object of a sentence about the loops that two edges belong to."""
         a, b = sorted((int(self.number[one]), int(self.number[other])))
         return f"loop {b}", "itself" if a == b else f"loop {a}"
 
@@ -212,13 +214,14 @@ def _number_pairs(loop: ArrayLike, number: int) -> Floats:
 
 
 def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
-    """Return which points are corners: every other one is near an edge between corners, and no corner straight.
+    """Return which points are corners: all others are near an edge between corners, and no corner is straight.
 
-    Near is within the tolerance; where a corner between others left out is straight itself, within a few of it.
+    Near means within the tolerance, or within a few times that where a corner between points that were left out turns
+    out to be straight itself.
     """
     points = [complex(x, y) for x, y in unit.tolist()]
     start = int(np.hypot(*unit.T).argmax())  # the outermost point is a corner, unless all coincide
-    kept, slack = [start], [0.0]  # slack[k]: how far the points left out before corner k are from their edge
+    kept, slack = [start], [0.0]  # slack[k]: the distance of the points left out before corner k
     for index in [*range(start + 1, len(points)), *range(start + 1)]:
         edge_slack = 0.0
         while len(kept) > 1:
@@ -231,17 +234,17 @@ def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
         slack.append(edge_slack)
     corners = sorted(set(kept))
     while len(corners) > 2:  # some may have been kept only because of points left out beside them
-        ring = unit[corners]
-        distances = _distance_to_segment(ring, np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0))
+        left = unit[corners]
+        distances = _distance_to_segment(left, np.roll(left, 1, axis=0), np.roll(left, -1, axis=0))
         straight = distances <= COLLINEAR_TOLERANCE
         if not straight.any():
             break
-        even = straight & (np.arange(len(ring)) % 2 == 0)  # neighbours not at once
+        even = straight & (np.arange(len(left)) % 2 == 0)  # not two neighbours at once
         corners = np.array(corners)[~(even if even.any() else straight)].tolist()
     if len(corners) < 3:
         raise ShapeError(
             f"loop {number} encloses no area near {frame.at(unit[start])}: its points lie on one line; "
-            "remove it or draw it at least 3 corners wide"
+            "remove it, or draw at least 3 corners that do not"
         )
     return corners
 
@@ -292,7 +295,7 @@ def _refuse_crossings(boundary: _Boundary, frame: _Frame) -> None:
     segments = boundary.segments
     edges = shapely.linestrings(segments)
     tree = shapely.STRtree(edges)
-    for batch in _batches(len(edges)):
+    for batch in blocks(len(edges), _BATCH):
         one, other = tree.query(edges[batch], predicate="intersects")
         one += batch.start
         apart = (one < other) & (boundary.after[one] != other) & (boundary.after[other] != one)
@@ -302,7 +305,7 @@ def _refuse_crossings(boundary: _Boundary, frame: _Frame) -> None:
 
 
 def _refuse_crossing(boundary: _Boundary, frame: _Frame, one: int, other: int) -> NoReturn:
-    """Raise the error for two edges that meet."""
+    """Raise ``ShapeError`` for two edges that meet."""
     pair = boundary.segments[[one, other]]
     ends, targets = pair.reshape(4, 2), np.repeat(pair[::-1], 2, axis=0)
     reaches = _distance_to_segment(ends, targets[:, 0], targets[:, 1])
@@ -330,15 +333,15 @@ def _refuse_small_features(boundary: _Boundary, frame: _Frame) -> None:
 
 
 def _smallest_feature(boundary: _Boundary) -> tuple[float, int, int]:
-    """Return the smallest distance of a corner from an edge not ending in it, that corner and that edge."""
+    """Return the smallest distance of a corner from an edge that does not end in it, and the corner and the edge."""
     corners, after, segments = boundary.corners, boundary.after, boundary.segments
     index = np.arange(len(corners))
-    # Neighbours first: they bound the radius in which the others need to be looked for.
+    # Neighbours come first: they bound the radius within which others need to be looked for.
     corner = np.concatenate([index, after[after]])
     edge = np.concatenate([after, index])
     best = _nearest(corners, segments, corner, edge)
     tree, points = shapely.STRtree(shapely.linestrings(segments)), shapely.points(corners)
-    for batch in _batches(len(corners)):
+    for batch in blocks(len(corners), _BATCH):
         corner, edge = tree.query(points[batch], predicate="dwithin", distance=best[0])
         corner += batch.start
         apart = (edge != corner) & (after[edge] != corner)
@@ -353,13 +356,8 @@ def _nearest(corners: Floats, segments: Floats, corner: Ints, edge: Ints) -> tup
     return float(distances[least]), int(corner[least]), int(edge[least])
 
 
-def _batches(count: int) -> Iterator[slice]:
-    for start in range(0, count, _BATCH):
-        yield slice(start, start + _BATCH)
-
-
 def _parents(loops: Sequence[Floats]) -> tuple[int, ...]:
-    """Return the loop right around each loop, or -1: the smallest of those that contain its first corner."""
+    """Return the innermost loop around each loop, or -1: the smallest of those that contain its first corner."""
     polygons = shapely.polygons([shapely.linearrings(loop) for loop in loops])
     first_corners = shapely.points([loop[0] for loop in loops])
     inside, around = shapely.STRtree(polygons).query(first_corners, predicate="within")

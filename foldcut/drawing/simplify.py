@@ -1,10 +1,11 @@
-"""Leave out corners that the shape hardly needs: fewer corners make fewer and longer creases.
+"""Leave out corners that a shape hardly needs: fewer corners make fewer and longer creases.
 
-Shape on the sheet (mm), tolerance -> ``Simplified``. Corners are only left out, never moved. The corner that is missed
-least goes first, and corners that are missed equally go together, so that symmetric shapes mostly stay symmetric.
+Shape and tolerance, both in mm -> ``Simplified``. Corners are only left out, never moved. The corner whose loss changes
+the shape least goes first. Corners that tie go together, so that symmetric shapes mostly stay symmetric.
+``drawing.mend`` calls this too, to keep to a number of corners.
 
-Invariants: the old boundary is nowhere farther than the tolerance from the new one, nor the new from the old; loops
-stay simple, do not touch, lie within the same loops, and keep three corners.
+Invariants: the old and the new boundary are nowhere farther apart than the tolerance; loops stay simple, do not touch,
+lie within the same loops as before, and keep at least three corners.
 """
 
 from __future__ import annotations
@@ -21,15 +22,15 @@ from foldcut.drawing.shape import make_shape
 __all__ = ["Simplified", "simplify"]
 
 ALIKE = 1e-9
-"""Corners whose deviations differ by less, relative to the tolerance, are taken as missed equally."""
+"""Corners tie if their deviations differ by less than this, relative to the tolerance."""
 
 CLEARANCE = 1e-5
-"""How near a new edge may come to other corners, relative to the shape's size."""
+"""The least distance between a new edge and other corners, relative to the size of the shape."""
 
 
 @dataclass(frozen=True, eq=False)
 class Simplified:
-    """A shape with fewer corners; ``corners_before``, ``corners_after``, and the largest ``deviation`` in mm."""
+    """A shape with fewer corners, their number before and after, and the largest ``deviation`` from it in mm."""
 
     shape: Shape
     corners_before: int
@@ -43,9 +44,10 @@ class Simplified:
 
 
 def simplify(shape: Shape, tolerance: float) -> Simplified:
-    """Return ``shape`` without the corners that are not needed to stay within ``tolerance``, in the shape's units.
+    """Return ``shape`` without the corners that it does not need to stay within ``tolerance``, in the shape's units.
 
-    Raises ``BadInputError`` for a tolerance that is not a finite number from 0 up.
+    Raises ``BadInputError`` for a tolerance that is not a finite number from 0 up, and ``ShapeError`` if rounding makes
+    the result invalid.
     """
     if not 0 <= tolerance < float("inf"):
         raise BadInputError(f"the tolerance to simplify with is {tolerance} mm; give 0 or a positive number")
@@ -69,7 +71,7 @@ def simplify(shape: Shape, tolerance: float) -> Simplified:
 
 @dataclass(frozen=True, eq=False)
 class _Fits:
-    """What a loop without a corner must keep to: how far it may be off, how near it may come to what, in mm."""
+    """What a loop must keep to: the largest deviation, and the clearance from the corners of ``others``, in mm."""
 
     tolerance: float
     clearance: float
@@ -77,7 +79,7 @@ class _Fits:
 
 
 class _Loop:
-    """A loop's points, which of them are kept, and how much each kept one would be missed."""
+    """The points of a loop, which of them are kept, and the deviation that leaving out each kept one would make."""
 
     def __init__(self, points: Floats) -> None:
         self.points = points_array(points)
@@ -88,14 +90,14 @@ class _Loop:
         self.missed = np.array([self._deviation(self.before[at], self.after[at]) for at in range(len(points))])
 
     def drop_least(self, tolerance: float, clearance: float, others: list[Floats]) -> bool:
-        """Leave out the corners that are missed least, and return whether there may be more to leave out."""
+        """Leave out the corners that make the least deviation, and return whether there may be more to leave out."""
         candidates = np.where(self.kept, self.missed, np.inf)
         least = float(candidates.min())
         if least > tolerance or self.kept.sum() <= 3:
             return False
         fits = _Fits(tolerance, clearance, others)
         for run in self._runs(np.flatnonzero(candidates <= least + ALIKE * tolerance).tolist()):
-            # From both ends at once, so that mirrored runs go alike.
+            # From both ends at once, so that mirrored runs are treated alike.
             for step in range(0, (len(run) + 1) // 2, 2):
                 first, last = run[step], run[-1 - step]
                 if self.after[first] == last and first != last:
@@ -107,10 +109,10 @@ class _Loop:
         return True
 
     def _runs(self, alike: list[int]) -> list[list[int]]:
-        """Return runs of neighbours among these corners, each in order; every other corner of a run can go."""
+        """Return the runs of neighbours among these corners, each in order; every other corner of a run can go."""
         chosen = set(alike)
         starts = [at for at in alike if self.before[at] not in chosen]
-        if not starts:  # the whole loop: halves that do not meet
+        if not starts:  # the whole loop ties: every other corner, as a run of its own
             return [[at] for at in alike[:-1:2]]
         runs = []
         for start in starts:
@@ -121,7 +123,7 @@ class _Loop:
         return runs
 
     def _try(self, at: int, fits: _Fits) -> bool:
-        """Leave out a corner if that is possible; if not, it waits until a neighbour goes."""
+        """Leave out a corner if that is possible; if it is not, the corner waits until a neighbour goes."""
         free = self.kept.sum() > 3 and self.missed[at] <= fits.tolerance and self._is_free(at, fits)
         if free:
             self._drop(at)
@@ -130,7 +132,7 @@ class _Loop:
         return bool(free)
 
     def _try_pair(self, one: int, other: int, fits: _Fits) -> None:
-        """Leave out two neighbours that are missed equally: both, or the one farther out, or, if mirrored, neither."""
+        """Leave out two neighbours that tie: the one farther out, or if both are as far, both of them or neither."""
         centre = (self.points.min(axis=0) + self.points.max(axis=0)) / 2
         away = np.hypot(*(self.points[[one, other]] - centre).T)
         if abs(away[0] - away[1]) > 1e-9 * away.max():
@@ -150,7 +152,7 @@ class _Loop:
             self.missed[corner] = self._deviation(self.before[corner], self.after[corner])
 
     def _is_free(self, at: int, fits: _Fits) -> bool:
-        """Return whether the edge past a corner meets nothing: no other corner is in the triangle or near the edge."""
+        """Return whether a corner can go: no other corner is near the new edge, or in the triangle that it cuts off."""
         before, after = self.before[at], self.after[at]
         kept = self.kept.copy()
         kept[[before, at, after]] = False
@@ -163,7 +165,7 @@ class _Loop:
         return not bool(inside.any())
 
     def _deviation(self, start: int, end: int) -> float:
-        """Return how far the points between two corners are from the straight edge between these."""
+        """Return how far the points between two corners are from the straight edge between the corners."""
         between = (
             self.points[start + 1 : end]
             if start < end
@@ -172,11 +174,12 @@ class _Loop:
         return float(_distances(between, self.points[start], self.points[end]).max(initial=0.0))
 
     def worst_deviation(self) -> float:
-        """Return how far any left out corner is from the edge past it."""
+        """Return the largest distance of a corner that was left out from the edge that replaces it."""
         return max(self._deviation(at, self.after[at]) for at in np.flatnonzero(self.kept).tolist())
 
 
 def _side(points: Floats, start: Floats, end: Floats) -> Floats:
+    """Return on which side of a line points are: positive on the left."""
     along, away = end - start, points - start
     sides: Floats = along[0] * away[:, 1] - along[1] * away[:, 0]
     return sides

@@ -1,1 +1,1 @@
-"""FOLD files that are read: anybody's patterns, and foldcut's own."""
+"""Reading FOLD files: any crease pattern (``read``), and finished patterns that foldcut wrote (``reopen``)."""

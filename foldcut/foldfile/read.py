@@ -1,9 +1,9 @@
-"""Read anybody's FOLD file: its crease pattern, and its layer order if it has one.
+"""Read any FOLD file: its crease pattern, and its layer order if it has one.
 
-FOLD file -> ``FoldFile``, lengths in mm. Of several frames the first, the key frame, is the crease pattern;
-a folded frame is read for its layer order, and for its places where it has the same vertices. Faces are traced from the
-edges where the file has none. foldcut's own keys (see ``exporters/fold.py``) are read where they are there.
-Nothing but the form is checked: whether it folds is for ``verify`` to say. (FOLD specification 1.1 and 1.2.)
+FOLD file -> ``FoldFile``, lengths in mm. The first frame, called the key frame, is the crease pattern. Folded frames
+are read for a layer order, and for the places of the vertices if these are the same. Faces are traced from the edges if
+the file has none. foldcut's own keys (see ``exporters/pattern/fold.py``) are read if they are there. Only the form is
+checked: whether the pattern folds is for ``verify`` to say. (FOLD specification 1.1 and 1.2.)
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from foldcut.readers.base import read_text
 __all__ = ["FoldFile", "read_fold"]
 
 LARGEST_FILE = 128 * 2**20
-"""Bytes. 20,000 creases take 4 million, and two million face orders ten times that."""
+"""The size of the largest file, in bytes. 20,000 creases take 4 million, and two million face orders ten times that."""
 
 UNITS_MM = {
     **{unit: MM_PER_UNIT[unit] for unit in ("mm", "cm", "in", "pt")},
@@ -38,16 +38,16 @@ UNITS_MM = {
 """Millimetres per ``frame_unit``; a bare "unit" is taken as 1 mm."""
 
 ASSIGNMENTS = ("B", "M", "V", "F", "U")
+"""The assignments that are read: border, mountain, valley, flat, unassigned."""
 
 
 @dataclass(frozen=True, eq=False)
 class FoldFile:
-    """What a FOLD file says, in mm.
+    """What a FOLD file says, in mm; whatever it does not say is None.
 
-    ``layers`` ``(f,)`` are face numbers from bottom to top, or None; ``folded`` ``(v, 2)`` is where the first folded
-    frame has the vertices, or None; ``placement``, ``loops`` of the shape on the sheet and ``first_folds`` are
-    foldcut's own entries, or None; ``unit_mm`` is what the file's unit was taken for; ``notes`` say what was left out
-    or assumed.
+    ``layers`` ``(f,)`` are face numbers from bottom to top. ``folded`` ``(v, 2)`` are the places of the vertices in the
+    first folded frame. ``placement``, ``loops`` (the shape on the sheet) and ``first_folds`` are foldcut's own entries.
+    ``unit_mm`` is the length that was assumed for the unit of the file. ``notes`` say what was left out or assumed.
     """
 
     pattern: CreasePattern
@@ -64,8 +64,8 @@ class FoldFile:
 def read_fold(path: Path | str) -> FoldFile:
     """Read the crease pattern of a FOLD file.
 
-    Raises ``FileFormatError``, naming the place in the file, for a file that cannot be opened and for
-    anything that is not a flat crease pattern with its assignments.
+    Raises ``FileFormatError`` for a file that cannot be opened, and for anything that is not a flat crease pattern with
+    assignments; the error names the place in the file.
     """
     try:
         return _Reader(_load(Path(path))).read()
@@ -76,7 +76,7 @@ def read_fold(path: Path | str) -> FoldFile:
 
 
 def _load(path: Path) -> dict[str, Any]:
-    """Return the file's JSON object."""
+    """Return the JSON object in a file."""
     size = path.stat().st_size
     if size > LARGEST_FILE:
         limit = f"{LARGEST_FILE / 2**20:.0f} MiB"
@@ -89,14 +89,14 @@ def _load(path: Path) -> dict[str, Any]:
     try:
         data = json.loads(text, parse_constant=refuse)
     except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"not JSON, which a FOLD file is: {error}") from None
+        raise FileFormatError(f"not JSON, as a FOLD file has to be: {error}") from None
     if not isinstance(data, dict):
         raise FileFormatError(f"a FOLD file holds one JSON object, not a {type(data).__name__}")
     return data
 
 
 class _Reader:
-    """One file being read: its JSON object, and the notes so far."""
+    """Reads one file, whose JSON object is ``data``, and collects notes."""
 
     def __init__(self, data: dict[str, Any]) -> None:
         self.data = data
@@ -140,7 +140,7 @@ class _Reader:
         raise FileFormatError(f"{place}: {problem}")
 
     def unit(self) -> float:
-        """Return the mm of one unit."""
+        """Return how many mm one unit is."""
         unit = self.data.get("frame_unit", "unit")
         if not isinstance(unit, str) or unit not in UNITS_MM:
             self.fail("frame_unit", f"{unit!r} is not one of {', '.join(UNITS_MM)}")
@@ -167,7 +167,7 @@ class _Reader:
         return points_array(np.array(points, dtype=np.float64).reshape(-1, 2) * unit_mm)
 
     def folded(self, vertex_count: int, unit_mm: float) -> Floats | None:
-        """Return the places of the first folded frame that has the key frame's vertices, lying flat."""
+        """Return the places of the vertices in the first folded frame that is flat and has as many vertices."""
         for place, frame in islice(self.frames(), 1, None):
             rows = frame.get("vertices_coords")
             if isinstance(rows, list) and len(rows) == vertex_count:
@@ -178,7 +178,7 @@ class _Reader:
         return None
 
     def point_lists(self, name: str, unit_mm: float, least: int) -> tuple[Floats, ...] | None:
-        """Return lists of points of at least so many each, or None where the file has none."""
+        """Return lists with at least ``least`` points each, or None if the file does not have this entry."""
         if name not in self.data:
             return None
         lists = tuple(self.points(self.rows_of(place, row), unit_mm) for place, row in self.rows(name))
@@ -213,19 +213,19 @@ class _Reader:
         return assignment
 
     def faces(self, coords: Floats) -> tuple[Ragged, Bools]:
-        """Return the faces, counter-clockwise, and which of them the file has clockwise."""
+        """Return the faces, counter-clockwise, and which of them are clockwise in the file."""
         rows = []
         for place, row in self.rows("faces_vertices"):
-            ring = self.indices(place, row, len(coords))
-            if len(ring) < 3:
-                self.fail(place, f"{len(ring)} vertices; a face has at least three")
-            rows.append(ring)
+            outline = self.indices(place, row, len(coords))
+            if len(outline) < 3:
+                self.fail(place, f"{len(outline)} vertices; a face has at least three")
+            rows.append(outline)
         clockwise = signed_areas(coords, Ragged.from_rows(rows)) < 0
         turned = zip(rows, clockwise, strict=True)
-        return Ragged.from_rows(ring[::-1] if back else ring for ring, back in turned), clockwise
+        return Ragged.from_rows(outline[::-1] if back else outline for outline, back in turned), clockwise
 
     def layers(self, pattern: CreasePattern, turned: Bools) -> Ints | None:
-        """Return the layer order: foldcut's own entry, or else one that agrees with the file's faceOrders."""
+        """Return the layer order: foldcut's own entry, or else an order that agrees with the first faceOrders."""
         count = len(pattern.faces_vertices)
         if "foldcut:layers" in self.data:
             layers = self.indices("foldcut:layers", self.data["foldcut:layers"], count)
@@ -257,8 +257,9 @@ class _Reader:
     def sorted_layers(self, place: str, orders: object, pattern: CreasePattern, turned: Bools) -> Ints:
         """Return a linear order of all faces, bottom to top, that agrees with ``orders``.
 
-        ``[f, g, s]`` says that f lies on the side of g that g's normal points to (s = 1), or on the other
-        (-1). Faces that nothing compares are taken in the order of their numbers.
+        ``[f, g, s]`` says that f lies on the side of g that the normal of g points to (s = 1), or on the other side
+        (s = -1). Faces that nothing compares come in the order of their numbers. ``turned`` are the faces that the file
+        has clockwise, so that their normals point the other way.
         """
         if not isinstance(orders, list):
             self.fail(place, "must be a list")
@@ -289,7 +290,7 @@ class _Reader:
                     heappush(ready, over)
         if len(layers) < count:
             faces = ", ".join(map(str, _circle(above, below)))
-            self.fail(place, f"circular: faces {faces} lie each on the one before; one linear order is needed")
+            self.fail(place, f"circular: faces {faces} each lie on the one before; give an order without circles")
         return index_array(layers)
 
     def placement(self) -> Placement | None:
@@ -304,14 +305,14 @@ class _Reader:
         return Placement(array)
 
     def rows(self, name: str) -> Iterator[tuple[str, list[Any]]]:
-        """Yield (place, list) for each row of a list of lists."""
+        """Yield the place in the file and the row, for each row of an entry that is a list of lists."""
         rows = self.data.get(name)
         if not isinstance(rows, list):
             self.fail(name, "missing" if rows is None else "must be a list of lists")
         return self.rows_of(name, rows)
 
     def rows_of(self, name: str, rows: list[Any]) -> Iterator[tuple[str, list[Any]]]:
-        """Yield (place, list) for each of these rows."""
+        """Yield the place in the file and the row, for each of these rows."""
         for at, row in enumerate(rows):
             if not isinstance(row, list):
                 self.fail(f"{name}[{at}]", "must be a list")
@@ -333,7 +334,7 @@ class _Reader:
 
 
 def _circle(above: list[list[int]], below: list[int]) -> list[int]:
-    """Return faces of which each lies on the one before, and the first on the last."""
+    """Return a circle of faces: each lies on the one before, and the first on the last."""
     under = {over: face for face, overs in enumerate(above) if below[face] for over in overs if below[over]}
     walk = [next(iter(under))]
     while under[walk[-1]] not in walk:

@@ -1,6 +1,6 @@
-"""A finished pattern out of its FOLD file: what foldcut wrote comes back as it was, and is verified anew.
+"""Reopen a finished pattern: what foldcut wrote to a FOLD file comes back as it was, and is verified anew.
 
-``FoldFile`` -> ``Reopened``. Nothing in the file is believed: creases, layers and cut go through ``verify``, and the
+``FoldFile`` -> ``Reopened``. Nothing in the file is taken on trust: ``verify`` checks creases, layers and cut, and the
 folded form must be where the creases put it, with the cut along y = 0 and the shape above it.
 """
 
@@ -26,7 +26,7 @@ __all__ = ["Reopened", "reopen"]
 
 @dataclass(frozen=True, eq=False)
 class Reopened:
-    """A pattern that was read, and what verification found; ``notes`` are the reader's."""
+    """A pattern that was read, what verification found, and the notes of the reader."""
 
     folded_pattern: FoldedPattern
     findings: tuple[Finding, ...]
@@ -41,8 +41,8 @@ class Reopened:
 def reopen(file: FoldFile) -> Reopened:
     """Return the pattern of a FOLD file that foldcut wrote, verified.
 
-    Raises ``BadInputError``, naming what is missing, for a file that does not say how the paper lies when folded or
-    what the cut gives.
+    Raises ``BadInputError`` for a file that does not say how the sheet lies when folded, or what the cut cuts out; the
+    error names what is missing.
     """
     creases = file.pattern
     missing = {
@@ -54,8 +54,8 @@ def reopen(file: FoldFile) -> Reopened:
     absent = [what for what, value in missing.items() if value is None]
     if file.layers is None or file.folded is None or file.loops is None or file.placement is None:
         raise BadInputError(
-            f"the file has no {'; no '.join(absent)}. foldcut's own FOLD files have these and can be opened; "
-            "`foldcut check` verifies anybody's"
+            f"the file has no {'; no '.join(absent)}. Only FOLD files that foldcut wrote have these and can be "
+            "reopened; `foldcut check` verifies any FOLD file"
         )
     sheet, shape = _sheet(creases), make_shape(file.loops)
     findings = verify(creases, file.layers, shape) or _check_folded(creases, file.folded, shape, sheet)
@@ -65,18 +65,20 @@ def reopen(file: FoldFile) -> Reopened:
 
 
 def _sheet(creases: CreasePattern) -> Sheet:
-    """Return the rectangle that the faces cover; raises ``BadInputError`` where they cover none from (0, 0) on."""
+    """Return the rectangle that the faces cover; raises ``BadInputError`` if they do not cover one from (0, 0)."""
     least, most = creases.vertices_coords.min(axis=0), creases.vertices_coords.max(axis=0)
     sheet = Sheet(*most.tolist())
     slack = COINCIDENT[0] * sheet.diagonal
     area = float(signed_areas(creases.vertices_coords, creases.faces_vertices).sum())
     if (np.abs(least) > slack).any() or abs(area - sheet.width * sheet.height) > slack * sheet.diagonal:
-        raise BadInputError("the sheet is no rectangle with its lower left corner at (0, 0), as foldcut's are")
+        raise BadInputError(
+            "the sheet is not a rectangle with its lower left corner at (0, 0), as those of foldcut are"
+        )
     return sheet
 
 
 def _check_folded(creases: CreasePattern, folded: Floats, shape: Shape, sheet: Sheet) -> list[Finding]:
-    """Find vertices that the file has elsewhere than the creases put them, and a cut that is not along y = 0."""
+    """Find a vertex that is not where the creases put it, or a cut that is not along y = 0 with the shape above it."""
     tolerance = 2 * COINCIDENT[0] * sheet.diagonal
     maps = fold_faces(creases, edge_faces(creases))
     face = np.zeros(len(folded), dtype=np.int32)

@@ -1,4 +1,4 @@
-"""Pairs of segments."""
+"""Relations between straight segments."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from foldcut.core.arrays import Bools, Floats
 
 
 def collinear_overlap(one: Floats, other: Floats, tolerance: float) -> tuple[Floats, Bools]:
-    """Return the length on which segments coincide, and whether they point the same way.
+    """Return the length along which each pair of segments coincides, ``(n,)``, and whether both point the same way.
 
-    ``one`` and ``other`` are ``(n, 2, 2)``. The length is 0 where an end of the shorter segment is farther
-    than ``tolerance`` from the line of the longer.
+    ``one`` and ``other`` are ``(n, 2, 2)``. The length is 0 where an end of the shorter segment is farther than
+    ``tolerance`` from the line through the longer one.
     """
     first, second = one[:, 1] - one[:, 0], other[:, 1] - other[:, 0]
     swap = np.hypot(*second.T) > np.hypot(*first.T)

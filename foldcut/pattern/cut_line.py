@@ -1,4 +1,9 @@
-"""Where the boundary of a shape lands when the sheet is folded, and what is inside it."""
+"""Where the boundary of a shape lands when its sheet is folded, and which points are inside the shape.
+
+Pattern, maps of its faces and shape on the sheet -> the boundary in pieces, each within one face, and where each
+piece lands. ``fold_boundary`` does it all. ``proof.cut``, which compares large patterns with the boundary only where
+they come near it, calls the steps: ``sides_of``, ``edges_near`` or ``edges_in_boxes``, ``fold_pieces``.
+"""
 
 from __future__ import annotations
 
@@ -6,26 +11,28 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from foldcut.core.arrays import Bools, Floats, Ints, Numbers
+from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers, blocks
 from foldcut.core.model import CreasePattern, Shape
 from foldcut.geometry.planar_graph import edge_faces, half_edges
 from foldcut.pattern.face_maps import FaceMaps
 
+__all__ = [
+    "contains",
+    "edges_in_boxes",
+    "edges_near",
+    "face_depths",
+    "face_polygons",
+    "fold_boundary",
+    "fold_pieces",
+    "sides_of",
+]
 
-def fold_boundary(
-    pattern: CreasePattern, maps: FaceMaps, shape: Shape, tolerance: float
-) -> tuple[Floats, Indices, Floats]:
-    """Return the shape's boundary in pieces within one face each: their ends, faces, and where the ends land.
-
-    ``(n, 2, 2)`` mm on the sheet, ``(n,)``, and ``(n, 2, 2)`` in the frame of ``maps``; ``tolerance`` in mm.
-    """
-    sides = sides_of(shape)
-    near = edges_near(pattern, sides, tolerance)
-    return fold_pieces(pattern, edge_faces(pattern), maps, sides, near, tolerance)
+BATCH = 1 << 16
+"""The number of edges handled at a time; it bounds the memory, not the result."""
 
 
 def contains(shape: Shape, points: Floats) -> Bools:
-    """Return whether points are inside: in an odd number of loops."""
+    """Return which ``points``, ``(n, 2)``, are inside ``shape``: within an odd number of loops."""
     depth = np.zeros(len(points), dtype=np.intp)
     for loop in shape.loops:
         polygon = shapely.Polygon(loop)
@@ -35,11 +42,51 @@ def contains(shape: Shape, points: Floats) -> Bools:
     return odd
 
 
-Indices = NDArray[np.intp]
+def fold_boundary(
+    pattern: CreasePattern, maps: FaceMaps, shape: Shape, tolerance: float
+) -> tuple[Floats, Indices, Floats]:
+    """Return the boundary of the shape in pieces that lie within one face each.
+
+    The result is the ends of the pieces on the sheet, ``(n, 2, 2)`` mm, their faces, ``(n,)``, and where the ends land,
+    ``(n, 2, 2)`` in the frame of ``maps``. ``tolerance`` is in mm.
+    """
+    sides = sides_of(shape)
+    near = edges_near(pattern, sides, tolerance)
+    return fold_pieces(pattern, edge_faces(pattern), maps, sides, near, tolerance)
 
 
-BATCH = 1 << 16
-"""Edges looked at together; bounds the memory, not the result."""
+def sides_of(shape: Shape) -> Floats:
+    """Return the sides of all loops, ``(n, 2, 2)``."""
+    starts = np.concatenate(shape.loops)
+    return np.stack([starts, np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])], axis=1)
+
+
+def edges_near(
+    pattern: CreasePattern, sides: Floats, distance: float, among: Indices | None = None
+) -> tuple[Indices, Indices]:
+    """Return all pairs of a side and an edge, of ``among`` if given, that come within ``distance`` of each other."""
+    edges = pattern.edges_vertices if among is None else pattern.edges_vertices[among]
+    tree = shapely.STRtree(shapely.linestrings(pattern.vertices_coords[edges]))
+    side, edge = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=distance)
+    return side, edge if among is None else among[edge]
+
+
+def edges_in_boxes(pattern: CreasePattern, sides: Floats, distance: float) -> tuple[Indices, Indices]:
+    """Return all pairs of a side and an edge whose boxes come within ``distance`` of each other, for a few sides."""
+    low, high = sides.min(axis=1) - distance, sides.max(axis=1) + distance
+    side, edge = [], []
+    for some in blocks(len(pattern.edges_vertices), BATCH):
+        edges = pattern.edges_vertices[some]
+        one, other = pattern.vertices_coords[edges[:, 0]], pattern.vertices_coords[edges[:, 1]]
+        left, right = np.minimum(one[:, 0], other[:, 0]), np.maximum(one[:, 0], other[:, 0])
+        for number in range(len(sides)):
+            (x_low, y_low), (x_high, y_high) = low[number], high[number]
+            meet = np.flatnonzero((left <= x_high) & (right >= x_low))
+            bottom, top = np.minimum(one[meet, 1], other[meet, 1]), np.maximum(one[meet, 1], other[meet, 1])
+            meet = meet[(bottom <= y_high) & (top >= y_low)]
+            side.append(np.full(len(meet), number))
+            edge.append(some.start + meet)
+    return np.concatenate(side), np.concatenate(edge)
 
 
 def fold_pieces(
@@ -50,14 +97,14 @@ def fold_pieces(
     near: tuple[Indices, Indices],
     tolerance: float,
 ) -> tuple[Floats, Indices, Floats]:
-    """Do as ``fold_boundary``; ``near`` are sides and the edges near them."""
+    """Return ``sides`` in pieces as ``fold_boundary`` does; ``near`` are the pairs of a side and an edge near it."""
     side, edge = near
     ends = pattern.vertices_coords[pattern.edges_vertices[edge]]
     close = shapely.dwithin(shapely.linestrings(sides)[side], shapely.linestrings(ends), tolerance)
     side, edge = side[close], edge[close]
     pieces, ending = _divide(pattern, sides, side, edge, tolerance)
     middles = pieces.mean(axis=1)
-    # most pieces are well within a face at an edge that they end at
+    # Most pieces are well inside a face beside an edge that they end at.
     beside = np.where(ending[:, :, None] >= 0, faces_of_edges[ending], np.int32(-1)).reshape(-1, 4)
     depth = np.stack([face_depths(pattern, middles, face) for face in beside.T], axis=1)
     best = depth.argmax(axis=1)
@@ -65,55 +112,20 @@ def fold_pieces(
     faces = beside[rows, best].astype(np.intp)
     rest = np.flatnonzero(depth[rows, best] <= tolerance)
     if len(rest):
-        # the others lie in a face at one of these edges, but for sides that no edge comes near
+        # The others are in a face beside one of these edges, unless there is a side that no edge comes near.
         around = np.unique(faces_of_edges[edge]) if len(np.unique(side)) == len(sides) else np.empty(0, dtype=np.int32)
         faces[rest] = _faces_at(pattern, middles[rest], around[around >= 0] if len(around) else None)
     return pieces, faces, np.stack([maps.apply(faces, pieces[:, end]) for end in (0, 1)], axis=1)
 
 
-def edges_near(
-    pattern: CreasePattern, sides: Floats, distance: float, among: Indices | None = None
-) -> tuple[Indices, Indices]:
-    """Return the sides and edges, all or some, that come within a distance of each other, in pairs."""
-    edges = pattern.edges_vertices if among is None else pattern.edges_vertices[among]
-    tree = shapely.STRtree(shapely.linestrings(pattern.vertices_coords[edges]))
-    side, edge = tree.query(shapely.linestrings(sides), predicate="dwithin", distance=distance)
-    return side, edge if among is None else among[edge]
-
-
-def edges_in_boxes(pattern: CreasePattern, sides: Floats, distance: float) -> tuple[Indices, Indices]:
-    """Return few sides and the edges whose boxes come within a distance of theirs, in pairs."""
-    low, high = sides.min(axis=1) - distance, sides.max(axis=1) + distance
-    side, edge = [], []
-    for first in range(0, len(pattern.edges_vertices), BATCH):
-        edges = pattern.edges_vertices[first : first + BATCH]
-        one, other = pattern.vertices_coords[edges[:, 0]], pattern.vertices_coords[edges[:, 1]]
-        left, right = np.minimum(one[:, 0], other[:, 0]), np.maximum(one[:, 0], other[:, 0])
-        for number in range(len(sides)):
-            (x_low, y_low), (x_high, y_high) = low[number], high[number]
-            meet = np.flatnonzero((left <= x_high) & (right >= x_low))
-            bottom, top = np.minimum(one[meet, 1], other[meet, 1]), np.maximum(one[meet, 1], other[meet, 1])
-            meet = meet[(bottom <= y_high) & (top >= y_low)]
-            side.append(np.full(len(meet), number))
-            edge.append(first + meet)
-    return np.concatenate(side), np.concatenate(edge)
-
-
-def sides_of(shape: Shape) -> Floats:
-    """Return the sides of all loops, ``(n, 2, 2)``."""
-    starts = np.concatenate(shape.loops)
-    return np.stack([starts, np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])], axis=1)
-
-
 def _divide(
     pattern: CreasePattern, sides: Floats, side: Indices, edge: Indices, tolerance: float
 ) -> tuple[Floats, Indices]:
-    """Return the sides cut up where they meet edges of the pattern, ``(n, 2, 2)``: each within one face.
+    """Divide the sides where they meet edges of the pattern, so that each piece is within one face.
 
-    And an edge at either end, ``(n, 2)``, -1 for none. ``side`` and ``edge`` are those that come within the
-    tolerance of each other.
-
-    A piece may lie on an edge that is not folded; then it belongs to either face.
+    ``side`` and ``edge`` are the pairs that come within the tolerance of each other. Returns the pieces, ``(n, 2, 2)``,
+    and an edge at either end of each, ``(n, 2)``, -1 for none. A piece that lies along an unfolded edge may be counted
+    to either of its faces.
     """
     ends = pattern.vertices_coords[pattern.edges_vertices[edge]]
     base, along = sides[side, 0], sides[side, 1] - sides[side, 0]
@@ -123,7 +135,7 @@ def _divide(
     with np.errstate(divide="ignore", invalid="ignore"):
         meet = (to_edge[:, 0, 0] * across[:, 1] - to_edge[:, 0, 1] * across[:, 0]) / slope
     length_squared = (along**2).sum(axis=1)
-    # The ends count as well: the quotient says little when side and edge are nearly parallel.
+    # Divide at the ends of the edge as well: the quotient is unreliable where side and edge are nearly parallel.
     near = (to_edge * along[:, None]).sum(axis=2) / length_squared[:, None]
     at = np.concatenate([meet, near[:, 0], near[:, 1], np.zeros(len(sides)), np.ones(len(sides))])
     owner = np.concatenate([side, side, side, np.arange(len(sides)), np.arange(len(sides))])
@@ -141,28 +153,32 @@ def _divide(
 
 
 def face_depths(pattern: CreasePattern, points: Floats, faces: Numbers) -> Floats:
-    """Return how far each point is on the inner side of all sides of its face: negative where it may be outside."""
+    """Return how far each point is inside its face, in mm: its least distance to the lines through the face's sides.
+
+    ``points`` is ``(n, 2)`` and ``faces`` ``(n,)``, -1 for none. The depth is negative where the point may be outside,
+    and minus infinity where there is no face.
+    """
     depths = np.full(len(points), -np.inf)
     at = np.flatnonzero(faces >= 0)
-    rings = pattern.faces_vertices.take(faces[at])
-    start, end = half_edges(rings)
+    outlines = pattern.faces_vertices.take(faces[at])
+    start, end = half_edges(outlines)
     base = pattern.vertices_coords[start]
     along = pattern.vertices_coords[end] - base
-    away = points[at][rings.rows] - base
+    away = points[at][outlines.rows] - base
     height = (along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]) / np.hypot(*along.T)
     if len(at):
-        depths[at] = np.minimum.reduceat(height, rings.offsets[:-1])
+        depths[at] = np.minimum.reduceat(height, outlines.offsets[:-1])
     return depths
 
 
 def _faces_at(pattern: CreasePattern, points: Floats, around: Ints | None) -> Indices:
-    """Return a face at each point, one of ``around``: the one it is in, or one it borders."""
+    """Return for each point the face, of ``around`` if given, that it is in, or one that it borders."""
     number = np.arange(len(pattern.faces_vertices)) if around is None else around
     return np.asarray(number[shapely.STRtree(face_polygons(pattern, number)).nearest(shapely.points(points))])
 
 
 def face_polygons(pattern: CreasePattern, number: Numbers) -> NDArray[np.object_]:
-    """Return faces as polygons."""
+    """Return the faces with these numbers, ``(n,)``, as shapely polygons on the sheet."""
     faces = pattern.faces_vertices.take(number)
-    rings = shapely.linearrings(pattern.vertices_coords[faces.values], indices=faces.rows)
-    return np.asarray(shapely.polygons(rings))
+    outlines = shapely.linearrings(pattern.vertices_coords[faces.values], indices=faces.rows)
+    return np.asarray(shapely.polygons(outlines))

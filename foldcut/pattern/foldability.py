@@ -1,6 +1,6 @@
-"""How hard a pattern is to fold by hand, and to cut: counts, lengths, angles, layers, and what could be done about it.
+"""How hard a pattern is to fold by hand and to cut: counts, lengths, angles, layers, and what would help.
 
-``FoldedPattern`` -> ``Foldability``. Nothing is decided here: a pattern with warnings folds flat all the same.
+``FoldedPattern`` -> ``Foldability``. Nothing is decided here: a pattern with warnings still folds flat.
 """
 
 from __future__ import annotations
@@ -9,9 +9,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from foldcut.core.arrays import Floats, Ragged
+from foldcut.core.arrays import Floats, Indices, Ints, Ragged
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Shape, Sheet
 from foldcut.geometry.planar_graph import half_edges
 from foldcut.pattern.face_maps import folded_edges
@@ -33,32 +32,31 @@ PAPER_MM = 0.1
 """The thickness of office paper of 80 g/m2."""
 
 COMFORTABLE_CREASE_MM = 3.0
-"""Shorter creases are hard to fold by hand."""
+"""Creases that are shorter than this are hard to fold by hand."""
 
 COMFORTABLE_LAYERS = 120
-"""More layers are hard to cut at once: 12 mm of office paper."""
+"""More layers than this are hard to cut at once: they are 12 mm of office paper."""
 
 LARGEST_FACTOR = 10.0
-"""No larger sheet is proposed than so many times the one at hand."""
+"""No sheet is proposed that is more than this many times as large as the present one."""
 
 STRAIGHT = 1e-6
-"""Two creases are one line when they turn by less than this, in radians, or leave it by less than rounding does."""
+"""Two creases count as one line if the angle between them is less than this, in radians."""
 
 ROUNDING = 1e-9
-"""The error of coordinates, relative to the sheet's diagonal."""
+"""They also count as one line if the shorter one leaves it by less than this, relative to the sheet's diagonal."""
 
 MOST_LINES = 100
-"""So many lines across the folded sheet are looked along in each direction for the thickest place."""
-
-Keys = NDArray[np.intp]
+"""The number of lines across the folded sheet, in each direction, along which the thickest place is looked for."""
 
 
 @dataclass(frozen=True)
 class CreaseNumbers:
-    """What can be counted and measured on the sheet: mountains and valleys only.
+    """What can be counted and measured on the sheet; creases are mountains and valleys only.
 
-    ``lines`` counts creases that go straight on through a vertex once, mountain or valley. What has no creases has no
-    shortest one (``shortest_crease_at`` is its middle, in mm), what has no vertex with two creases no smallest angle.
+    ``lines``: the number of creases if those that go straight on through a vertex count once, mountain or valley.
+    ``shortest_crease_at`` is the middle of the shortest crease, in mm; it is None without creases. The smallest angle
+    between creases is None if no two of them meet.
     """
 
     creases: int
@@ -74,9 +72,9 @@ class CreaseNumbers:
 class Foldability(CreaseNumbers):
     """How hard a pattern is to fold and to cut.
 
-    ``layers`` at the thickest place that was found, see ``most_layers``; ``thickness_mm`` there; ``layers_at_cut``
-    where the cut goes through most; ``sheet_used``: the share of the sheet that the shape takes, 0 to 1; ``warnings``
-    say what is hard, and the remedy.
+    ``layers`` and ``thickness_mm`` are those of the thickest place that was found (see ``most_layers``),
+    ``layers_at_cut`` those of the thickest place on the cut line. ``sheet_used``: the share of the sheet that the shape
+    takes, from 0 to 1. ``warnings`` say what is hard, and the remedy.
     """
 
     layers: int
@@ -87,9 +85,9 @@ class Foldability(CreaseNumbers):
 
 
 def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM, method: str = "") -> Foldability:
-    """Return how hard ``pattern`` is to fold and to cut, of paper that is ``paper_mm`` thick.
+    """Return how hard ``pattern`` is to fold and to cut, if the paper is ``paper_mm`` thick.
 
-    ``method``: the name of one to try that makes fewer creases, if there is one, for the warnings.
+    ``method``: the name of a method that makes fewer creases, if there is one, for the warnings to suggest.
     """
     faces, folded = pattern.creases.faces_vertices, pattern.folded
     numbers = crease_numbers(pattern.creases)
@@ -106,7 +104,7 @@ def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM, method: str 
 
 
 def crease_numbers(creases: CreasePattern) -> CreaseNumbers:
-    """Return what can be counted and measured on the sheet."""
+    """Return what can be counted and measured in a crease pattern."""
     edges = creases.edges_vertices[folded_edges(creases)]
     ends = creases.vertices_coords[edges]
     lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
@@ -124,9 +122,10 @@ def crease_numbers(creases: CreasePattern) -> CreaseNumbers:
 
 
 def remedies(sheet: Sheet, factor: float, loops: int, method: str = "") -> str:
-    """Return words for what makes the shortest crease of a drawing of so many loops ``factor`` times as long.
+    """Return a sentence on what would make the shortest crease ``factor`` times as long.
 
-    ``method``: the name of one to try that makes fewer creases, if there is one that has not been tried.
+    ``loops`` is the number of loops in the drawing. ``method``: the name of a method to suggest, which makes fewer
+    creases and has not been tried, if there is one.
     """
     if factor > LARGEST_FACTOR:
         other = f"try --method {method} or a higher --effort" if method else "try a higher --effort"
@@ -141,18 +140,19 @@ def remedies(sheet: Sheet, factor: float, loops: int, method: str = "") -> str:
 
 
 def layers_at_cut(faces: Ragged, folded: FoldedState) -> int:
-    """Return how many layers of paper the cut goes through where the folded sheet is thickest along it.
+    """Return how many layers the cut goes through at the thickest place on the cut line, y = 0.
 
-    The cut runs along y = 0; faces that only touch this line from above or below do not count.
+    Faces that only touch this line from above or below do not count.
     """
     return _Lines(faces, folded.vertices_coords).layers(0.0)
 
 
 def most_layers(faces: Ragged, folded: FoldedState) -> int:
-    """Return how many layers lie on each other at the thickest place of the folded sheet.
+    """Return how many layers lie on each other at the thickest place that is found on the folded sheet.
 
-    Exact along lines half-way between neighbouring vertices, upwards and across, of which ``MOST_LINES`` are taken; a
-    lower bound for the sheet, which misses only what is thickest in a patch between these lines.
+    Layers are counted exactly along lines halfway between neighbouring coordinates of vertices, upright and level, but
+    not along more than ``MOST_LINES`` of each. The result is a lower bound: a thicker place between these lines is
+    missed.
     """
     most = 0
     for axis in (1, 0):
@@ -190,9 +190,9 @@ class _Lines:
 
 
 class _Spokes:
-    """The creases as they leave their vertices, twice each, counter-clockwise around each vertex in turn."""
+    """The creases as they leave their vertices: each crease twice, sorted by vertex and counter-clockwise around it."""
 
-    def __init__(self, creases: CreasePattern, edges: NDArray[np.int32]) -> None:
+    def __init__(self, creases: CreasePattern, edges: Ints) -> None:
         count = len(edges)
         self.edge_count = count
         tail, head = np.concatenate([edges, edges[:, ::-1]]).T
@@ -219,20 +219,20 @@ class _Spokes:
         opposite = self._opposite()
         going_on = np.flatnonzero(opposite >= 0)
         pairs = np.sort(np.stack([self.edge[going_on], self.edge[opposite[going_on]]], axis=1), axis=1)
-        # Chains of edges do not close, so each pair joins two of them.
+        # Straight chains of edges do not close, so each pair joins two chains.
         return self.edge_count - len(np.unique(pairs, axis=0))
 
-    def _opposite(self) -> Keys:
-        """Return the spoke that goes straight on from each, -1 where none does."""
+    def _opposite(self) -> Indices:
+        """Return for each spoke the one that continues it straight on, or -1."""
         if not self.edge_count:
             return np.zeros(0, dtype=np.intp)
-        # Angles are in (-pi, pi]: eight for each vertex keep vertices apart.
+        # Angles are in (-pi, pi], so adding 8 times the vertex keeps those of different vertices apart.
         sought = self.angle + np.where(self.angle > 0, -math.pi, math.pi)
         after = np.searchsorted(self.tail * 8.0 + self.angle, self.tail * 8.0 + sought) - self.first
         best = np.full(len(self.edge), -1)
         least = np.full(len(self.edge), np.inf)
         reach = np.hypot(*self.along.T)
-        for step in (-1, 0):  # the nearest angle is just before or after the one sought
+        for step in (-1, 0):  # the nearest angle comes just before or after the one sought
             other = self.first + (after + step) % self.degree
             across = np.abs(self.along[:, 0] * self.along[other, 1] - self.along[:, 1] * self.along[other, 0])
             shorter, longer = np.minimum(reach, reach[other]), np.maximum(reach, reach[other])
@@ -244,17 +244,17 @@ class _Spokes:
 
 
 def _area(shape: Shape) -> float:
-    """Return the area inside a shape: loops within an odd number of others are holes."""
+    """Return the area of a shape: loops within an odd number of others are holes."""
     area = 0.0
     for number, loop in enumerate(shape.loops):
         x, y = (loop - loop[0]).T
-        ring = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
-        area += ring if shape.depth(number) % 2 == 0 else -ring
+        enclosed = abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+        area += enclosed if shape.depth(number) % 2 == 0 else -enclosed
     return area
 
 
 def thickness(mm: float) -> str:
-    """Return a thickness in words, with three figures."""
+    """Return a thickness as text, with three significant figures."""
     return f"{mm:.3g} mm" if mm < 999.5 else f"{mm:,.0f} mm"
 
 

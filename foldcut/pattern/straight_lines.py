@@ -1,6 +1,6 @@
-"""Creases that go straight on through vertices, as one line.
+"""Join creases that go straight on through vertices into lines.
 
-Points and edges -> the ends of lines.
+Points and edges -> the ends of the lines.
 """
 
 from __future__ import annotations
@@ -13,17 +13,21 @@ from foldcut.core.arrays import Floats
 from foldcut.geometry.vectors import cross
 
 STRAIGHT = 1e-9
-"""Creases that turn less than this, in radians, go straight on."""
+"""Creases go straight on if they turn by less than this, in radians."""
 
 
 def straight_lines(points: Floats, edges: Sequence[Sequence[int]]) -> list[tuple[int, int]]:
-    """Join edges that go straight on through a vertex; returns the ends of each line, in the order of the edges."""
+    """Return the ends, as two vertices, of the lines that edges make when those that go straight on are joined.
+
+    ``points`` is ``(v, 2)``; the lines are in the order of their first edges.
+    """
     at: dict[int, list[int]] = defaultdict(list)
     for number, edge in enumerate(edges):
         for vertex in edge:
             at[vertex].append(number)
 
     def other(number: int, vertex: int) -> int:
+        """Return the other end of an edge."""
         a, b = edges[number]
         return b if vertex == a else a
 

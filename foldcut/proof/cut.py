@@ -1,16 +1,17 @@
 """The cut: whether one straight line through the folded sheet cuts out exactly the shape.
 
-Pattern, folded faces and shape on the sheet -> findings. The shape's boundary must fold onto one line, no
-crease, wherever it is on the sheet, may fold onto that line, and what is inside the shape must fold to one
-side of the line, what is outside to the other.
+Pattern, maps of its faces and shape on the sheet -> findings. The boundary of the shape must fold onto one line. No
+crease anywhere on the sheet may fold onto that line. The inside of the shape must fold to one side of the line, and
+the outside to the other.
 
-Why looking at vertices is enough: the height over the line is continuous on the sheet and linear on each
-face, of slope 1. The boundary divides the faces into pieces that are wholly inside or wholly outside, and
-whose corners are pattern vertices and points of the boundary, where the height is 0. A linear function is
-least and greatest at corners; so if no inner vertex is below and no outer one above, every piece is on its
-side, and reaches the line at most with an edge: a point strictly within a piece is strictly off the line.
+It is enough to look at vertices: the height over the line is continuous on the sheet, and on each face it is linear
+with slope 1. The boundary divides the faces into pieces that are wholly inside or wholly outside. The corners of a
+piece are vertices of the pattern and points of the boundary, where the height is 0. A linear function is least and
+greatest at corners. So if no inner vertex is below the line and no outer one above it, every piece is on its own
+side and reaches the line with an edge at most: a point strictly within a piece is strictly off the line.
 
-Of a large pattern only the edges that reach the line are compared with the boundary: see ``_is_surely_cut``.
+In a large pattern, only the edges that reach the line are compared with the boundary: see ``is_surely_cut``.
+``pattern.cut_line`` divides and folds the boundary.
 """
 
 from __future__ import annotations
@@ -18,11 +19,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from foldcut.core.arrays import Bools, Floats, Ints
+from foldcut.core.arrays import Bools, Floats, Indices, Ints
 from foldcut.core.model import CreasePattern, Finding, Shape
 from foldcut.geometry.segments import collinear_overlap
 from foldcut.pattern.cut_line import (
-    Indices,
     contains,
     edges_in_boxes,
     edges_near,
@@ -32,44 +32,45 @@ from foldcut.pattern.cut_line import (
     sides_of,
 )
 from foldcut.pattern.face_maps import FaceMaps, folded_edges
+from foldcut.proof.findings import finding
 
-__all__ = ["check_cut"]
-
+__all__ = ["check_cut", "check_on_sheet", "is_surely_cut", "line_through"]
 
 ON_THE_LINE = 2e-8
-"""A crease is on the cut line when its ends are this close, relative to the sheet's diagonal.
+"""A crease is on the cut line if both its ends are this close to it, relative to the sheet's diagonal.
 
-Not the verifier's tolerance: there less is stricter, here it would let creases pass that the cut cannot spare.
+This is not the verifier's tolerance. A smaller tolerance is stricter there, but here it would let creases pass that
+the cut would sever.
 """
 
 SEVERED = 6e-8
-"""Shorter creases, relative to the sheet's diagonal, only cross the line or end on it."""
+"""Creases that are shorter than this, relative to the sheet's diagonal, only cross the line or end on it."""
 
 MANY_EDGES = 20_000
-"""Of so many edges of a pattern those that can come near the boundary are told by their heights."""
+"""In a pattern with at least this many edges, heights over the line tell which edges may come near the boundary."""
 
 SAMPLES = 6
-"""So many sides are folded first, to learn where the cut line is."""
+"""The number of sides that are folded first, to learn where the cut line is."""
 
 REACH = 32
-"""Edges that come as near to the cut line as so many tolerances are compared with the boundary."""
+"""Edges that come this near to the cut line, in tolerances, are compared with the boundary."""
 
 
 def check_cut(
     pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, shape: Shape, tolerance: float
 ) -> list[Finding]:
-    """Find where one straight cut would not follow the shape's boundary, all of it and nothing else.
+    """Find where one straight cut would not follow the boundary of the shape, all of it and nothing else.
 
-    ``faces_of_edges`` is ``planar.edge_faces(pattern)``, ``maps`` its folded faces, ``shape`` on the sheet in
-    mm, ``tolerance`` in mm.
+    ``faces_of_edges`` is ``edge_faces(pattern)``, ``maps`` is ``fold_faces`` of both, ``shape`` is on the sheet in mm,
+    and ``tolerance`` is in mm.
     """
     if not shape.loops:
         return [Finding("cut", "the shape has no loops; give at least one")]
     sides = sides_of(shape)
-    findings = _check_on_sheet(pattern, faces_of_edges, sides, tolerance)
+    findings = check_on_sheet(pattern, faces_of_edges, sides, tolerance)
     if findings:
         return findings
-    if len(pattern.edges_vertices) >= MANY_EDGES and _is_surely_cut(
+    if len(pattern.edges_vertices) >= MANY_EDGES and is_surely_cut(
         pattern, faces_of_edges, maps, shape, sides, tolerance
     ):
         return []
@@ -77,12 +78,12 @@ def check_cut(
     findings = _check_creases(pattern, sides, near, tolerance)
     pieces, _, landed = fold_pieces(pattern, faces_of_edges, maps, sides, near, tolerance)
     folded = np.concatenate([landed[:, 0], landed[:, 1]])
-    along, level = _line_through(folded)
+    along, level = line_through(folded)
     heights = _heights(folded, along, level)
     off = np.abs(heights).reshape(2, -1).max(axis=0)
     for at in np.flatnonzero(off > 2 * tolerance).tolist():
         message = f"the shape's boundary folds {off[at]:.3g} mm away from the cut line"
-        findings.append(_finding(message, pieces[at].mean(axis=0), off[at]))
+        findings.append(finding("cut", message, pieces[at].mean(axis=0), off[at]))
     if findings:
         return findings
     height = _vertex_heights(pattern, maps, along, level)
@@ -90,21 +91,22 @@ def check_cut(
     return [*_check_sides(coords, height, shape, 2 * tolerance), *_check_severed(pattern, height, shape)]
 
 
-def _is_surely_cut(
+def is_surely_cut(
     pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, shape: Shape, sides: Floats, tolerance: float
 ) -> bool:
-    """Whether the cut has no findings, told from the edges that reach the cut line; if not, all have to be asked.
+    """Whether the cut is right, judged only by the edges that reach the cut line; if not, all edges must be asked.
 
-    A few sides tell where the line is. Why the other edges do not matter: if one came near the boundary, the boundary
-    would be off the line there. Going back from there on the boundary to where it is on the line, one leaves the face
-    where it is off; along a straight piece in a face the height is linear, so that piece has an end off the line, or
-    is divided by an edge that reaches the line. But all pieces are found to be in their faces, both ends on the line.
+    ``sides`` are those of ``shape``; the rest is as for ``check_cut``. Folding a few sides tells where the line is. The
+    other edges do not matter: if one of them came near the boundary, the boundary would be off the line there. Follow
+    the boundary from that place back to where it is on the line. Along a straight piece within one face, the height is
+    linear. So there is a piece that has an end off the line, or one that an edge which reaches the line should have
+    divided. But every piece was found to be in its face, with both ends on the line.
     """
     sample = np.append(np.linspace(0, len(sides) - 1, SAMPLES).astype(np.intp), _lengths(sides).argmax())
     sample = np.unique(sample)
     near = edges_in_boxes(pattern, sides[sample], 2 * tolerance)
     _, _, landed = fold_pieces(pattern, faces_of_edges, maps, sides[sample], near, tolerance)
-    guess = _vertex_heights(pattern, maps, *_line_through(landed.reshape(-1, 2)))
+    guess = _vertex_heights(pattern, maps, *line_through(landed.reshape(-1, 2)))
     reach = REACH * tolerance
     asked = _reaching(pattern, guess, reach)
     close = np.flatnonzero(asked)
@@ -114,7 +116,7 @@ def _is_surely_cut(
     if _check_creases(pattern, sides, (side, edge), tolerance):
         return False
     pieces, faces, landed = fold_pieces(pattern, faces_of_edges, maps, sides, (side, edge), tolerance)
-    along, level = _line_through(landed.reshape(-1, 2))
+    along, level = line_through(landed.reshape(-1, 2))
     height = _vertex_heights(pattern, maps, along, level)
     missed = _reaching(pattern, height, reach / 2) & ~asked
     if missed.any() or (np.abs(_heights(landed.reshape(-1, 2), along, level)) > 2 * tolerance).any():
@@ -128,19 +130,20 @@ def _is_surely_cut(
 
 
 def _reaching(pattern: CreasePattern, height: Floats, reach: float) -> Bools:
-    """Which edges come as near as ``reach`` to the cut line, or across it, ``(e,)``; ``height`` of the vertices."""
+    """Return which edges come within ``reach`` of the cut line or cross it, ``(e,)``; ``height`` is of the vertices."""
     side_of_line = ((height > reach).astype(np.int8) - (height < -reach))[pattern.edges_vertices]
     there: Bools = (side_of_line[:, 0] != side_of_line[:, 1]) | (side_of_line[:, 0] == 0)
     return there
 
 
-def _check_on_sheet(pattern: CreasePattern, faces_of_edges: Ints, sides: Floats, tolerance: float) -> list[Finding]:
+def check_on_sheet(pattern: CreasePattern, faces_of_edges: Ints, sides: Floats, tolerance: float) -> list[Finding]:
+    """Find sides of the shape, ``(n, 2, 2)``, that leave the sheet by more than ``tolerance``, in mm."""
     border = pattern.edges_vertices[(faces_of_edges < 0).any(axis=1)]
     outline = shapely.polygonize(shapely.linestrings(pattern.vertices_coords[border]).tolist())
     sheet = shapely.buffer(outline, tolerance)
     shapely.prepare(sheet)
     return [
-        _finding("the shape reaches over the sheet's border; use a larger sheet", sides[at].mean(axis=0))
+        finding("cut", "the shape reaches over the sheet's border; use a larger sheet", sides[at].mean(axis=0))
         for at in np.flatnonzero(~shapely.covers(sheet, shapely.linestrings(sides))).tolist()
     ]
 
@@ -148,7 +151,7 @@ def _check_on_sheet(pattern: CreasePattern, faces_of_edges: Ints, sides: Floats,
 def _check_creases(
     pattern: CreasePattern, sides: Floats, near: tuple[Indices, Indices], tolerance: float
 ) -> list[Finding]:
-    """Find mountains and valleys, of the edges near the sides, that lie along the boundary."""
+    """Find mountains and valleys that lie along the boundary; ``near`` are the pairs of a side and an edge near it."""
     side, edge = near
     folded = folded_edges(pattern)[edge]
     side, edge = side[folded], edge[folded]
@@ -157,7 +160,7 @@ def _check_creases(
     findings = []
     for pair in np.flatnonzero(length > 2 * tolerance).tolist():
         message = f"crease {edge[pair]} lies on the shape's boundary for {length[pair]:.3g} mm"
-        findings.append(_finding(message, ends[pair].mean(axis=0), length[pair]))
+        findings.append(finding("cut", message, ends[pair].mean(axis=0), length[pair]))
     return findings
 
 
@@ -166,8 +169,8 @@ def _lengths(sides: Floats) -> Floats:
     return lengths
 
 
-def _line_through(points: Floats) -> tuple[Floats, float]:
-    """Return the line through two far-apart points: its unit direction, and its level across that."""
+def line_through(points: Floats) -> tuple[Floats, float]:
+    """Return the line through two points far apart: its unit direction, and its level across that direction."""
     one = points[np.hypot(*(points - points[0]).T).argmax()]
     other = points[np.hypot(*(points - one).T).argmax()]
     along = (other - one) / np.hypot(*(other - one))
@@ -181,7 +184,7 @@ def _heights(points: Floats, along: Floats, level: float) -> Floats:
 
 
 def _vertex_heights(pattern: CreasePattern, maps: FaceMaps, along: Floats, level: float) -> Floats:
-    """Return how high over the cut line every vertex folds."""
+    """Return how high over the cut line each vertex folds, ``(v,)``."""
     coords = pattern.vertices_coords
     face = np.zeros(len(coords), dtype=np.int32)
     face[pattern.faces_vertices.values] = pattern.faces_vertices.rows
@@ -191,7 +194,7 @@ def _vertex_heights(pattern: CreasePattern, maps: FaceMaps, along: Floats, level
 def _check_sides(coords: Floats, height: Floats, shape: Shape, tolerance: float) -> list[Finding]:
     """Find vertices that fold to the wrong side of the cut line."""
     inside = contains(shape, coords)
-    # Which side is the inside? Ask the vertex that is surest.
+    # Which side is the inside? The vertex farthest from the line decides.
     surest = np.abs(height).argmax()
     if (height[surest] > 0) != inside[surest]:
         height = -height
@@ -200,12 +203,12 @@ def _check_sides(coords: Floats, height: Floats, shape: Shape, tolerance: float)
     for vertex in np.flatnonzero(wrong > tolerance).tolist():
         where = "inside" if inside[vertex] else "outside"
         message = f"vertex {vertex}, {where} the shape, folds {wrong[vertex]:.3g} mm over the cut line"
-        findings.append(_finding(message, coords[vertex], wrong[vertex]))
+        findings.append(finding("cut", message, coords[vertex], wrong[vertex]))
     return findings
 
 
 def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list[Finding]:
-    """Find mountains and valleys that fold onto the cut line: there the cut would go through the fold itself."""
+    """Find mountains and valleys that fold onto the cut line, where the cut would go through the fold itself."""
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
     level = np.abs(height) <= ON_THE_LINE * diagonal
     one, other = pattern.edges_vertices.T
@@ -220,9 +223,5 @@ def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list
             f"crease {crease[at]}, {where} the shape, folds onto the cut line for {length[at]:.3g} mm: the cut would "
             "sever the paper there; keep creases off the line, for example with a ribbon"
         )
-        findings.append(_finding(message, middle[at], length[at]))
+        findings.append(finding("cut", message, middle[at], length[at]))
     return findings
-
-
-def _finding(message: str, place: Floats, size: float = 0.0) -> Finding:
-    return Finding("cut", message, (float(place[0]), float(place[1])), float(size))

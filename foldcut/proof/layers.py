@@ -1,17 +1,17 @@
-"""Can the layers lie in the given order? The checks of a flat-folded state that angles cannot make.
+"""Whether the layers can lie in the given order: what angles around vertices cannot tell.
 
-Layer order and folded faces -> findings. Following Justin, nothing passes through anything when:
+Layer order and maps of the faces -> findings. After Justin, nothing passes through anything if:
 
-- a crease's mountain or valley is what the order of its two faces makes it;
-- no face that a crease runs across lies between the crease's two faces (taco-tortilla; across an edge that is
-  not folded, tortilla-tortilla);
-- where two edges coincide, their faces do not interleave: ``a c b d`` with folds a-b and c-d on the same side
-  (taco-taco), ``a c b`` with c running on across the fold a-b (taco-tortilla), or two unfolded sheets that
-  change places (tortilla-tortilla).
+- each crease is the mountain or valley that the order of its two faces makes it;
+- no face that a crease runs across lies between the two faces of the crease (taco-tortilla), and no face lies across
+  an unfolded edge between its two faces (tortilla-tortilla);
+- where two edges coincide, their faces do not interleave: not ``a c b d`` with folds a-b and c-d on the same side
+  (taco-taco), nor ``a c b`` where c runs on across the fold a-b (taco-tortilla), nor two pairs of faces at unfolded
+  edges that change places (tortilla-tortilla).
 
-One linear order of all faces is given, so that "lies over" is transitive needs no check. And a crease whose faces are
-neighbours in it has nothing between them: no face, and of no other fold one face without the other. Of most patterns
-that is the greater part, and it is left out.
+The layer order is one linear order of all faces, so transitivity needs no check. A crease whose faces are neighbours
+in it has nothing between them: no face, and not just one of the two faces of another fold. Most creases of most
+patterns are like that, and they are left out.
 """
 
 from __future__ import annotations
@@ -19,42 +19,39 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from foldcut.core.arrays import Bools, Floats, Ints, Numbers
+from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers, blocks
 from foldcut.core.model import CreasePattern, Finding
 from foldcut.geometry.box_tree import LayerTree
 from foldcut.geometry.polygons import Outlines
 from foldcut.geometry.segments import collinear_overlap
 from foldcut.pattern.face_maps import FaceMaps, folded_edges
+from foldcut.proof.findings import at_edge
 
 __all__ = ["check_layer_order", "check_mountains", "check_stacking"]
 
-Indices = NDArray[np.intp]
-
 SHORTEST_OVERLAP = 6
-"""Edges coincide on at least so many tolerances of length; with less they only end at the same point."""
+"""Edges coincide if they overlap by at least this many tolerances; with less, they only end at the same point."""
 
 BATCH = 1 << 16
-"""Edges, or faces, looked at together; bounds the memory, not the result."""
+"""The number of edges handled at a time; it bounds the memory, not the result."""
 
 ENDLESS = np.iinfo(np.int32).max
-"""A layer above all."""
+"""A number above that of every layer."""
 
 MOST_FINDINGS = 100
-"""Each kind of crossing is reported for so many creases; a shuffled order has them everywhere."""
+"""Each kind of crossing is reported for this many creases at most; a shuffled order has them everywhere."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Folds:
-    """The inner edges in the folded state that something can pass through: what the crossing checks look at.
+    """The inner edges, in the folded state, that something may pass through.
 
-    ``edges`` ``(n,)`` are edge numbers, ``ends`` ``(n, 2, 2)`` folded, ``ranks`` ``(n, 2)`` the layers of the
-    faces left and right of the edge on the sheet, ``left`` ``(n, 2)`` whether they lie left of the folded
-    edge, ``folded`` ``(n,)`` mountains and valleys.
+    ``edges`` ``(n,)`` are edge numbers, ``ends`` ``(n, 2, 2)`` where they land. ``ranks`` ``(n, 2)`` are the layers of
+    the faces left and right of the edge on the sheet, and ``left`` ``(n, 2)`` tells whether these lie left of the
+    folded edge. ``folded`` ``(n,)`` marks the mountains and valleys.
     """
 
     edges: Indices
@@ -93,12 +90,12 @@ def check_layer_order(layers: Ints, face_count: int) -> list[Finding]:
 def check_mountains(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, layers: Ints) -> list[Finding]:
     """Find creases whose assignment is not what the layer order makes them.
 
-    Seen from above, the face that shows its upper side makes a valley with a partner above it.
+    Seen from above, a face that shows its front makes a valley with a neighbour that lies above it.
     """
     rank = _ranks(layers)
     crease = np.flatnonzero(folded_edges(pattern))
     left, right = faces_of_edges[crease].T
-    # a valley where the upper of two neighbours shows its lower side
+    # At a valley, the upper of the two faces shows its back.
     valley = (rank[left] < rank[right]) == maps.up[left]
     wrong = np.flatnonzero(valley != (pattern.edges_assignment[crease] == "V"))
     findings = []
@@ -118,8 +115,8 @@ def check_stacking(
 ) -> list[Finding]:
     """Find layers that pass through each other.
 
-    ``faces_of_edges`` is ``planar.edge_faces(pattern)``, ``layers`` a permutation, ``tolerance`` in mm:
-    overlaps that are no deeper do not count.
+    ``faces_of_edges`` is ``edge_faces(pattern)``, ``maps`` is ``fold_faces`` of both, and ``layers`` is a permutation.
+    Overlaps that are no deeper than ``tolerance``, in mm, do not count.
     """
     rank = _ranks(layers)
     folds = _open_edges(pattern, faces_of_edges, maps, rank)
@@ -134,22 +131,21 @@ def check_stacking(
 
 
 def _ranks(layers: Ints) -> Ints:
-    """Return the layer of every face, 0 at the bottom."""
+    """Return the layer of every face, ``(f,)``, 0 at the bottom."""
     rank = np.empty(len(layers), dtype=np.int32)
     rank[layers] = np.arange(len(layers), dtype=np.int32)
     return rank
 
 
 def _open_edges(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, rank: Ints) -> _Folds:
-    """Return the inner edges but for the creases of neighbouring layers."""
+    """Return the inner edges, except creases between neighbouring layers."""
     folded = folded_edges(pattern)
     left, right = rank[faces_of_edges].T
     inner = (faces_of_edges[:, 0] >= 0) & (faces_of_edges[:, 1] >= 0)
     edges = np.flatnonzero(inner & (~folded | (np.abs(left - right) > 1)))
     faces = faces_of_edges[edges]
     ends = np.empty((len(edges), 2, 2))
-    for first in range(0, len(edges), BATCH):
-        some = slice(first, first + BATCH)
+    for some in blocks(len(edges), BATCH):
         ends[some] = maps.apply(faces[some, 0, None], pattern.vertices_coords[pattern.edges_vertices[edges[some]]])
     # Turning a face over swaps its sides of the edge.
     sides = maps.up[faces] == np.array([True, False])
@@ -159,8 +155,9 @@ def _open_edges(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, ra
 def _axes(folds: _Folds) -> Floats:
     """Return the directions, ``(4, 2)``, along which boxes are measured.
 
-    Along and across the line that most creases fold onto (the spine, or the cut line), so that layers which
-    only touch it do not meet the boxes of the creases on it; and the two diagonals.
+    Two run along and across the direction in which the folded creases are longest altogether (that of the spine or the
+    cut line), so that layers which only touch that line do not meet the boxes of the creases on it. The others are the
+    two diagonals between them.
     """
     along = folds.ends[:, 1] - folds.ends[:, 0]
     length = np.hypot(*along.T)
@@ -174,38 +171,34 @@ def _axes(folds: _Folds) -> Floats:
 
 
 def _bounds(pattern: CreasePattern, maps: FaceMaps, rank: Ints, axes: Floats, inset: float) -> tuple[Floats, Floats]:
-    """Return how far the folded faces' insides reach along the axes, ``(f, k)``, low and high, by their layers."""
+    """Return how far the folded faces reach along the axes, in the order of their layers.
+
+    The result is low and high, each ``(f, k)``; ``inset`` is taken off at both ends.
+    """
     faces = pattern.faces_vertices
     low, high = np.empty((2, len(faces), len(axes)))
-    lengths = faces.lengths
-    for count in np.flatnonzero(np.bincount(lengths)).tolist():
-        alike = np.flatnonzero(lengths == count)
-        batch = max(1, BATCH // count)
-        for first in range(0, len(alike), batch):
-            some = alike[first : first + batch]
-            rows = rank[some]
-            rings = faces.values[faces.offsets[some] + np.arange(count)[:, None]]
-            x, y = np.moveaxis(maps.apply(some, pattern.vertices_coords[rings]), 2, 0)
-            for column, (along_x, along_y) in enumerate(axes.tolist()):
-                along = along_x * x + along_y * y
-                low[rows, column], high[rows, column] = along.min(axis=0) + inset, along.max(axis=0) - inset
+    for some, outlines in faces.alike():
+        rows = rank[some]
+        x, y = np.moveaxis(maps.apply(some, pattern.vertices_coords[outlines]), 2, 0)
+        for column, (along_x, along_y) in enumerate(axes.tolist()):
+            along = along_x * x + along_y * y
+            low[rows, column], high[rows, column] = along.min(axis=0) + inset, along.max(axis=0) - inset
     return low, high
 
 
 def _folded_faces(pattern: CreasePattern, maps: FaceMaps, faces: Numbers, tolerance: float) -> Outlines:
-    """Return some faces in the folded state."""
-    rings = pattern.faces_vertices.take(faces)
-    corners = maps.apply(faces[rings.rows], pattern.vertices_coords[rings.values])
-    return Outlines(corners, rings.offsets, tolerance)
+    """Return some faces, ``(n,)``, in the folded state."""
+    outlines = pattern.faces_vertices.take(faces)
+    corners = maps.apply(faces[outlines.rows], pattern.vertices_coords[outlines.values])
+    return Outlines(corners, outlines.offsets, tolerance)
 
 
 def _meetings_between(tree: LayerTree, folds: _Folds, axes: Floats) -> Iterator[tuple[Indices, Indices]]:
-    """Yield folds and layers between their faces whose boxes meet."""
+    """Yield pairs of a fold and a layer between its faces whose boxes meet."""
     low, high = folds.low, folds.high
-    for first in range(0, len(low), BATCH):
-        some = slice(first, first + BATCH)
+    for some in blocks(len(low), BATCH):
         for query, item in tree.meetings(*_extents(folds.ends[some], axes), low[some] + 1, high[some]):
-            yield query + first, item
+            yield query + some.start, item
 
 
 def _faces_between(
@@ -217,7 +210,7 @@ def _faces_between(
     axes: Floats,
     tolerance: float,
 ) -> list[Finding]:
-    """Find faces that an edge runs across while they lie between its two faces."""
+    """Find faces that lie across an edge and between its two faces."""
     tree = LayerTree(*_bounds(pattern, maps, rank, axes, tolerance))
     reports = _Reports()
     for query, item in _meetings_between(tree, folds, axes):
@@ -231,18 +224,18 @@ def _faces_between(
         edge = folds.edges[fold]
         if folds.folded[fold]:
             message = f"face {layers[layer]} runs across crease {edge}, between its faces {one} and {other}"
-            findings.append(_finding("taco-tortilla", pattern, edge, message))
+            findings.append(at_edge(pattern, edge, "taco-tortilla", message))
         else:
             message = f"face {layers[layer]} cuts through the sheet of faces {one} and {other} at edge {edge}"
-            findings.append(_finding("tortilla-tortilla", pattern, edge, message))
+            findings.append(at_edge(pattern, edge, "tortilla-tortilla", message))
     return findings
 
 
 def _interleaved_folds(pattern: CreasePattern, folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
-    """Find a fold whose two faces have, between them, one face of a coinciding edge and not the other.
+    """Find folds between whose two faces there is one face of a coinciding edge, but not the other one.
 
-    An edge that is not folded has one face on either side of the crease's line; what is on the crease's side
-    may not lie between its faces at all.
+    An unfolded edge has one face on either side of the line of the crease. The one on the same side as the faces of the
+    crease may not lie between these at all.
     """
     flat = np.repeat(np.flatnonzero(~folds.folded), 2)
     taco = np.flatnonzero(folds.folded)
@@ -264,26 +257,25 @@ def _interleaved_folds(pattern: CreasePattern, folds: _Folds, axes: Floats, tole
     for first, second in reports:
         check = "taco-taco" if folds.folded[second] else "taco-tortilla"
         message = f"the faces of edges {folds.edges[first]} and {folds.edges[second]} interleave where they coincide"
-        findings.append(_finding(check, pattern, folds.edges[first], message))
+        findings.append(at_edge(pattern, folds.edges[first], check, message))
     return findings
 
 
 def _meetings_of_folds(
     folds: _Folds, fold: Indices, low: Ints, high: Ints, axes: Floats, tolerance: float
 ) -> Iterator[tuple[Indices, Indices]]:
-    """Yield, of folds sorted by their low ends, each one with those that begin within it and whose boxes meet its own.
+    """Yield pairs of folds, sorted by their low layers: the second begins within the first, and their boxes meet.
 
-    A last column keeps only what ends above it: in a valid state, nothing that meets its box.
+    The last column of the boxes keeps only the second folds that end above the first: in a valid state, none meets it.
     """
     box_low, box_high = np.empty((2, len(fold), len(axes) + 1))
-    for first in range(0, len(fold), BATCH):
-        some = slice(first, first + BATCH)
+    for some in blocks(len(fold), BATCH):
         box_low[some, :-1], box_high[some, :-1] = _boxes(folds.ends[fold[some]], axes, tolerance)
     box_low[:, -1], box_high[:, -1] = high, high
     tree = LayerTree(box_low, box_high)
     taco = np.flatnonzero(folds.folded[fold])
-    for first in range(0, len(taco), BATCH):
-        at = taco[first : first + BATCH]
+    for some in blocks(len(taco), BATCH):
+        at = taco[some]
         query_low, query_high = box_low[at], box_high[at]
         query_low[:, -1] += 1
         query_high[:, -1] = ENDLESS
@@ -293,14 +285,14 @@ def _meetings_of_folds(
 
 
 def _swapped_sheets(pattern: CreasePattern, folds: _Folds, axes: Floats, tolerance: float) -> list[Finding]:
-    """Find two unfolded edges that coincide, and whose sheets change places there."""
+    """Find pairs of unfolded edges that coincide, where the faces of one and of the other change places."""
     flat = np.flatnonzero(~folds.folded)
     if not len(flat):
         return []
     flat = flat[np.argsort(folds.low[flat], kind="stable")]
     low, high = folds.low[flat], folds.high[flat]
     box_low, box_high = _boxes(folds.ends[flat], axes, tolerance)
-    # Sheets can only change places where their layers overlap: search from the one that starts lower.
+    # They can only change places where their layers overlap: search from the edge whose layers start lower.
     meetings = LayerTree(box_low, box_high).meetings(
         box_low, box_high, np.searchsorted(low, low, side="right"), np.searchsorted(low, high, side="left")
     )
@@ -318,18 +310,18 @@ def _swapped_sheets(pattern: CreasePattern, folds: _Folds, axes: Floats, toleran
     for first, second in reports:
         edges = f"edges {folds.edges[first]} and {folds.edges[second]}"
         message = f"the sheets at {edges} change places where they coincide"
-        findings.append(_finding("tortilla-tortilla", pattern, folds.edges[first], message))
+        findings.append(at_edge(pattern, folds.edges[first], "tortilla-tortilla", message))
     return findings
 
 
 class _Reports:
-    """What is wrong, once for each fold: (fold, what it conflicts with)."""
+    """The conflicts found so far, one for each fold: pairs of a fold and what it conflicts with."""
 
     def __init__(self) -> None:
         self._pairs: dict[int, int] = {}
 
     def add(self, folds: Indices, others: Indices) -> bool:
-        """Note conflicts, and return whether there are enough."""
+        """Add conflicts, and return whether there are enough."""
         self._pairs |= dict(zip(folds.tolist(), others.tolist(), strict=True))
         return len(self._pairs) >= MOST_FINDINGS
 
@@ -338,7 +330,7 @@ class _Reports:
 
 
 def _boxes(ends: Floats, axes: Floats, tolerance: float) -> tuple[Floats, Floats]:
-    """Return boxes that meet where edges coincide, and mostly not where they only end at the same point."""
+    """Return boxes that meet if edges coincide, and mostly do not if edges only end at the same point."""
     along = ends[:, 1] - ends[:, 0]
     unit = along / np.hypot(*along.T)[:, None]
     shorter = ends + 3 * tolerance * np.stack([unit, -unit], axis=1)
@@ -347,15 +339,10 @@ def _boxes(ends: Floats, axes: Floats, tolerance: float) -> tuple[Floats, Floats
 
 
 def _extents(ends: Floats, axes: Floats) -> tuple[Floats, Floats]:
-    """Return how far segments reach, low and high, along the axes."""
+    """Return how far segments, ``(n, 2, 2)``, reach along the axes: low and high, each ``(n, k)``."""
     low, high = np.empty((2, len(ends), len(axes)))
     (x, y), (to_x, to_y) = ends[:, 0].T, ends[:, 1].T
     for column, (along_x, along_y) in enumerate(axes.tolist()):
         one, other = along_x * x + along_y * y, along_x * to_x + along_y * to_y
         low[:, column], high[:, column] = np.minimum(one, other), np.maximum(one, other)
     return low, high
-
-
-def _finding(check: str, pattern: CreasePattern, edge: np.integer[Any], message: str) -> Finding:
-    x, y = pattern.vertices_coords[pattern.edges_vertices[edge]].mean(axis=0).tolist()
-    return Finding(check, message, (x, y))

@@ -1,9 +1,9 @@
-"""Read a drawing from a file: one module per format, found by the file's suffix.
+"""Read a drawing from a file: one module for each format, chosen by the suffix of the file.
 
-Input: a path, or ``-`` for standard input. Output: a ``Drawing``: loops in drawing units, y up. A reader takes the
-bytes and the options and returns a ``Drawing`` or raises ``FileFormatError`` about the file's content; it opens no
-file. Whether the loops are a valid shape is for ``make_shape`` to say. To add a format, add its module with a function
-``read`` and a line in ``READERS``.
+A path, or ``-`` for standard input -> ``Drawing``: loops in drawing units, y up. A reader takes the bytes and the
+options, and returns a ``Drawing`` or raises ``FileFormatError`` about the content; it opens no file. Whether the loops
+are a valid shape is for ``make_shape`` to say. To add a format, add a module with a function ``read``, and a row in
+``READERS``.
 """
 
 from __future__ import annotations
@@ -32,18 +32,19 @@ READERS = {
     ".jpg": "image",
     ".jpeg": "image",
 }
-"""The module for each suffix, imported when it is first used."""
+"""The module for each suffix; it is imported when it is first used."""
 
 BINARY = (".wkb", ".pdf", ".png", ".jpg", ".jpeg")
-"""Their bytes are not to be counted as numbers."""
+"""Formats that are not text, so that numbers in their bytes cannot be counted."""
 
 STANDARD_INPUT = "-"
+"""The path that stands for standard input."""
 
 
 def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes | None = None) -> Drawing:
     """Return the drawing in the file ``path``; raises ``FileFormatError`` with the path and the remedy.
 
-    ``data``: the file's bytes where they are at hand; nothing is opened then.
+    ``data``: the bytes of the file, if they have been read already; then nothing is opened.
     """
     options = options or ReadOptions()
     path = Path(path)
@@ -60,16 +61,18 @@ def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes
         raise FileFormatError(f"{path}: {error.strerror}; check the path and its permissions") from None
     except BadInputError:
         raise
-    except (ArithmeticError, ShapelyError) as error:  # GEOS, and division, with numbers at the ends of float64
+    except (ArithmeticError, ShapelyError) as error:  # from GEOS or a division, with numbers at the limits of float64
         about = " ".join(str(error).split())[:100]
-        raise FileFormatError(f"{path}: numbers cannot be computed with ({about}); keep them below 1e100") from None
+        raise FileFormatError(
+            f"{path}: its numbers are too large to compute with ({about}); keep them below 1e100"
+        ) from None
     except MemoryError:
         raise FileFormatError(f"{path}: the drawing takes more memory than there is; give a simpler one") from None
     return drawing
 
 
 def _suffix(path: Path, options: ReadOptions) -> str:
-    """Return the suffix that says the format."""
+    """Return the suffix that tells the format."""
     known = ", ".join(READERS)
     if options.suffix:
         suffix = "." + options.suffix.lower().removeprefix(".")
@@ -77,7 +80,7 @@ def _suffix(path: Path, options: ReadOptions) -> str:
             raise FileFormatError(f"there is no format {options.suffix!r}; give --from one of {known}")
         return suffix
     if str(path) == STANDARD_INPUT:
-        raise FileFormatError(f"standard input has no suffix; say the format with --from, one of {known}")
+        raise FileFormatError(f"standard input has no suffix; give the format with --from, one of {known}")
     if path.is_dir():
         raise FileFormatError("is a folder; give a file in it")
     if path.suffix.lower() not in READERS:
@@ -86,7 +89,7 @@ def _suffix(path: Path, options: ReadOptions) -> str:
 
 
 def _source(path: Path, options: ReadOptions, data: bytes | None) -> Source:
-    """Return the bytes of a file, or of standard input; no more than the limit are read."""
+    """Return the bytes of a file, or of standard input, without reading more of them than the limit."""
     most = options.limits.bytes
     size = None if data is None else len(data)
     if data is not None:
@@ -96,7 +99,7 @@ def _source(path: Path, options: ReadOptions, data: bytes | None) -> Source:
     elif not path.exists():
         raise FileFormatError("there is no such file; check the path")
     elif not path.is_file():
-        raise FileFormatError("is no ordinary file; give one, or - for standard input")
+        raise FileFormatError("is not an ordinary file; give one, or - for standard input")
     else:
         with path.open("rb") as file:
             data, name = file.read(most + 1), path.stem

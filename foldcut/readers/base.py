@@ -1,4 +1,4 @@
-"""What every reader takes and gives: a ``Source`` and ``ReadOptions`` -> a ``Drawing``."""
+"""What every reader takes and returns, ``Source`` and ``ReadOptions`` -> ``Drawing``, and what several share."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from foldcut.drawing.limits import Limits
 
 _JSON_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 
-#: Curves are flattened as on a drawing enlarged to this many mm: "fit" makes it about so large.
 USUAL_SIZE_MM = 200.0
+"""Curves are flattened as if the drawing were enlarged to this size, which is about that of "fit" on A4."""
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What a reader is told beside the file.
+    """How to read a file.
 
-    ``flatten_mm``: how far a curve may be from its straight segments, at the size that the file states and on the
-    drawing enlarged to 200 mm. ``join_mm``: ends of lines nearer than this are joined, at the same size.
-    ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is called. ``threshold``: how
-    light a pixel of a picture's shape may be, from 0, black, to 1, white.
+    ``flatten_mm``: how far a curve may be from the straight segments that replace it, both at the size that the file
+    states and with the drawing enlarged to 200 mm. ``join_mm``: ends of lines that are nearer than this are joined,
+    measured in the same way. ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is
+    called. ``threshold``: how light a pixel of the shape may be in a picture, from 0 for black to 1 for white.
     """
 
     flatten_mm: float = 0.05
@@ -46,7 +46,7 @@ class ReadOptions:
             raise BadInputError(f"the threshold is {self.threshold:g}; give a number from 0, black, to 1, white")
 
     def units(self, length_mm: float, unit_mm: float | None, extent: float) -> float:
-        """Return a length in drawing units; ``extent`` is the drawing's longer side."""
+        """Return ``flatten_mm`` or ``join_mm`` in drawing units; ``extent`` is the longer side of the drawing."""
         enlarged = length_mm * extent / USUAL_SIZE_MM
         return enlarged if unit_mm is None else min(length_mm / unit_mm, enlarged)
 
@@ -59,18 +59,17 @@ class Source:
     name: str
 
     def text(self) -> str:
-        """Return the text; raises ``FileFormatError`` where it is not UTF-8 or there is nothing in it."""
+        """Return the text; raises ``FileFormatError`` if it is not UTF-8 or if it is empty."""
         return _decoded(self.data)
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """The closed loops of a file, as drawn: nothing is checked but that they are lists of points.
+    """The closed loops of a file, as drawn. They are lists of points, and nothing else about them has been checked.
 
-    ``loops`` are ``(n, 2)``, y up, in drawing units of ``unit_mm`` mm each (None: the file does not say).
-    ``ignored`` says what in the file was passed over ("2 texts"), ``notes`` how the rest was understood, ``repairs``
-    what had to be mended, which ``--strict`` refuses.
-    ``y_down``: the file's own y axis points down, and y here is minus its.
+    ``loops`` are ``(n, 2)``, y up, in drawing units of ``unit_mm`` mm each (None if the file does not say). ``ignored``
+    names what was passed over in the file ("2 texts"), ``notes`` say how the rest was understood, and ``repairs`` what
+    had to be mended, which ``--strict`` refuses. ``y_down``: the y axis of the file points down, so y has changed sign.
     """
 
     loops: tuple[Floats, ...]
@@ -89,27 +88,27 @@ class Drawing:
 
     @property
     def size_mm(self) -> tuple[float, float] | None:
-        """Width and height in mm, if the file says."""
+        """Width and height in mm, or None if the file does not say."""
         width, height = self.size
         return None if self.unit_mm is None else (width * self.unit_mm, height * self.unit_mm)
 
     def own_coordinates(self) -> tuple[Floats, ...]:
-        """The loops in the file's own coordinates."""
+        """Return the loops in the coordinates of the file."""
         return tuple(loop * (1.0, -1.0) for loop in self.loops) if self.y_down else self.loops
 
 
 def counted(what: Counter[str]) -> tuple[str, ...]:
-    """Return the counts as words: ("1 image", "2 texts")."""
+    """Return counts in words: ("1 image", "2 texts")."""
     return tuple(f"{count} {name}{'s' * (count != 1)}" for name, count in sorted(what.items()) if count)
 
 
 def missing(option: str, extra: str) -> FileFormatError:
-    """Return the error for a reader whose library is not installed."""
+    """Return the error for a reader (``option`` is what it reads, a plural) whose library is not installed."""
     return FileFormatError(needed_extra(option, extra))
 
 
 def json_of(source: Source, options: ReadOptions, example: str) -> Any:
-    """Return the document in a JSON file, nested no deeper than is allowed; ``example`` is the remedy if it is none."""
+    """Return the document in a JSON file, nested no deeper than allowed; errors give ``example`` as the remedy."""
     text = source.text()
     options.limits.check_nesting(brackets_depth(_JSON_STRING.sub("", text), "[{", "]}"))
     try:
@@ -119,14 +118,14 @@ def json_of(source: Source, options: ReadOptions, example: str) -> Any:
 
 
 def brackets_depth(text: str, opening: str, closing: str) -> int:
-    """Return how deep brackets are nested in a text, whether or not they are closed."""
+    """Return how deep brackets are nested in a text, even if they are not all closed."""
     codes = np.frombuffer(text.encode("utf-32-le"), dtype=np.uint32)
     steps = np.isin(codes, list(map(ord, opening))).astype(np.int64) - np.isin(codes, list(map(ord, closing)))
     return int(steps.cumsum().max(initial=0))
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a UTF-8 file; raises ``FileFormatError`` where it is none or has nothing in it."""
+    """Return the text of a UTF-8 file; raises ``FileFormatError`` if it is not UTF-8 or if it is empty."""
     return _decoded(path.read_bytes())
 
 

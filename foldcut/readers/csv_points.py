@@ -1,7 +1,8 @@
-"""Read CSV points: x and y in each row, y up, no unit; a blank line, or another value in a loop column, begins a loop.
+"""Read CSV points: x and y in each row, y up, without a unit.
 
-Columns are separated by commas, semicolons, tabs or blanks. A first row of words names them: x, y, and loop if there is
-one; without it the columns are x, y, or loop, x, y. Lines that begin with # are passed over.
+A new loop begins after a blank line, and where the value in a loop column changes. Columns are separated by commas,
+semicolons, tabs or blanks. A first row of words may name them: x, y and perhaps loop. Without it, they are x, y or
+loop, x, y. Lines that begin with # are passed over.
 """
 
 from __future__ import annotations
@@ -11,14 +12,14 @@ import re
 from foldcut.core.arrays import points_array
 from foldcut.core.errors import FileFormatError
 from foldcut.readers.base import Drawing, ReadOptions, Source
-from foldcut.readers.join_outlines import closed_rings
+from foldcut.readers.join_outlines import closed_loops
 
 _EXAMPLE = 'give rows such as "40,0", with a blank line between loops'
 _SEPARATOR = re.compile(r"\s*[,;\t]\s*|\s+")
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing in a file of points; its title is the file's stem."""
+    """Return the drawing in a file of points; its title is the name of the file."""
     loops: list[list[tuple[float, float]]] = []
     columns: list[str] | None = None
     last: str | None = None
@@ -47,5 +48,5 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         last, new = row.get("loop"), False
     if not loops:
         raise FileFormatError(f"the file has no points; {_EXAMPLE}")
-    rings, repairs = closed_rings(list(map(points_array, loops)), options, None)
-    return Drawing(rings, None, source.name, repairs=repairs)
+    closed, repairs = closed_loops(list(map(points_array, loops)), options, None)
+    return Drawing(closed, None, source.name, repairs=repairs)

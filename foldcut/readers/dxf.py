@@ -1,8 +1,8 @@
 """Read DXF with ezdxf, which mends broken files: closed curves, chains of lines, hatches, blocks.
 
-Curves become segments within the tolerance; open lines are joined end to end. A HATCH is read only where it is the only
-thing there: otherwise it repeats outlines. ``unit_mm`` follows from $INSUNITS; 0 means that the file does not say.
-Layers that are off or frozen are passed over, as are blocks from other files.
+Curves become segments within the tolerance; open lines are joined end to end. Hatches are read only if there are no
+outlines, since they usually repeat them. ``unit_mm`` follows from $INSUNITS; 0 means that the file does not say. Layers
+that are off or frozen are passed over, as are blocks from other files.
 """
 
 from __future__ import annotations
@@ -26,26 +26,29 @@ from foldcut.drawing.limits import Limits
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.join_outlines import Outline, loops_of
 
-# It logs what it mends line by line, even letters that are no text; what matters of that is said in an error.
+# ezdxf logs everything that it mends; what matters of that is in the error messages.
 logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
 
 OUTLINES = {"LWPOLYLINE", "POLYLINE", "LINE", "ARC", "SPLINE", "CIRCLE", "ELLIPSE", "SOLID", "TRACE"}
+"""Entities that draw outlines."""
+
 FILLS = {"HATCH", "MPOLYGON"}
+"""Entities that are read only if there are no outlines."""
 
 MOST_ENTITIES = 200_000
-"""A file that shows more entities, those of blocks counted as often as they are shown, is refused."""
+"""A file that shows more entities is refused; those of blocks count as often as they are shown."""
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing in a DXF file's model space; its title is the file's stem."""
+    """Return the drawing in a DXF file's model space; its title is the name of the file."""
     try:
         document, _ = recover.read(io.BytesIO(source.data))
         return _read(document, source.name, options)
     except FileFormatError:
         raise
-    except RecursionError:  # ezdxf looks into blocks by recursion
+    except RecursionError:  # ezdxf reads blocks by recursion
         raise options.limits.too_deep() from None
-    except Exception as error:  # ezdxf lets all kinds of errors out where a file is broken
+    except Exception as error:  # ezdxf raises all kinds of errors where a file is broken
         about = " ".join(str(error).split())[:120] or type(error).__name__
         raise FileFormatError(f"not a DXF file that can be read: {about}; save the drawing again as DXF") from None
 
@@ -92,14 +95,14 @@ def _read(document: Any, title: str, options: ReadOptions) -> Drawing:
 
 
 def _lines(outlines: list[paths.Path], tolerance: float, *, closed: bool) -> Iterator[tuple[Floats, bool]]:
-    """Yield the points of outlines, flattened, and whether each is closed."""
+    """Yield the points of flattened outlines, ``(n, 2)``, and whether each is closed."""
     for outline in outlines:
         points = points_array([(point.x, point.y) for point in outline.flattening(tolerance, 4)])
         yield points, closed or outline.is_closed
 
 
 def _entities(document: Any, ignored: Counter[str], limits: Limits) -> Iterator[Any]:
-    """Yield what is seen of the model space, blocks taken apart."""
+    """Yield the visible entities of the model space, and of the blocks that it shows."""
     waiting = [(entity, 0) for entity in reversed(document.modelspace())]
     count = 0
     while waiting:

@@ -1,7 +1,7 @@
-"""Read GeoJSON (RFC 7946): polygons, or lines that close, and features and collections of them; y up, no unit.
+"""Read GeoJSON (RFC 7946): polygons or closed lines, and features and collections of them; y up, without a unit.
 
-Coordinates are taken as plane ones: longitude and latitude are not projected. ``read`` is called by the reader of JSON
-loops too, which tells the two apart.
+Longitude and latitude are not projected but taken as plane coordinates. The reader of JSON loops calls ``read`` if a
+.json file holds GeoJSON.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _EXAMPLE = 'give {"type": "Polygon", "coordinates": [[[0, 0], [40, 0], [0, 30], 
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing in a GeoJSON file; its title is the file's stem."""
+    """Return the drawing in a GeoJSON file; its title is the name of the file."""
     document = json_of(source, options, _EXAMPLE)
     rings: list[Floats] = []
     lines: list[Floats] = []
@@ -49,7 +49,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         elif kind in ("Point", "MultiPoint"):
             ignored["point"] += 1
         else:
-            raise FileFormatError(f"{place} is no GeoJSON: its type is {kind[:40]!r}; {_EXAMPLE}")
+            raise FileFormatError(f"{place} is not GeoJSON: its type is {kind[:40]!r}; {_EXAMPLE}")
     if not rings and not lines:
         raise FileFormatError(f"the file has no polygon; {_EXAMPLE}")
     drawing = drawing_of(rings, lines, source.name, options, ignored)
@@ -61,7 +61,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
 
 def _list(value: Any, place: str) -> list[Any]:
     if not isinstance(value, list) or not value:
-        raise FileFormatError(f"{place} is no list with something in it; {_EXAMPLE}")
+        raise FileFormatError(f"{place} is not a list, or it is empty; {_EXAMPLE}")
     return value
 
 

@@ -1,8 +1,8 @@
 """Read the silhouette in a PNG or JPEG (extra ``image``): threshold, despeckle, trace with vtracer.
 
-What is darker than the threshold is the shape; in a picture with transparent parts, what is not transparent. Specks
-and holes of less than ``SPECK`` of the picture go. vtracer's polygons become an SVG, which the SVG reader reads.
-``unit_mm`` follows from the picture's dots per inch, if it says.
+The shape is what is darker than the threshold, or in a picture with transparent parts, what is not transparent. Specks
+and holes that are smaller than ``SPECK`` of the picture are dropped. The polygons that vtracer returns are made into an
+SVG for the SVG reader. ``unit_mm`` follows from the dots per inch, if the picture gives them.
 """
 
 from __future__ import annotations
@@ -23,13 +23,14 @@ from foldcut.readers import svg
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted, missing
 
 SPECK = 2e-4
-"""The part of the picture's area that a speck may have."""
+"""The largest area of a speck, as a share of that of the picture."""
 
 FORMATS = ("PNG", "JPEG")
+"""Pillow's names of the formats that are read."""
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the outlines of the silhouette in a picture; its title is the file's stem."""
+    """Return the outlines of the silhouette in a picture; its title is the name of the file."""
     try:
         import vtracer
         from PIL import Image, UnidentifiedImageError
@@ -44,16 +45,16 @@ def read(source: Source, options: ReadOptions) -> Drawing:
             mask = _silhouette(picture, options.threshold)
     except FileFormatError:
         raise
-    except UnidentifiedImageError:  # its words name an object of Python's
+    except UnidentifiedImageError:  # its message is about a Python object
         raise FileFormatError("not a PNG or JPEG that can be read: it is neither; save the picture again") from None
-    except Exception as error:  # Pillow lets all kinds of errors out where a picture is broken
+    except Exception as error:  # Pillow raises all kinds of errors where a picture is broken
         about = " ".join(str(error).split())[:80] or type(error).__name__
         raise FileFormatError(f"not a PNG or JPEG that can be read: {about}; save the picture again") from None
     ignored: Counter[str] = Counter()
     mask = _despeckled(mask, ignored)
     if not mask.any() or mask.all():
         raise FileFormatError(
-            "the picture has no silhouette; give a dark shape on a light ground, or change --threshold"
+            "the picture has no silhouette; give a dark shape on a light background, or change --threshold"
         )
     pixels = Image.fromarray(np.pad(np.where(mask, 0, 255).astype(np.uint8), 1, constant_values=255))
     buffer = io.BytesIO()
@@ -68,7 +69,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
 
 
 def _silhouette(picture: Any, threshold: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return which pixels are in the shape."""
+    """Return which pixels are in the shape, ``(height, width)``."""
     alpha = np.asarray(picture.convert("RGBA").getchannel("A"))
     if alpha.min() < 128:
         return alpha >= 128
@@ -79,7 +80,7 @@ def _silhouette(picture: Any, threshold: float) -> np.ndarray[Any, np.dtype[np.b
 def _despeckled(
     mask: np.ndarray[Any, np.dtype[np.bool_]], ignored: Counter[str]
 ) -> np.ndarray[Any, np.dtype[np.bool_]]:
-    """Return the mask without specks, and without holes as small."""
+    """Return the mask without specks, and without holes that are as small."""
     for value, name in ((True, "speck"), (False, "small hole")):
         labels, _ = ndimage.label(mask == value)
         small = np.bincount(labels.ravel()) < max(SPECK * mask.size, 5)

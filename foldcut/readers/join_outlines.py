@@ -1,7 +1,8 @@
-"""From drawn outlines to loops of one even-odd set: gaps, chains of lines, fill rules, overlaps, strays.
+"""From drawn outlines to loops of one even-odd set: fill rules, overlaps, gaps, chains of lines and stray lines.
 
-Loops that touch nothing keep their numbers to the last digit; only where outlines cross or touch does shapely make
-new ones.
+``Outline``s as the readers find them -> ``Loops`` (``loops_of``); ``closed_loops`` is for formats that have loops
+already. Loops that touch nothing keep their numbers to the last digit. Only where outlines cross or touch does shapely
+make new ones.
 """
 
 from __future__ import annotations
@@ -19,28 +20,30 @@ from foldcut.drawing.shape import polygon_loops
 from foldcut.readers.base import Drawing, ReadOptions, counted
 
 MOST_CROSSINGS = 10_000
-"""Outlines with more crossings are left as they are: ``make_shape`` refuses them by place."""
+"""Outlines with more crossings are left as they are; ``make_shape`` refuses them and says where."""
 
 MOST_MEETING = 50
-"""Where more ends of lines than this meet on average, they are no outline, and joining them would take long."""
+"""If more ends of lines than this meet on average, they are not an outline, and joining them would take long."""
 
 ROUNDING = 2e-6
-"""Gaps smaller than this, relative to the drawing's size, are rounding and not told."""
+"""Gaps that are smaller than this, relative to the size of the drawing, are rounding and are not reported."""
 
 FLAT = 1e-12
-"""A loop that is thinner than this, relative to its length, is one line."""
+"""A loop that is thinner than this, relative to its length, is a line and has no area."""
 
 LARGEST = 1e100
-"""Lines that end farther away are refused."""
+"""Lines that end farther away than this are refused."""
 
 _BATCH = 256
+"""The greatest number of segments in one query."""
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """What one element of a file draws: lines ``(n, 2)``, and whether each is closed; closed ones may repeat a point.
+    """What one element of a file draws: lines, ``(n, 2)``, and whether each is closed.
 
-    ``filled``: its open lines are closed, too; others are joined with those of other elements.
+    Closed lines may repeat their first point. ``filled``: open lines are closed, too; if they are not filled, they are
+    joined with those of other elements. ``even_odd``: the fill rule; else it is nonzero.
     """
 
     lines: Sequence[tuple[Floats, bool]]
@@ -50,7 +53,7 @@ class Outline:
 
 @dataclass(frozen=True, eq=False)
 class Loops:
-    """Closed loops of one even-odd set, how they were found, and what had to be mended."""
+    """Closed loops of one even-odd set, ``notes`` on how they were found, and ``repairs`` that were needed."""
 
     loops: tuple[Floats, ...]
     notes: tuple[str, ...]
@@ -58,10 +61,10 @@ class Loops:
 
 
 def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float | None, extent: float) -> Loops:
-    """Return the loops that outlines bound; ``extent``: the drawing's longer side.
+    """Return the loops that outlines enclose; ``extent`` is the longer side of the drawing.
 
-    Ends that are no more than ``options.join_mm`` apart are joined. What bounds no area is left out, unless there is
-    nothing else: then it is a ``FileFormatError``.
+    Ends that are no more than ``options.join_mm`` apart are joined. What encloses no area is left out. Raises
+    ``FileFormatError`` if nothing is left then.
     """
     gap = options.units(options.join_mm, unit_mm, extent)
     parts: list[list[Floats]] = []
@@ -93,30 +96,30 @@ def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float |
         raise FileFormatError("the outlines of the file enclose no area; draw at least one closed outline")
     notes = [f"{united} outlines that overlap or touch were united"] if united else []
     nothing = f"left out {flat} outline{'s' * (flat > 1)} without area" if flat else ""
-    repairs = filter(None, [_closed([*gaps, *more], extent, unit_mm), stray, nothing])
+    repairs = filter(None, [_closed_gaps([*gaps, *more], extent, unit_mm), stray, nothing])
     return Loops((*loops, *whole), tuple(notes), tuple(repairs))
 
 
-def closed_rings(
-    rings: Sequence[Floats], options: ReadOptions, unit_mm: float | None
+def closed_loops(
+    drawn: Sequence[Floats], options: ReadOptions, unit_mm: float | None
 ) -> tuple[tuple[Floats, ...], tuple[str, ...]]:
-    """Return rings that are closed, without a last point that is nearly the first one, and what was mended."""
-    points = np.concatenate([ring[np.isfinite(ring).all(axis=1)] for ring in rings])
+    """Return drawn loops without a last point that nearly repeats the first one, and the repairs that were needed."""
+    points = np.concatenate([loop[np.isfinite(loop).all(axis=1)] for loop in drawn])
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     gap = options.units(options.join_mm, unit_mm, extent)
-    ends = [_end_gap(ring) if len(ring) > 3 else 0.0 for ring in rings]
-    told = _closed([end for end in ends if end <= gap], extent, unit_mm)
-    shut = (ring[:-1] if 0 < end <= gap else ring for ring, end in zip(rings, ends, strict=True))
-    return tuple(map(points_array, shut)), (told,) if told else ()
+    ends = [_end_gap(loop) if len(loop) > 3 else 0.0 for loop in drawn]
+    repair = _closed_gaps([end for end in ends if end <= gap], extent, unit_mm)
+    closed = (loop[:-1] if 0 < end <= gap else loop for loop, end in zip(drawn, ends, strict=True))
+    return tuple(map(points_array, closed)), (repair,) if repair else ()
 
 
 def drawing_of(
     rings: Sequence[Floats], lines: Sequence[Floats], title: str, options: ReadOptions, ignored: Counter[str]
 ) -> Drawing:
-    """Return the drawing of polygons' rings or, where there are none, of the loops that lines form; without a unit."""
+    """Return a drawing without a unit of the rings of polygons or, if there are none, of the loops that lines form."""
     if rings:
-        shut, repairs = closed_rings(rings, options, None)
-        return Drawing(shut, None, title, ignored=counted(ignored + Counter(line=len(lines))), repairs=repairs)
+        closed, repairs = closed_loops(rings, options, None)
+        return Drawing(closed, None, title, ignored=counted(ignored + Counter(line=len(lines))), repairs=repairs)
     points = np.concatenate(lines)
     finite = points[np.isfinite(points).all(axis=1)]
     extent = float(np.ptp(finite, axis=0).max()) if len(finite) else 0.0
@@ -125,13 +128,13 @@ def drawing_of(
 
 
 def _end_gap(points: Floats) -> float:
-    """Return how far the ends of a line are from each other."""
+    """Return the distance between the ends of a line."""
     with np.errstate(all="ignore"):
         return float(np.hypot(*(points[-1] - points[0])))
 
 
 def _is_flat(loop: Floats) -> bool:
-    """Whether a loop is a point, or there and back on one line."""
+    """Whether a loop has no area: a point, or a line drawn there and back."""
     if not np.isfinite(loop).all():
         return False  # make_shape says where
     if len(loop) < 3:
@@ -142,8 +145,8 @@ def _is_flat(loop: Floats) -> bool:
         return bool((np.abs(along[:, 0] * far[1] - along[:, 1] * far[0]) <= FLAT * (far**2).sum()).all())
 
 
-def _closed(gaps: Sequence[float], extent: float, unit_mm: float | None) -> str:
-    """Return in words which gaps were closed; lengths are in the drawing's units where mm are unknown."""
+def _closed_gaps(gaps: Sequence[float], extent: float, unit_mm: float | None) -> str:
+    """Return a sentence on the gaps that were closed, in mm or, if the unit is unknown, in drawing units."""
     gaps = [gap for gap in gaps if gap > ROUNDING * extent]
     if not gaps:
         return ""
@@ -152,32 +155,32 @@ def _closed(gaps: Sequence[float], extent: float, unit_mm: float | None) -> str:
 
 
 def fill(loops: Sequence[Floats], *, even_odd: bool) -> list[Floats]:
-    """Return the boundary, as an even-odd set, of what one outline with several loops fills."""
+    """Return the boundary of what an outline of several loops fills, as an even-odd set."""
     if len(loops) == 1 and len(loops[0]) == 3:
         return list(loops)
-    rings = _rings(loops)
+    rings = _closed_lines(loops)
     if rings is None:
         return list(loops)
     if shapely.is_simple(shapely.multilinestrings(rings)) and min(map(len, loops)) > 2:
         return list(loops) if even_odd or len(loops) == 1 else _nonzero(loops)
     if _crossings(rings) > MOST_CROSSINGS:
         return list(loops)
-    return list(polygon_loops(shapely.get_parts(_region(loops, rings, even_odd))))
+    return list(polygon_loops(shapely.get_parts(_filled_area(loops, rings, even_odd))))
 
 
 def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
-    """Return the loops of several even-odd sets as one, and how many of the sets were united with others.
+    """Return the loops of several even-odd sets as one set, and the number of sets that were united with others.
 
-    Sets whose outlines meet are united; an outline that lies within another without touching it is its hole.
+    Sets whose outlines meet are united. An outline that lies within another without touching it is its hole.
     """
     parts = [part for part in parts if part]
     loops = [loop for part in parts for loop in part]
-    rings = _rings(loops)
+    rings = _closed_lines(loops)
     if len(parts) < 2 or rings is None or shapely.is_simple(shapely.multilinestrings(rings)):
         return loops, 0
     if _crossings(rings) > MOST_CROSSINGS:
         return loops, 0
-    lines = np.array([shapely.multilinestrings(_rings(part)) for part in parts])
+    lines = np.array([shapely.multilinestrings(_closed_lines(part)) for part in parts])
     one, other = shapely.STRtree(lines).query(lines, predicate="intersects")
     from scipy.sparse import coo_array  # a quarter of a second to import
     from scipy.sparse.csgraph import connected_components
@@ -191,16 +194,18 @@ def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
             united += members[0]
             continue
         touched += len(members)
-        regions = [_region(part, _rings(part), True) for part in members]
-        united += polygon_loops(shapely.get_parts(shapely.union_all(regions)))
+        areas = [_filled_area(part, _closed_lines(part), True) for part in members]
+        united += polygon_loops(shapely.get_parts(shapely.union_all(areas)))
     return united, touched
 
 
 def join(chains: Sequence[Floats], gap: float, *, alone: bool) -> tuple[list[Floats], list[float], str]:
-    """Return the closed loops of open lines whose ends are no more than ``gap`` apart, the gaps, and what is left out.
+    """Return the loops that open lines form if ends no more than ``gap`` apart are joined.
 
-    Lines that repeat others, or that end where no other goes on, are left out. Raises ``FileFormatError`` with the
-    place where three meet, and where an end is alone if there is no loop then: ``alone`` says that there is no other.
+    With them come the lengths of all gaps, and a sentence on what was left out: lines that repeat others, and lines
+    with an end where no other line continues. Raises ``FileFormatError`` with the place where three lines meet, and, if
+    there is no loop at all, with that of an end where no line continues; ``alone`` means that these lines are all there
+    is.
     """
     if not chains:
         return [], [], ""
@@ -232,11 +237,13 @@ def join(chains: Sequence[Floats], gap: float, *, alone: bool) -> tuple[list[Flo
                 f"a line ends {place}; close the outline, or join ends that are farther apart with --join"
             )
         what = f"{len(free)} lines that end" if len(free) > 1 else "a line that ends"
-        stray = "; ".join(filter(None, [stray, f"left out {what} where no other goes on, {place}"]))
+        stray = "; ".join(filter(None, [stray, f"left out {what} where no other continues, {place}"]))
     for members in meeting.values():
         if len(members) > 2:
             x, y = ends[members[0]].tolist()
-            raise FileFormatError(f"{len(members)} lines end at ({x:g}, {y:g}); leave two, that go on in each other")
+            raise FileFormatError(
+                f"{len(members)} lines end at ({x:g}, {y:g}); keep only two, so that one continues the other"
+            )
     loops, gaps = [], []
     for start in sorted(left):
         end, points = 2 * start, list[Floats]()
@@ -254,9 +261,10 @@ def join(chains: Sequence[Floats], gap: float, *, alone: bool) -> tuple[list[Flo
 
 
 def _without_strays(chains: Sequence[Floats], nodes: Ints) -> tuple[set[int], list[int], int]:
-    """Return the lines that go on at both ends, the ends that do not of those that are left out, and how many repeat.
+    """Return the lines that continue at both ends, the loose ends of those that do not, and the number of repetitions.
 
-    ``nodes`` ``(n, 2)``: where the ends of each line are.
+    ``nodes`` ``(n, 2)``: the place of each end of each line, as a number. Taking a line away may make its neighbour's
+    end a loose one.
     """
     left: set[int] = set()
     seen: set[tuple[bytes, ...]] = set()
@@ -272,7 +280,7 @@ def _without_strays(chains: Sequence[Floats], nodes: Ints) -> tuple[set[int], li
             at.setdefault(int(nodes[number, end]), set()).add(2 * number + end)
     free: list[int] = []
     waiting = [next(iter(members)) for members in at.values() if len(members) == 1]
-    for end in waiting:  # it grows
+    for end in waiting:  # the list grows in the loop
         if end // 2 not in left:
             continue
         left.discard(end // 2)
@@ -285,19 +293,19 @@ def _without_strays(chains: Sequence[Floats], nodes: Ints) -> tuple[set[int], li
     return left, free, repeated
 
 
-def _rings(loops: Sequence[Floats]) -> list[shapely.LineString] | None:
-    """Return the loops as closed lines, or None where there is none or a number that is not finite."""
+def _closed_lines(loops: Sequence[Floats]) -> list[shapely.LineString] | None:
+    """Return the loops as closed lines, or None if there are none or if a number is not finite."""
     if not loops or not all(len(loop) > 1 and np.isfinite(loop).all() for loop in loops):
         return None
     return [shapely.linestrings(np.concatenate([loop, loop[:1]])) for loop in loops]
 
 
 def _crossings(rings: Sequence[shapely.LineString]) -> int:
-    """Return how many pairs of segments meet, beside neighbours; stops counting past the most that are allowed."""
+    """Return how many pairs of segments meet that are not neighbours; stop counting beyond ``MOST_CROSSINGS``."""
     coords = [shapely.get_coordinates(ring) for ring in rings]
     segments = shapely.linestrings(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in coords]))
     tree, count, start, batch = shapely.STRtree(segments), 0, 0, 1
-    segments = np.random.default_rng(0).permutation(segments)  # where all lie in one place, a few tell
+    segments = np.random.default_rng(0).permutation(segments)  # at random: if all lie in one place, a few suffice
     while start < len(segments) and count <= 2 * MOST_CROSSINGS:
         asked = segments[start : start + batch]
         one, _ = tree.query(asked, predicate="intersects")
@@ -306,16 +314,18 @@ def _crossings(rings: Sequence[shapely.LineString]) -> int:
     return count // 2
 
 
-def _region(loops: Sequence[Floats], rings: Sequence[shapely.LineString] | None, even_odd: bool) -> shapely.Geometry:
-    """Return what the loops fill: the faces between all lines whose winding number says so."""
-    faces = shapely.get_parts(shapely.polygonize([shapely.union_all(rings)]))
+def _filled_area(
+    loops: Sequence[Floats], lines: Sequence[shapely.LineString] | None, even_odd: bool
+) -> shapely.Geometry:
+    """Return the area that the loops fill: those faces between all lines whose winding number says so."""
+    faces = shapely.get_parts(shapely.polygonize([shapely.union_all(lines)]))
     inside = shapely.get_coordinates(shapely.point_on_surface(faces))
     winding = sum((_winding(inside, loop) for loop in loops), np.zeros(len(inside), dtype=np.int64))
     return shapely.union_all(faces[winding % 2 == 1 if even_odd else winding != 0])
 
 
 def _winding(points: Floats, loop: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Return how often ``loop`` goes around each point, counter-clockwise."""
+    """Return the winding number of ``loop`` around each point: how often it goes around it, counter-clockwise."""
     (x, y), (to_x, to_y) = loop.T, np.roll(loop, -1, axis=0).T
     turns = np.zeros(len(points), dtype=np.int64)
     for number, (px, py) in enumerate(points.tolist()):
@@ -325,10 +335,11 @@ def _winding(points: Floats, loop: Floats) -> np.ndarray[tuple[int], np.dtype[np
 
 
 def _nonzero(loops: Sequence[Floats]) -> list[Floats]:
-    """Return those of disjoint loops across which the winding number begins or ceases to be zero."""
+    """Return those of disjoint loops that have a winding number of zero on one side only."""
     rings = shapely.linearrings(np.concatenate(loops), indices=np.repeat(np.arange(len(loops)), list(map(len, loops))))
     own = np.where(shapely.is_ccw(rings), 1, -1)
     polygons, starts = shapely.polygons(rings), shapely.points([loop[0] for loop in loops])
-    inside, around = shapely.STRtree(polygons).query(starts, predicate="within")  # not itself: it starts on its edge
+    # A loop is not within itself, since it starts on its own edge.
+    inside, around = shapely.STRtree(polygons).query(starts, predicate="within")
     outside = np.bincount(inside, weights=own[around], minlength=len(loops))
     return [loop for loop, kept in zip(loops, (outside == 0) != (outside + own == 0), strict=True) if kept]

@@ -1,7 +1,7 @@
 """Read JSON loops: ``{"loops": [[[x, y], ...], ...], "units": "mm"}``, y up, even-odd.
 
-``units`` (mm, cm, in or px) and ``title`` are optional; other keys are ignored. GeoJSON in a file
-that ends in .json is handed to its reader.
+``units`` (mm, cm, in or px) and ``title`` are optional; other keys are ignored. A file that ends in .json but holds
+GeoJSON is passed to the reader of GeoJSON.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers import geojson
 from foldcut.readers.base import Drawing, ReadOptions, Source, json_of
-from foldcut.readers.join_outlines import closed_rings
+from foldcut.readers.join_outlines import closed_loops
 
 _EXAMPLE = 'give {"loops": [[[0, 0], [40, 0], [0, 30]]], "units": "mm"}'
 _UNITS = ("mm", "cm", "in", "px")
@@ -33,10 +33,10 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     if unit is not None and unit not in _UNITS:
         raise FileFormatError(f"units is {unit!r}; give {', '.join(_UNITS)}, or leave it out")
     title, unit_mm = document.get("title"), None if unit is None else MM_PER_UNIT[unit]
-    rings, repairs = closed_rings(
+    closed, repairs = closed_loops(
         [_loop(loop, f"loops[{number}]") for number, loop in enumerate(loops)], options, unit_mm
     )
-    return Drawing(rings, unit_mm, title if isinstance(title, str) and title else source.name, repairs=repairs)
+    return Drawing(closed, unit_mm, title if isinstance(title, str) and title else source.name, repairs=repairs)
 
 
 def _loop(loop: object, place: str) -> Floats:

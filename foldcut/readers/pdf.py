@@ -1,8 +1,7 @@
 """Read the first page of a PDF with PDFium (extra ``pdf``): its filled and stroked paths.
 
-The page becomes an SVG of its paths, which the SVG reader flattens and unites. White fills before anything else is
-drawn are the page's background and are passed over, as are texts, pictures and clipping. The unit is the
-point.
+The paths become an SVG, which the SVG reader flattens and unites. White fills before anything else are taken for the
+background of the page and passed over, as are texts, pictures and clipping. The unit is the point.
 """
 
 from __future__ import annotations
@@ -18,11 +17,13 @@ from foldcut.readers import svg
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted, missing
 
 MOST_SEGMENTS = 1_000_000
+"""A page with more segments of paths is refused."""
+
 _WHITE = (255, 255, 255)
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing on the first page of a PDF file; its title is the file's stem."""
+    """Return the drawing on the first page of a PDF file; its title is the name of the file."""
     try:
         import pypdfium2
     except ImportError:
@@ -35,12 +36,12 @@ def read(source: Source, options: ReadOptions) -> Drawing:
             size, paths = page.get_size(), _paths(page, ignored, options.limits)
     except FileFormatError:
         raise
-    except Exception as error:  # PdfiumError, or ctypes where the file is broken
+    except Exception as error:  # a PdfiumError, or one of ctypes where the file is broken
         about = " ".join(str(error).split())[:120] or type(error).__name__
         raise FileFormatError(f"not a PDF file that can be read: {about}; export the drawing again") from None
     if not paths:
         there = ", ".join(counted(ignored)) or "nothing"
-        raise FileFormatError(f"the first page has no vector path, but {there}; export the drawing as vectors")
+        raise FileFormatError(f"the first page has no vector path, only {there}; export the drawing as vectors")
     if pages > 1:
         ignored["further page"] += pages - 1
     width, height = size
@@ -82,11 +83,12 @@ def _paths(page: Any, ignored: Counter[str], limits: Limits) -> list[str]:
 
 
 def _depth(item: Any) -> int:
+    """Return how many forms an item is in, counting itself."""
     return 0 if item is None else 1 + _depth(item.container)
 
 
 def _groups(item: Any) -> str:
-    """Return the opening tags of groups with the transforms of an item and of the forms that it is in."""
+    """Return the opening tags of groups that have the transforms of an item and of the forms that it is in."""
     if item is None:
         return ""
     numbers = " ".join(repr(float(number)) for number in item.get_matrix().get())

@@ -1,12 +1,15 @@
-"""Read SVG: every shape, in groups, with transforms, clones and fill rules.
+"""Read SVG: all shapes, in groups, with transforms, clones and fill rules.
 
-What one element fills by its own fill rule is an even-odd set of loops; sets that overlap are united, and an outline
-wholly within another is its hole (as for cutters, whatever the colours). An element that is stroked only counts as the
-outline it draws; open lines are joined end to end. Curves become segments within the tolerance.
-y goes up in a ``Drawing`` and down in SVG: every y changes its sign. Loops are in the user units of the outermost
-viewBox; ``unit_mm`` follows from width and height (a px is 1/96 in, SVG 2 section 8). Nothing outside the file is
-opened, and a file that declares XML entities is refused. svgelements interprets transforms, which are checked first,
-because it skips what it cannot read. Single elements are ``svg_paths``'s.
+What one element fills by its own fill rule becomes an even-odd set of loops. Sets that overlap are united, and an
+outline wholly within another is its hole, whatever the colours, since cutters see it so. An element that is only
+stroked counts as the outline that it draws; open lines are joined end to end. Curves become segments within the
+tolerance.
+
+The y axis points up in a ``Drawing`` and down in SVG, so every y changes its sign. Loops are in the user units of the
+outermost viewBox; ``unit_mm`` follows from width and height (a px is 1/96 in, SVG 2, section 8).
+
+Nothing outside the file is opened, and a file that declares XML entities is refused. svgelements interprets transforms.
+It skips what it cannot read, so transforms are checked first. ``readers.svg_paths`` reads the single elements.
 """
 
 from __future__ import annotations
@@ -32,8 +35,8 @@ from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.join_outlines import Outline, loops_of
 from foldcut.readers.svg_paths import NEXT, NUMBER, Size, flattened, number_list, path_of, tag_of, user_units
 
-#: A file that shows more elements, clones counted as often as they are shown, is refused.
 MOST_ELEMENTS = 200_000
+"""A file that shows more elements is refused; clones count as often as they are shown."""
 
 _XLINK_HREF = "{http://www.w3.org/1999/xlink}href"
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
@@ -52,12 +55,12 @@ _RULE = re.compile(r"([^{}]*+)\{([^{}]*+)\}")
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing in an SVG file; its title is that of the file, or else the file's stem."""
+    """Return the drawing in an SVG file; its title is the one in the file, or else the name of the file."""
     root = _parse(source.text())
     unit_mm, stretch = _units(root)
     page = _Page(root, options)
     flip = np.diag([1.0, -stretch])
-    with np.errstate(all="ignore"):  # make_shape refuses what is not finite, and says where
+    with np.errstate(all="ignore"):  # make_shape refuses numbers that are not finite, and says where
         shown = page.seen()
         if not shown:
             raise FileFormatError(page.nothing())
@@ -91,7 +94,7 @@ def _parse(text: str) -> ET.Element:
         raise FileFormatError(f"not XML: {error}; save the drawing again as plain SVG") from None
     except DefusedXmlException:
         raise FileFormatError("the file declares XML entities; save it as plain SVG without a DOCTYPE") from None
-    except ValueError as error:  # an encoding that Python does not know
+    except ValueError as error:  # for an encoding that Python does not know
         raise FileFormatError(f"not XML: {error}; save the file as UTF-8 text") from None
     if tag_of(root) != "svg":
         raise FileFormatError(f"the outermost element is {root.tag!r}, not svg; give an SVG file")
@@ -104,7 +107,7 @@ def _title(root: ET.Element) -> str:
 
 
 def _units(root: ET.Element) -> tuple[float | None, float]:
-    """Return mm per user unit along x, if the file says, and how much longer a unit along y is."""
+    """Return mm per user unit along x, if the file says, and the ratio of a unit along y to one along x."""
     sides = [_side_mm(root, "width"), _side_mm(root, "height")]
     if "viewBox" not in root.attrib:
         return MM_PER_UNIT["px"], 1.0
@@ -119,6 +122,7 @@ def _units(root: ET.Element) -> tuple[float | None, float]:
 
 
 def _side_mm(root: ET.Element, attribute: str) -> float | None:
+    """Return the width or height of the file in mm, or None if it does not say."""
     text = root.get(attribute, "auto").strip()
     if text == "auto" or text.endswith("%"):
         return None
@@ -129,22 +133,22 @@ def _side_mm(root: ET.Element, attribute: str) -> float | None:
 
 
 def _transform(element: ET.Element, outer: Floats, name: str) -> Floats:
+    """Return the transform of an element, ``(3, 3)``, after the ``outer`` one; ``name`` is for errors."""
     text = element.get("transform", "")
+    unreadable = FileFormatError(f"{name} has the transform {text[:40]!r}; correct it, or apply it to the points")
+    if not _TRANSFORM.fullmatch(text):
+        raise unreadable
     try:
-        if not _TRANSFORM.fullmatch(text):
-            raise ValueError
-        own = Matrix(text)  # a ValueError for an angle beyond float64
-    except ValueError:
-        raise FileFormatError(
-            f"{name} has the transform {text[:40]!r}; correct it, or apply it to the points"
-        ) from None
+        own = Matrix(text)
+    except ValueError:  # for an angle beyond float64
+        raise unreadable from None
     matrix: Floats = outer @ np.array([(own.a, own.c, own.e), (own.b, own.d, own.f), (0.0, 0.0, 1.0)])
     return matrix
 
 
 @dataclass(frozen=True)
 class _Element:
-    """An element that is seen: its path in own user units, its transform, ``(3, 3)``, and its fill."""
+    """A visible element: its path in its own user units, its transform, ``(3, 3)``, and how it is painted."""
 
     path: list[Any]
     matrix: Floats
@@ -158,7 +162,7 @@ class _Element:
         return np.concatenate([points for points, _ in self._lines(tolerance)] or [np.empty((2, 0))], axis=1)
 
     def lines(self, tolerance: float) -> Iterator[tuple[Floats, bool]]:
-        """Yield the lines that are seen, ``(2, n)``, and whether each is closed."""
+        """Yield the visible lines, ``(2, n)``, and whether each is closed."""
         for points, closed in self._lines(tolerance):
             if closed or self.stroked or not self.filled or points.shape[1] > 2:
                 yield points, closed
@@ -170,10 +174,11 @@ class _Element:
 
 
 @dataclass(frozen=True)
-class _Seen:
-    """An element on its way to be drawn.
+class _Visit:
+    """An element while the tree is walked, with what its ancestors say of it.
 
-    ``viewport``: the size that percentages are of, in user units; ``given``: the width and height of its clone.
+    ``layer`` and ``chosen``: it is in one of the requested layers and ids. ``clones``: the references that led here.
+    ``viewport``: the size that percentages refer to, in user units. ``given``: the width and height of its clone.
     """
 
     element: ET.Element
@@ -188,7 +193,7 @@ class _Seen:
 
 
 class _Page:
-    """The tree of a file being walked, and what of it is passed over."""
+    """Walks the tree of a file, and counts what is passed over."""
 
     def __init__(self, root: ET.Element, options: ReadOptions) -> None:
         self.root, self.options = root, options
@@ -199,20 +204,21 @@ class _Page:
 
     @cached_property
     def by_id(self) -> dict[str, ET.Element]:
-        """The elements that a clone can name."""
+        """The elements that a clone can refer to."""
         return {element.attrib["id"]: element for element in reversed(list(self.root.iter())) if element.get("id")}
 
     @cached_property
     def rules(self) -> list[tuple[str, dict[str, str]]]:
-        """The simple selectors (element, .class, #id) of the file's style sheets, and what they say."""
+        """The simple selectors (element, .class, #id) of the style sheets in the file, and their declarations."""
         sheets = " ".join(element.text or "" for element in self.root.iter() if tag_of(element) == "style")
         sheets = re.sub(r"/\*.*?(?:\*/|\Z)", "", sheets, flags=re.DOTALL)
         pairs = ((names, _declarations(body)) for names, body in _RULE.findall(sheets))
         rules = [(name.strip(), said) for names, said in pairs for name in names.split(",")]
-        return sorted(rules, key=lambda rule: {"#": 3, ".": 2, "*": 0}.get(rule[0][:1], 1))  # the last one wins
+        # In the order of their weight: of those that apply to an element, the last one wins.
+        return sorted(rules, key=lambda rule: {"#": 3, ".": 2, "*": 0}.get(rule[0][:1], 1))
 
     def nothing(self) -> str:
-        """Say why there is no outline."""
+        """Return the error message for a file in which no outline is found."""
         for option, names, there in (
             ("--id", self.options.ids, self.named),
             ("--layer", self.options.layers, self.labels),
@@ -224,7 +230,7 @@ class _Page:
         return f"the file has no polygon, polyline, rect or path; draw a closed outline{texts}"
 
     def seen(self) -> list[_Element]:
-        """Return the outlines that are painted, all if none is, without a white background that is behind others."""
+        """Return the painted outlines, or all if none is painted, without a white background behind all others."""
         every = list(self.outlines())
         seen = [one for one in every if one.filled or one.stroked] or every
         self.ignored["outline without fill and stroke"] += len(every) - len(seen)
@@ -241,9 +247,9 @@ class _Page:
         count: Counter[str] = Counter()
         style, matrix = self._style(self.root, {}), _transform(self.root, np.eye(3), "the svg element")
         layer, chosen = not self.options.layers, not self.options.ids
-        every = _Seen(self.root, matrix, style, layer, chosen, frozenset(), 0, _root_viewport(self.root))
+        every = _Visit(self.root, matrix, style, layer, chosen, frozenset(), 0, _root_viewport(self.root))
         waiting = _children(every, matrix, style, every.viewport)
-        while waiting:  # a stack, not recursion: files nest as deep as they like
+        while waiting:  # a stack, not recursion: files may nest deeper than Python recurses
             seen = waiting.pop()
             self.options.limits.check_nesting(seen.depth)
             element, tag = seen.element, tag_of(seen.element)
@@ -282,7 +288,7 @@ class _Page:
                         yield _Element(path, matrix, filled, stroked, even_odd, white)
 
     def _style(self, element: ET.Element, outer: dict[str, str]) -> dict[str, str]:
-        """Return what applies to an element of the properties that matter; only display is not inherited."""
+        """Return those properties of an element that matter here; all but display are inherited."""
         style = {name: value for name, value in outer.items() if name != "display"}
         style |= {name: element.attrib[name].strip() for name in _STYLES if element.get(name, "inherit") != "inherit"}
         if self.rules:
@@ -292,8 +298,8 @@ class _Page:
                     style |= said
         return style | _declarations(element.get("style", ""))
 
-    def _choose(self, seen: _Seen) -> _Seen:
-        """Return an element with whether it is in one of the layers and ids that are asked for."""
+    def _choose(self, seen: _Visit) -> _Visit:
+        """Return the visit, with whether the element is in one of the requested layers and ids."""
         own_id, label = seen.element.get("id"), seen.element.get(_LABEL)
         if own_id:
             self.named.add(own_id)
@@ -303,8 +309,8 @@ class _Page:
         chosen = seen.chosen or own_id in self.options.ids
         return replace(seen, layer=layer, chosen=chosen)
 
-    def _clone(self, seen: _Seen, matrix: Floats, style: dict[str, str], name: str) -> list[_Seen]:
-        """Return what a use element shows: an element of the same file, or nothing."""
+    def _clone(self, seen: _Visit, matrix: Floats, style: dict[str, str], name: str) -> list[_Visit]:
+        """Return a visit of the element that a use element shows; none if it is not in this file."""
         href = seen.element.get("href", seen.element.get(_XLINK_HREF, ""))
         if not href.startswith("#"):
             self.ignored["external reference"] += 1
@@ -323,26 +329,26 @@ class _Page:
 
 
 def _box(element: _Element) -> tuple[Floats, Floats]:
-    """Return the corners of the box around an outline, roughly; of nothing, one that is in all others."""
+    """Return the corners of the rough box around an outline; that of an empty one lies within every other."""
     points = element.points(math.inf)
     return points.min(axis=1, initial=math.inf), points.max(axis=1, initial=-math.inf)
 
 
-def _children(seen: _Seen, matrix: Floats, style: dict[str, str], viewport: Size) -> list[_Seen]:
-    """Return what is in an element, the first last."""
+def _children(seen: _Visit, matrix: Floats, style: dict[str, str], viewport: Size) -> list[_Visit]:
+    """Return visits of the children of an element, the first child last."""
     inner = replace(seen, matrix=matrix, style=style, depth=seen.depth + 1, viewport=viewport, given=None)
     return [replace(inner, element=child) for child in reversed(seen.element)]
 
 
 def _declarations(text: str) -> dict[str, str]:
-    """Return what a style says of the properties that matter."""
+    """Return those declarations of a style that matter here."""
     pairs = (part.partition(":") for part in text.split(";"))
     said = {name.strip(): value.replace("!important", "").strip() for name, _, value in pairs}
     return {name: said[name] for name in _STYLES if said.get(name, "inherit") != "inherit"}
 
 
 def _root_viewport(root: ET.Element) -> Size:
-    """Return the size of the outermost svg in user units, if the file says."""
+    """Return the size of the outermost svg element in user units, or None if the file does not say."""
     if "viewBox" in root.attrib:
         _, _, width, height = _view_box(root, "the viewBox")
         return width, height
@@ -352,14 +358,14 @@ def _root_viewport(root: ET.Element) -> Size:
     return width_mm / MM_PER_UNIT["px"], height_mm / MM_PER_UNIT["px"]
 
 
-def _place(seen: _Seen, name: str) -> list[float]:
+def _place(seen: _Visit, name: str) -> list[float]:
     """Return x and y of an element."""
     sizes = zip(("x", "y"), seen.viewport or (None, None), strict=True)
     return [user_units(seen.element.get(side, "0"), f"{side} of {name}", whole) for side, whole in sizes]
 
 
-def _viewport(seen: _Seen, matrix: Floats, name: str) -> tuple[Floats, Size]:
-    """Return the transform inside a nested svg or a symbol, its viewBox fitted into its size, and its viewport."""
+def _viewport(seen: _Visit, matrix: Floats, name: str) -> tuple[Floats, Size]:
+    """Return the transform and the viewport inside a nested svg or a symbol, whose viewBox is fitted into its size."""
     element = seen.element
     x, y = _place(seen, name)
     placed: Floats = matrix @ np.array([(1.0, 0.0, x), (0.0, 1.0, y), (0.0, 0.0, 1.0)])
@@ -370,7 +376,7 @@ def _viewport(seen: _Seen, matrix: Floats, name: str) -> tuple[Floats, Size]:
     ]
     texts = ["100%" if text == "auto" else text for text in texts]
     if seen.viewport is None and any(text.endswith("%") for text in texts):
-        size: Size = (box[2], box[3]) if box else None  # as large as its content: the file does not say
+        size: Size = (box[2], box[3]) if box else None  # the file does not say: as large as its content
     else:
         wholes = seen.viewport or (None, None)
         width, height = (user_units(text, f"size of {name}", whole) for text, whole in zip(texts, wholes, strict=True))

@@ -1,7 +1,7 @@
-"""Outlines of single SVG elements: path data, basic shapes and lengths, and the points of their curves.
+"""The outlines of single SVG elements: path data, basic shapes, lengths, and the points along curves.
 
-An element and its viewport -> svgelements' segments -> points in user units. svgelements interprets path data, which is
-checked first, because it skips what it cannot read. (SVG 2, chapters 8 to 10.)
+An element and its viewport -> segments of svgelements -> points in user units. svgelements interprets path data. It
+skips what it cannot read, so the data is checked first. (SVG 2, chapters 8 to 10.)
 """
 
 from __future__ import annotations
@@ -19,23 +19,25 @@ from svgelements import Path as PathData
 from foldcut.core.errors import FileFormatError
 from foldcut.core.units import MM_PER_UNIT
 
-#: A curve has no more segments than this.
 MOST_STEPS = 1000
+"""The greatest number of straight segments that replace a curve."""
 
 NAMESPACE = "{http://www.w3.org/2000/svg}"
+"""SVG's namespace, as ElementTree writes it before names."""
 
 Point = tuple[float, float]
 
 Size = tuple[float, float] | None
+"""Width and height of a viewport in user units; None if the file does not say."""
 
 _WHOLE: dict[str, Callable[[float, float], float]] = {
     **dict.fromkeys(("x", "cx", "x1", "x2", "width", "rx"), lambda width, _: width),
     **dict.fromkeys(("y", "cy", "y1", "y2", "height", "ry"), lambda _, height: height),
     "r": lambda width, height: math.hypot(width, height) / math.sqrt(2),
 }
-"""What a percentage of a length is of, by the width and height of the viewport (SVG 2, section 8.9)."""
+"""The length that a percentage refers to, from the width and height of the viewport (SVG 2, section 8.9)."""
 
-# Possessive (++, ?+), so that no run of digits is split in more than one way.
+# Possessive quantifiers (++, ?+), so that a run of digits is never split in more than one way.
 NUMBER = r"[+-]?+(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:[eE][+-]?+[0-9]++)?+"
 NEXT = rf"[\s,]*+{NUMBER}"
 _NUMBERS = re.compile(rf"(?:{NEXT})*+[\s,]*+")
@@ -48,12 +50,12 @@ _LENGTH = re.compile(rf"\s*({NUMBER})\s*(mm|cm|in|px|pt|pc|%)?\s*")
 
 
 def tag_of(element: ET.Element) -> str:
-    """Return the element's name without SVG's namespace; other namespaces stay in it."""
+    """Return the name of an element without SVG's namespace; other namespaces stay in it."""
     return element.tag.removeprefix(NAMESPACE)
 
 
 def path_of(element: ET.Element, name: str, viewport: Size) -> list[Any]:
-    """Return the element's outline as svgelements' segments; none where SVG draws nothing."""
+    """Return the outline of an element as segments of svgelements; there are none where SVG draws nothing."""
     tag = tag_of(element)
     if tag == "path":
         data = element.get("d", "")
@@ -100,14 +102,14 @@ def path_of(element: ET.Element, name: str, viewport: Size) -> list[Any]:
 
 def _segments(data: str, name: str) -> list[Any]:
     try:
-        # A move to where a Z ends anyway: svgelements looks for the last move again at each Z.
+        # After each Z, move to where it ends anyway: svgelements looks back for the last move at each Z.
         return list(PathData(re.sub("[Zz]", "Zm0 0", data)))
-    except (ValueError, ArithmeticError, AttributeError, TypeError):  # an arc of senseless numbers
+    except (ValueError, ArithmeticError, AttributeError, TypeError):  # an arc with senseless numbers
         raise FileFormatError(f"{name} has path data that cannot be drawn; correct its numbers") from None
 
 
 def flattened(path: list[Any], tolerance: float) -> Iterator[tuple[list[Point], bool]]:
-    """Yield the subpaths as points, and whether each is closed; a closed one may repeat its first point."""
+    """Yield the points of each subpath, and whether it is closed; a closed one may repeat its first point."""
     points: list[Point] = []
     for segment in path:
         end = float(segment.end.x), float(segment.end.y)
@@ -127,7 +129,7 @@ def flattened(path: list[Any], tolerance: float) -> Iterator[tuple[list[Point], 
 
 
 def _inner(segment: Any, tolerance: float) -> list[Point]:
-    """Return the points between the ends of a segment whose joins are within ``tolerance`` of it."""
+    """Return points between the ends of a curve, so that the straight lines through all are within ``tolerance``."""
     if isinstance(segment, Arc):
         radius = max(float(segment.rx), float(segment.ry))
         step = 2 * math.acos(max(1 - tolerance / radius, 0.0)) if radius > 0 else math.inf
@@ -146,14 +148,14 @@ def _inner(segment: Any, tolerance: float) -> list[Point]:
 
 
 def number_list(text: str, what: str) -> list[float]:
-    """Return the numbers in a text, or raise ``FileFormatError`` if there is something else in it."""
+    """Return the numbers in a text; raises ``FileFormatError`` if there is anything else in it."""
     if not _NUMBERS.fullmatch(text):
         raise FileFormatError(f"{what} has something other than numbers: {text[:40]!r}; correct it")
     return [float(number) for number in re.findall(NUMBER, text)]
 
 
 def user_units(text: str, what: str, whole: float | None = None) -> float:
-    """Return a length in user units; ``whole`` is what percentages are of."""
+    """Return a length in user units; ``whole`` is the length that percentages refer to."""
     match = _LENGTH.fullmatch(text)
     if not match:
         raise FileFormatError(f"{what} is {text!r}; give a number, or one with mm, cm, in, px, pt, pc or %")
@@ -163,5 +165,5 @@ def user_units(text: str, what: str, whole: float | None = None) -> float:
     if unit != "%":
         return number * (MM_PER_UNIT[unit] / MM_PER_UNIT["px"] if unit else 1.0)
     if whole is None:
-        raise FileFormatError(f"{what} is {text!r} of a size that the file does not say; give it a viewBox")
+        raise FileFormatError(f"{what} is {text!r} of a size that the file does not give; add a viewBox")
     return number / 100 * whole

@@ -1,7 +1,7 @@
-"""Draw a text with a font's outlines: what is typed, not a file's words.
+"""Draw a text that the user types, with the outlines of a font.
 
-The font's outlines become an SVG of one path per letter, which the SVG reader flattens and unites. No kerning: letters
-stand as far apart as their advance widths say, lines 1.2 em. The file does not say a size; ``unit_mm`` is None.
+The letters become an SVG with one path each, which the SVG reader flattens and unites. There is no kerning: letters
+follow each other by their advance widths, and lines by 1.2 em. A text has no size of its own; ``unit_mm`` is None.
 """
 
 from __future__ import annotations
@@ -22,13 +22,16 @@ from foldcut.readers import svg
 from foldcut.readers.base import Drawing, ReadOptions, Source
 
 LONGEST = 1000
+"""The greatest number of letters."""
+
 LINE_EM = 1.2
+"""The distance between lines, in em."""
 
 
 def draw_text(text: str, font: str = "sans", options: ReadOptions | None = None) -> Drawing:
     """Return the outlines of ``text``; ``font`` is the path of a font file or, with fontconfig, a family.
 
-    Raises ``FileFormatError`` where the font cannot be read and ``BadInputError`` where it lacks a letter.
+    Raises ``FileFormatError`` if the font cannot be read, and ``BadInputError`` if it lacks a letter.
     """
     if not text.strip() or len(text) > LONGEST:
         raise BadInputError(f"the text has {len(text.strip())} letters; give 1 to {LONGEST}")
@@ -37,7 +40,7 @@ def draw_text(text: str, font: str = "sans", options: ReadOptions | None = None)
         drawn = _svg(TTFont(io.BytesIO(path.read_bytes()), fontNumber=0), text)
     except BadInputError:
         raise
-    except Exception as error:  # fontTools lets all kinds of errors out where a font is broken
+    except Exception as error:  # fontTools raises all kinds of errors where a font is broken
         about = " ".join(str(error).split())[:120] or type(error).__name__
         raise FileFormatError(f"{path}: not a font that can be read: {about}; give a .ttf or .otf file") from None
     drawing = svg.read(Source(drawn.encode(), text), options or ReadOptions())
@@ -45,7 +48,7 @@ def draw_text(text: str, font: str = "sans", options: ReadOptions | None = None)
 
 
 def font_families() -> tuple[str, ...]:
-    """Return the families that ``draw_text`` takes, by fontconfig's names; none without fontconfig."""
+    """Return the names of the font families that ``draw_text`` takes; there are none without fontconfig."""
     command = shutil.which("fc-list")
     if command is None:
         return ()
@@ -65,7 +68,7 @@ def find_font(font: str) -> Path:
         return path
     command = shutil.which("fc-match")
     if path.suffix.lower() in (".ttf", ".otf", ".ttc", ".woff", ".woff2") or command is None:
-        hint = "check the path" if command else "give the path of a .ttf or .otf file: families need fontconfig"
+        hint = "check the path" if command else "give the path of a .ttf or .otf file: family names need fontconfig"
         raise FileFormatError(f"{font}: there is no such font file; {hint}")
     words = [command, "--format", "%{file}\n%{family}", "--", font]
     try:

@@ -1,4 +1,4 @@
-"""Read WKB, binary or as hexadecimal digits (OGC 06-103r4, section 8): what WKT can say, y up, no unit."""
+"""Read WKB, binary or as hexadecimal digits (OGC 06-103r4, section 8): all that WKT can say; y up, without a unit."""
 
 from __future__ import annotations
 
@@ -15,10 +15,15 @@ from foldcut.readers.wkt import read_geometry
 _HEX = re.compile(rb"\s*0[01](?:[0-9A-Fa-f]{2})+\s*")
 _POINT, _LINES, _POLYGON, _COLLECTIONS = 1, (2, 8), 3, (4, 5, 6, 7, 9, 10, 11, 12)
 _Z, _M, _SRID = 0x80000000, 0x40000000, 0x20000000
+_BYTE_ORDERS = {0: ">", 1: "<"}
+
+
+class _NotWkbError(Exception):
+    """The bytes are not a geometry."""
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing in a WKB file; its title is the file's stem."""
+    """Return the drawing in a WKB file; its title is the name of the file."""
     data = source.data
     if _HEX.fullmatch(data):
         data = bytes.fromhex(data.decode().strip())
@@ -26,14 +31,14 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         options.limits.check_nesting(_depth(data))  # GEOS parses collections recursively
         with np.errstate(all="ignore"):
             geometry = shapely.from_wkb(data)
-    except (shapely.errors.ShapelyError, NotImplementedError, struct.error, KeyError) as error:
-        about = str(error) if isinstance(error, shapely.errors.ShapelyError) else "its bytes are no geometry"
+    except (shapely.errors.ShapelyError, NotImplementedError, struct.error, _NotWkbError) as error:
+        about = str(error) if isinstance(error, shapely.errors.ShapelyError) else "its bytes are not a geometry"
         raise FileFormatError(f"not WKB: {about}; give a POLYGON or MULTIPOLYGON with closed rings") from None
     return read_geometry(geometry, source.name, options)
 
 
 def _depth(data: bytes) -> int:
-    """Return how deep geometries are nested; raises ``struct.error`` or ``KeyError`` where there is none."""
+    """Return how deep geometries are nested; raises ``struct.error`` or ``_NotWkbError`` if the bytes are not WKB."""
     position, deepest, left = 0, 0, [1]
     while left:
         if not left[-1]:
@@ -41,7 +46,9 @@ def _depth(data: bytes) -> int:
             continue
         left[-1] -= 1
         (first,) = struct.unpack_from("B", data, position)
-        order = {0: ">", 1: "<"}[first]
+        if first not in _BYTE_ORDERS:
+            raise _NotWkbError
+        order = _BYTE_ORDERS[first]
         (kind,) = struct.unpack_from(f"{order}I", data, position + 1)
         position += 9 if kind & _SRID else 5
         form, family = (kind & 0xFFFF) % 1000, (kind & 0xFFFF) // 1000
@@ -61,5 +68,5 @@ def _depth(data: bytes) -> int:
         elif form in _LINES:
             position += count * size
         else:
-            raise KeyError(form)
+            raise _NotWkbError
     return deepest

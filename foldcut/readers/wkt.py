@@ -1,6 +1,6 @@
-"""Read WKT (OGC 06-103r4, section 7): polygons, or lines that close, and collections of them; y up, no unit.
+"""Read WKT (OGC 06-103r4, section 7): polygons or closed lines, and collections of them; y up, without a unit.
 
-All rings of the file are loops of one even-odd set.
+All rings of the file, in WKT's sense of the word, are loops of one even-odd set.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from foldcut.readers.join_outlines import drawing_of
 
 
 def read(source: Source, options: ReadOptions) -> Drawing:
-    """Return the drawing in a WKT file; its title is the file's stem."""
+    """Return the drawing in a WKT file; its title is the name of the file."""
     text = source.text()
     options.limits.check_nesting(brackets_depth(text, "(", ")"))  # GEOS parses collections recursively
     repairs: tuple[str, ...] = ()
     try:
-        with np.errstate(all="ignore"):  # "nan" and "1e999" come back as such; make_shape refuses them by place
+        with np.errstate(all="ignore"):  # "nan" and "1e999" are kept; make_shape refuses them and says where
             try:
                 geometry = shapely.from_wkt(text)
             except shapely.errors.GEOSException:
@@ -40,9 +40,9 @@ def read(source: Source, options: ReadOptions) -> Drawing:
 
 
 def read_geometry(geometry: shapely.Geometry, title: str, options: ReadOptions, *, closed: bool = True) -> Drawing:
-    """Return the rings of a geometry's polygons, or its lines if there are none, as a drawing.
+    """Return the rings of a geometry's polygons, or if it has none, its lines, as a drawing.
 
-    ``closed``: that the file closes every ring.
+    ``closed``: the file repeats the first point of every ring.
     """
     rings: list[Floats] = []
     lines: list[Floats] = []

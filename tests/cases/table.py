@@ -1,7 +1,7 @@
-"""Hostile and odd files, and what has to become of each: add a row to add a case.
+"""Hostile and odd files, and how foldcut has to treat each: add a row to add a case.
 
-``CASES`` is by file name, whose suffix says the format. ``words``: what the report says of the drawing if it is taken
-(a repair, or something left out; empty if nothing), or what the error says if it is refused.
+``CASES`` are by file name, whose suffix tells the format. ``words``: part of the report on the drawing if it is taken
+(a repair, or something left out; empty if neither), or part of the error if it is refused.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Case:
-    """A file's bytes, whether it is taken or refused, and in what words."""
+    """The bytes of a file, whether it is taken or refused, and the words that say so."""
 
     data: bytes
     taken: bool
@@ -62,7 +62,7 @@ WKT_SQUARE = "(0 0, 40 0, 40 40, 0 40, 0 0)"
 EMPTY = "the file is empty"
 TOO_DEEP = "things are nested too deep, and at most 100 are allowed; give a flat drawing, or allow more with --limit"
 GAP = "closed 1 gap of at most "
-STRAY = "left out a line that ends where no other goes on, at (5, "
+STRAY = "left out a line that ends where no other continues, at (5, "
 for suffix in ("svg", "json", "wkt", "fold"):
     refused(f"nothing.{suffix}", b"", EMPTY)
     refused(f"blank.{suffix}", b" \n\t\r\n", EMPTY)
@@ -123,13 +123,15 @@ taken("a-gap.svg", stroked("M0 0H40", "M40 0.003V40H0V0"), GAP)
 refused(
     "a-wide-gap.svg", stroked("M0 0H40", "M40 0.5V40H0V0"), "0.5 from the next end; close the outline, or join ends"
 )
-refused("a-crossroads.svg", stroked("M0 0H40V40", "M0 0V40H40", "M0 0L40 40"), "3 lines end at (0, 0); leave two")
+refused("a-crossroads.svg", stroked("M0 0H40V40", "M0 0V40H40", "M0 0L40 40"), "3 lines end at (0, 0); keep only two")
 refused("rays.svg", stroked(*(f"M0 0L{n} 1" for n in range(1, 2_000))), "too many lines end at the same places")
 taken("unpainted-box.svg", svg(f'<path fill="none" d="M-9 -9H99V99H-9Z"/><path d="{BOX}"/>'), "without fill and stroke")
 taken("white-background.svg", svg(f'<rect width="100%" height="100%" fill="#fff"/><path d="{BOX}"/>'), "1 white backg")
 taken("percentages.svg", svg('<rect x="10%" y="5%" width="50%" height="40%"/>'))
 taken("percentages-of-a-nested-svg.svg", svg('<svg width="50%" height="20"><rect width="100%" height="100%"/></svg>'))
-refused("percentages-of-nothing.svg", svg('<rect width="50%" height="9"/>', ""), "of a size that the file does not say")
+refused(
+    "percentages-of-nothing.svg", svg('<rect width="50%" height="9"/>', ""), "of a size that the file does not give"
+)
 refused("percentage-of-letters.svg", svg('<rect width="a%" height="9"/>'), "width of rect number 1 is 'a%'")
 refused("cut-off.svg", path(BOX)[:60], "not XML: ")
 refused("two-roots.svg", path(BOX) * 2, "not XML: ")
@@ -312,7 +314,7 @@ taken("lines.geojson", '{"type":"MultiLineString","coordinates":[[[0,0],[40,0],[
 refused("open-line.geojson", '{"type":"LineString","coordinates":[[0,0],[40,0],[40,40]]}', "a line ends at (0, 0)")
 for kind in ("07000000", "ef030000", "07000020ffff0000", "04000000"):
     refused(f"collections-{kind}.wkb", f"01{kind}01000000" * 50_000 + "0101000000" + "00" * 16, TOO_DEEP)
-refused("cut-off-collections.wkb", "010700000001000000" * 50_000, "not WKB: its bytes are no geometry")
+refused("cut-off-collections.wkb", "010700000001000000" * 50_000, "not WKB: its bytes are not a geometry")
 refused("rubbish.wkb", "\x01\x03rubbish", "")
 refused("empty.dxf", " ", "the file is empty")
 refused("words.dxf", "this is no drawing\n" * 50, "")

@@ -81,7 +81,7 @@ def test_limits_are_options(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     with pytest.raises(FileFormatError, match="the drawing has 2 loops, and at most 1 are allowed; draw fewer"):
         Limits(loops=1).check_loops([square, square])
     for text in ("points", "points=0", "points=-1", "pints=3", "points=1e3"):
-        with pytest.raises(BadInputError, match="is no limit; give NAME=NUMBER"):
+        with pytest.raises(BadInputError, match="is not a limit; give NAME=NUMBER"):
             parse_limits([text])
     assert parse_limits(["points=7", "loops=8", "nesting=9"]) == Limits(points=7, loops=8, nesting=9)
     with pytest.raises(BadInputError, match="a nesting of 501 is too deep; give at most 500"):

@@ -1,4 +1,4 @@
-"""A drawing is mended and simplified, and every change is said."""
+"""A drawing is mended and simplified, and every change is reported."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def test_narrow_parts_and_gaps_go() -> None:
     prepared = prepare([loop], Preparation(min_feature=2))
     assert prepared.changes == ("parts and gaps narrower than 2 mm: closed 10 mm2, dropped 30 mm2, 1 -> 1 loops",)
     assert area(prepared.loops) == pytest.approx(1600, rel=1e-3)
-    with pytest.raises(ShapeError, match="nothing of the drawing is 50 mm wide"):
+    with pytest.raises(ShapeError, match="no part of the drawing is 50 mm wide"):
         prepare([loop], Preparation(min_feature=50))
 
 
@@ -153,7 +153,7 @@ def test_the_command_mends_reports_and_previews(
     assert Path("both.svg").read_text().count("<path") == 2
     assert main([*options, "-o", "other.fold", "--preview", "both.svg"]) == 2
     assert "both.svg: it is there already" in capsys.readouterr().err
-    # What was made of the drawing's mirror image is checked against the drawing itself, mended by hand.
+    # The mended mirror image is compared with the drawing itself, mended by hand.
     mended = [[0, 0], [40, 0], [50, 10], [40, 20], [0, 20]]
     Path("mended.json").write_text(json.dumps({"loops": [mended]}))
     assert main(["check", "house.fold", "--shape", "mended.json", "--quiet"]) == 0

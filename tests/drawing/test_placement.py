@@ -205,7 +205,7 @@ REFUSED: list[tuple[dict[str, object], type[FoldcutError], str]] = [
         {"scale": 1.0},
         ShapeError,
         "the shape is 230.0 x 80.0 mm, the sheet A4 (210 x 297 mm) leaves 190.0 x 277.0 mm inside a 10 mm "
-        "margin; use --scale fit, a bigger sheet or a smaller margin",
+        "margin; use --scale fit, a larger sheet or a smaller margin",
     ),
     ({"scale": 1e308}, ShapeError, "the shape is inf x inf mm"),
     ({"scale": 1e-5}, ShapeError, "the shape is only 0.0023 x 0.0008 mm"),
@@ -261,7 +261,7 @@ def size(shape: Shape) -> list[float]:
 def test_a_drawing_is_scaled_to_a_width_or_a_height(options: dict[str, float], expected: list[float]) -> None:
     _, placed, _, _ = Layout(A4, **options).place(SMALL)  # type: ignore[arg-type]
     assert size(placed) == pytest.approx(expected)
-    # a turn beyond what was asked for, for a mirror axis, does not change how large it is
+    # an additional turn, made for a mirror axis, does not change the size
     _, turned, _, _ = Layout(A4, **options).place(SMALL, 90)  # type: ignore[arg-type]
     assert size(turned) == pytest.approx(expected[::-1])
 

@@ -1,4 +1,4 @@
-"""Which drawings make a shape, what it looks like, and what the others are refused for."""
+"""Which drawings make a shape, what the shape is like, and why the others are refused."""
 
 from __future__ import annotations
 
@@ -236,7 +236,7 @@ def test_swapping_two_corners_is_accepted_only_without_a_crossing(points: Points
 
 
 def slow_minimum_feature(shape: Shape) -> float:
-    """Return what the definition says, in plain loops."""
+    """Return the minimum feature by its definition, in plain loops."""
     best = math.inf
     for loop in shape.loops:
         for corner in loop:
@@ -308,7 +308,7 @@ def test_ten_thousand_corners_take_seconds() -> None:
     start = time.perf_counter()
     shape = make_shape([np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])])
     minimum_feature(shape)
-    assert time.perf_counter() - start < 20  # 0.5 s where it was written: only a wrong order of growth fails
+    assert time.perf_counter() - start < 20  # it took 0.5 s when this was written: only a wrong order of growth fails
     assert shape.corner_count > 9_900
 
 

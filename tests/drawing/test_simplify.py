@@ -1,4 +1,4 @@
-"""Simplification: fewer corners within the tolerance, and the topology that was there."""
+"""Simplification: fewer corners within the tolerance, and the same topology."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BUMPY = [(0, 0), (50, 0.3), (100, 0), (100, 60), (0, 60)]
 
 
 def simplification_faults(before: Shape, done: Simplified, tolerance: float) -> list[str]:
-    """List what breaks the invariants of a simplified shape."""
+    """Return which invariants a simplified shape breaks."""
     after = done.shape
     faults = invariant_faults(after)
     if after.parent != before.parent:

@@ -1,4 +1,4 @@
-"""Reading FOLD files: what a file may leave out, and what is said of a file that cannot be read."""
+"""Reading FOLD files: what a file may leave out, and the errors for files that cannot be read."""
 
 from __future__ import annotations
 
@@ -217,11 +217,11 @@ MALFORMED = [
         "foldcut:placement[0][2]: None is not a number",
     ),
     ([], "holds one JSON object, not a list"),
-    ("{", "not JSON, which a FOLD file is: "),
+    ("{", "not JSON, as a FOLD file has to be: "),
     ("", "the file is empty"),
     ('{"vertices_coords": [[NaN, 0]]}', "NaN is not a JSON number"),
     ('{"vertices_coords": [[1e999, 0]]}', "vertices_coords[0][0]: inf is not a number below 1e15"),
-    ("[" * 100_000, "not JSON, which a FOLD file is: "),
+    ("[" * 100_000, "not JSON, as a FOLD file has to be: "),
 ]
 
 

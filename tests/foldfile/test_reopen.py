@@ -1,4 +1,4 @@
-"""Opening a FOLD file again: what foldcut wrote comes back to the byte, what others wrote is told from it."""
+"""Reopening a FOLD file: what foldcut wrote comes back to the byte, and files by others are recognised."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from foldcut.samples import sample_path
 
 
 def reopened(tmp_path: Path, pattern: FoldedPattern, **changes: object) -> Reopened:
-    """Write a pattern as FOLD with some keys changed, None leaves one out, and open it."""
+    """Write a pattern as FOLD with some keys changed (None leaves one out), and open it."""
     document: dict[str, Any] = {**json.loads(export(pattern, ".fold")), **changes}
     path = tmp_path / "pattern.fold"
     path.write_text(json.dumps({key: value for key, value in document.items() if value is not None}))

@@ -1,8 +1,9 @@
 """Fuzz a reader, guided by coverage: ``python tests/fuzz/run.py READER [--seconds 300] [--out out/fuzz]``.
 
-Needs atheris (extra ``fuzz``). What breaks is written to the folder, one file for each place in the code where it does,
-and the run goes on; the last line says how many inputs were tried, how many branches they reached, and what was found.
-The code of foldcut and of the Python libraries behind its readers guides; compiled libraries are called, but do not.
+Needs atheris (extra ``fuzz``). An input that breaks a promise is written to the folder, one file for each place in the
+code where that happens, and the run continues. The last line says how many inputs were tried, how many branches they
+reached, and what was found. The branches of foldcut and of the Python libraries behind its readers guide the fuzzer;
+compiled libraries are called, but do not guide it.
 ``--input FILE`` tries one file, without atheris.
 """
 
@@ -23,15 +24,20 @@ HERE = Path(__file__).resolve()
 sys.path.insert(0, str(HERE.parent.parent))
 
 LONGEST_S = 10.0
-"""Of processor time, for one input."""
+"""The longest processor time for one input, in seconds."""
 
 MEMORY_MB = 1024
+"""The most memory that a run may take."""
+
 MAX_BYTES = 8192
+"""The size of the largest input."""
+
 GUIDING = ["foldcut", "svgelements", "ezdxf", "fontTools", "defusedxml", "PIL", "json", "pypdfium2"]
+"""The packages whose branches guide the fuzzer."""
 
 
 def fuzz(reader: str, corpus: Path, out: Path, seconds: int) -> None:
-    """Fuzz in this process; it ends when time is up, or when an input kills it."""
+    """Fuzz in this process, which ends when time is up or when an input kills it."""
     import atheris
 
     with atheris.instrument_imports(include=GUIDING):
@@ -67,7 +73,7 @@ def fuzz(reader: str, corpus: Path, out: Path, seconds: int) -> None:
 
 
 def _place(error: BaseException) -> str:
-    """Return where an error comes from, in letters for a file's name."""
+    """Return where an error comes from, as the name of a file."""
     frames = traceback.extract_tb(error.__traceback__)
     last = [f"{Path(frame.filename).stem}.{frame.name}.{frame.lineno}" for frame in frames[-2:]]
     return re.sub(r"[^\w.]+", "_", "-".join([type(error).__name__, *last]))[:120]
@@ -82,7 +88,7 @@ def _keep(out: Path, data: bytes, name: str, said: str) -> None:
 
 
 def supervise(reader: str, out: Path, seconds: int) -> tuple[str, bool]:
-    """Fuzz in processes of their own, one after another if inputs kill them; return a line, and whether all is well."""
+    """Fuzz in processes of their own, a new one if an input kills one; return a line, and whether all is well."""
     from fuzz.targets import TARGETS
 
     out.mkdir(parents=True, exist_ok=True)
@@ -107,7 +113,7 @@ def supervise(reader: str, out: Path, seconds: int) -> tuple[str, bool]:
                 (out / f"killed-{killed}.txt").write_text(text[-20_000:])
                 if "cov: " not in text:
                     return f"{reader}: atheris did not start; see {out}/killed-{killed}.txt", False
-                for artifact in set(out.iterdir()) - before:  # it would end the next run, too
+                for artifact in set(out.iterdir()) - before:  # else it would end the next run, too
                     (corpus / hashlib.sha1(artifact.read_bytes()).hexdigest()).unlink(missing_ok=True)
     found = sorted(file.name for file in out.iterdir() if file.suffix != ".txt")
     used = resource.getrusage(resource.RUSAGE_CHILDREN)

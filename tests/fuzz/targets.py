@@ -1,6 +1,6 @@
-"""What is fuzzed: for each reader, a function of bytes that fails where foldcut's promise does, and seeds.
+"""What is fuzzed: for each reader, a function of bytes that fails if foldcut breaks its promise, and seeds.
 
-The promise: bytes in, a shape or a documented error of one line out, within 10 s. Nothing here needs atheris.
+The promise: any bytes give a shape or a documented error of one line, within 10 s. Nothing here needs atheris.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ from foldcut.readers.typed_text import draw_text
 from foldcut.samples import sample_names, sample_path
 
 LONGEST_SEED = 20_000
-"""Bytes: cases beyond this are about size, which fuzzing is not."""
+"""The size of the largest seed, in bytes: larger cases are about size, which fuzzing is not."""
 
 TEXT = "Ag"
+"""The text that is drawn with each font."""
 
 
 class BrokenPromiseError(AssertionError):
@@ -43,14 +44,14 @@ class BrokenPromiseError(AssertionError):
 
 @dataclass(frozen=True)
 class Target:
-    """How a reader is called, what to begin with, and what changed bytes need to be looked at at all."""
+    """How a reader is called, its seeds, and how to mend changed bytes that it would refuse at once."""
 
     read: Callable[[bytes], None]
     seeds: tuple[bytes, ...]
     mended: Callable[[bytes], bytes] = bytes
 
     def check(self, data: bytes) -> bool:
-        """Return whether ``data`` is taken; raises what must not be raised."""
+        """Return whether ``data`` is taken; raises whatever the reader must not raise."""
         try:
             self.read(data)
         except FoldcutError as error:
@@ -98,7 +99,7 @@ def _text(data: bytes) -> None:
 
 
 def _cases(suffix: str, *more: str | bytes) -> tuple[bytes, ...]:
-    """Return the cases and samples of a format, and more."""
+    """Return the cases and samples of a format, and those in ``more``, as bytes."""
     found = [case.data for name, case in CASES.items() if name.endswith(suffix) and len(case.data) <= LONGEST_SEED]
     paths = map(sample_path, sample_names())
     found += [path.read_bytes() for path in paths if path.suffix == suffix]
@@ -259,7 +260,7 @@ PICTURES = (
 
 
 def mend_png(data: bytes) -> bytes:
-    """Return a PNG with the checksums that its chunks should have; anything else as it is."""
+    """Return a PNG with the right checksums for its chunks, and anything else as it is."""
     if not data.startswith(b"\x89PNG\r\n\x1a\n"):
         return data
     mended, at = bytearray(data), 8

@@ -19,12 +19,13 @@ from foldcut.geometry import box_tree as layertree
 from foldcut.geometry.planar_graph import edge_faces, trace_faces
 from foldcut.geometry.polygons import Outlines
 from foldcut.pattern import face_maps as flatfold
+from foldcut.pattern.cut_line import sides_of
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof import cut as cutline
-from foldcut.proof import verify as verify_module
 from foldcut.proof.cut import check_cut
 from foldcut.proof.layers import check_mountains, check_stacking
 from foldcut.proof.verify import CHECKS, verify
+from foldcut.proof.vertices import check_vertices, is_flat_at_vertices
 
 TINY = 1e-6
 
@@ -64,7 +65,7 @@ def strip(letters: str) -> CreasePattern:
 
 
 def grid(columns: int, rows: int) -> CreasePattern:
-    """Return unit squares in a grid, all creases mountains for want of better."""
+    """Return unit squares in a grid; all creases are mountains until layers decide."""
     number = {(x, y): x * (rows + 1) + y for x in range(columns + 1) for y in range(rows + 1)}
     edges = [(number[x, y], number[x + 1, y], "BM"[0 < y < rows]) for x in range(columns) for y in range(rows + 1)]
     edges += [(number[x, y], number[x, y + 1], "BM"[0 < x < columns]) for x in range(columns + 1) for y in range(rows)]
@@ -74,7 +75,7 @@ def grid(columns: int, rows: int) -> CreasePattern:
 
 
 def star_vertex(sectors: Sequence[float], letters: str) -> CreasePattern:
-    """Return a vertex amid a polygon, with creases to the polygon's corners; crease i is before sector i."""
+    """Return a vertex inside a polygon, with creases to its corners; crease i comes before sector i."""
     turn = np.radians(np.concatenate([[0], np.cumsum(sectors)[:-1]]))
     rim = [(float(np.cos(t)), float(np.sin(t))) for t in turn]
     count = len(sectors)
@@ -96,7 +97,7 @@ def with_creases_from(pattern: CreasePattern, layers: Ints) -> CreasePattern:
 
 
 def stack_findings(pattern: CreasePattern, layers: Sequence[int]) -> list[Finding]:
-    """Return what keeps layers from lying in this order, whatever mountains and valleys that makes."""
+    """Return what keeps layers from lying in this order, with the mountains and valleys that it makes."""
     faces = edge_faces(pattern)
     return check_stacking(pattern, faces, fold_faces(pattern, faces), index_array(layers), 1e-8)
 
@@ -106,7 +107,7 @@ def kinds(findings: Sequence[Finding]) -> set[str]:
 
 
 def only(findings: Sequence[Finding], check: str, words: str) -> Finding:
-    """Return the first finding, having seen that all are of one check and that this one says ``words``."""
+    """Return the first finding, after asserting that all are of one check and that it contains ``words``."""
     assert check in CHECKS
     assert kinds(findings) == {check}, [str(finding) for finding in findings]
     assert words in findings[0].message
@@ -487,14 +488,14 @@ def test_vertices_are_flat_exactly_when_nothing_is_found_at_them(seed: int) -> N
         at = rng.choice(np.flatnonzero(np.isin(letters, ("M", "V"))), flips)
         letters[at] = np.where(letters[at] == "M", "V", "M")
         pattern = replace(good, edges_assignment=letters)
-        flat = verify_module._is_flat_at_vertices(pattern, faces, maps, TINY)
-        assert flat == (not verify_module._check_vertices(pattern, faces, TINY))
+        flat = is_flat_at_vertices(pattern, faces, maps, TINY)
+        assert flat == (not check_vertices(pattern, faces, TINY))
         verdicts.append(flat)
     assert verdicts[0]
     bent = good.vertices_coords + 1e-3 * rng.standard_normal(good.vertices_coords.shape)
     pattern = replace(good, vertices_coords=bent)
-    flat = verify_module._is_flat_at_vertices(pattern, faces, fold_faces(pattern, faces), TINY)
-    assert flat == (not verify_module._check_vertices(pattern, faces, TINY))
+    flat = is_flat_at_vertices(pattern, faces, fold_faces(pattern, faces), TINY)
+    assert flat == (not check_vertices(pattern, faces, TINY))
 
 
 def test_many_findings_of_one_kind_are_cut_short() -> None:
@@ -618,16 +619,16 @@ def test_unfolded_edges_may_lie_on_the_boundary() -> None:
 
 
 def cut_verdicts(pattern: CreasePattern, shape: Shape, monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Return whether the cut is right: by the edges that reach the line, as of a large pattern, and by all."""
+    """Return whether the cut is right, judged by the edges that reach the line, as in large patterns, and by all."""
     faces = edge_faces(pattern)
     maps = fold_faces(pattern, faces)
     monkeypatch.setattr(cutline, "MANY_EDGES", 10**9)
     slow = not check_cut(pattern, faces, maps, shape, TINY)
-    sides = cutline._sides(shape)
-    if cutline._check_on_sheet(pattern, faces, sides, TINY):
+    sides = sides_of(shape)
+    if cutline.check_on_sheet(pattern, faces, sides, TINY):
         assert not slow
         return [False, False]
-    return [cutline._is_surely_cut(pattern, faces, maps, shape, sides, TINY), slow]
+    return [cutline.is_surely_cut(pattern, faces, maps, shape, sides, TINY), slow]
 
 
 def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -644,7 +645,7 @@ def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: py
         moved = loop.copy()
         moved[rng.integers(4)] += far * np.array([0.6, 0.8])
         assert cut_verdicts(pattern, Shape((points_array(moved),), (-1,)), monkeypatch) == [False, False]
-    for _ in range(60):  # another loop, that nothing of the line comes near
+    for _ in range(60):  # another loop, which the line does not come near
         x, y, width, height = *rng.uniform(2, 90, 2), *rng.uniform(0.1, 8, 2)
         box = box_shape((x, y, x + width, y + height)).loops[0]
         more = Shape((shape.loops[0], box), (-1, -1))
@@ -660,7 +661,7 @@ def test_edges_that_reach_the_line_tell_whether_the_cut_is_right(monkeypatch: py
 def test_a_guess_of_the_line_need_not_be_good(off: float, believed: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     paper, shape = rectangle_fold(60.0, 40.0)
     pattern, _ = paper.pattern()
-    honest, asked = cutline._line_through, []
+    honest, asked = cutline.line_through, []
 
     def guessed(points: Floats) -> tuple[Floats, float]:
         along, level = honest(points)
@@ -668,7 +669,7 @@ def test_a_guess_of_the_line_need_not_be_good(off: float, believed: bool, monkey
         turn = off if len(asked) == 2 else 0.0  # the first is that of the slow check
         return along + turn / 100 * np.array([-along[1], along[0]]), level + turn
 
-    monkeypatch.setattr(cutline, "_line_through", guessed)
+    monkeypatch.setattr(cutline, "line_through", guessed)
     assert cut_verdicts(pattern, shape, monkeypatch) == [believed, True]
 
 

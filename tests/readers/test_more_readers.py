@@ -127,7 +127,7 @@ def test_layers_of_a_dxf_select_and_hidden_ones_are_told(tmp_path: Path) -> None
         read(tmp_path, "a.dxf", dxf(draw), layers=("Notes",))
     stray = read(tmp_path, "a.dxf", dxf(draw))
     assert area(stray) == 200
-    assert stray.repairs == ("left out a line that ends where no other goes on, at (1, 1), 1.41 from the next end",)
+    assert stray.repairs == ("left out a line that ends where no other continues, at (1, 1), 1.41 from the next end",)
     with pytest.raises(FileFormatError, match="no outline in --layer x; the file has the layers 0, CUT, Notes"):
         read(tmp_path, "a.dxf", dxf(draw), layers=("x",))
     assert "1 TEXT" in read(tmp_path, "a.dxf", dxf(draw), layers=("CUT", "0")).ignored
@@ -218,13 +218,13 @@ BAD = [
     ("a.dxf", dxf(lambda space: None), "there is no outline; the file has the layers none"),
     ("a.dxf", dxf(lambda space: space.add_text("A")), "there is no outline"),
     ("a.geojson", "{", "not JSON"),
-    ("a.geojson", "[]", "the file is no GeoJSON"),
-    ("a.geojson", '{"type": "Circle"}', "the file is no GeoJSON: its type is 'Circle'"),
-    ("a.geojson", '{"type": ["Polygon"]}', "the file is no GeoJSON"),
-    ("a.geojson", '{"type": "Polygon"}', "coordinates of the file is no list"),
+    ("a.geojson", "[]", "the file is not GeoJSON"),
+    ("a.geojson", '{"type": "Circle"}', "the file is not GeoJSON: its type is 'Circle'"),
+    ("a.geojson", '{"type": ["Polygon"]}', "the file is not GeoJSON"),
+    ("a.geojson", '{"type": "Polygon"}', "coordinates of the file is not a list"),
     ("a.geojson", '{"type": "Polygon", "coordinates": [[[0, 0], [1, "a"]]]}', 'point 1 is [1, "a"]'),
     ("a.geojson", '{"type": "Point", "coordinates": [0, 0]}', "the file has no polygon"),
-    ("a.geojson", '{"type": "FeatureCollection", "features": []}', "features of the file is no list"),
+    ("a.geojson", '{"type": "FeatureCollection", "features": []}', "features of the file is not a list"),
     ("a.geojson", json.dumps(DEEP), "nested too deep, and at most 100 are allowed"),
     ("a.geojson", '{"type": "Polygon", "coordinates": [[[0, 0], [1' + "0" * 400 + ", 0]]]}", "too large for float64"),
     ("a.wkb", b"\x01\x02", "not WKB"),
@@ -293,7 +293,7 @@ def test_a_file_may_be_called_anything_and_come_from_standard_input(
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"0,0\n20,0\n20,10\n0,10")))
     drawing = read_shape("-", ReadOptions(suffix=".CSV"))
     assert (area(drawing), drawing.title) == (200, "drawing")
-    with pytest.raises(FileFormatError, match=r"^-: standard input has no suffix; say the format with --from"):
+    with pytest.raises(FileFormatError, match=r"^-: standard input has no suffix; give the format with --from"):
         read_shape("-")
     with pytest.raises(FileFormatError, match=r"there is no format 'doc'; give --from one of \.svg"):
         read_shape("-", ReadOptions(suffix="doc"))

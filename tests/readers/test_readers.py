@@ -244,7 +244,7 @@ BAD_SVG = [
     (svg('<path d="M0 0H5"/><polyline points="1,1 2,2"/>'), "the outlines of the file enclose no area; draw"),
     (svg('<polygon points="%s"/>' % ("1 2 " * 500_000)), "about 500,004 points, and at most 100,000 are allowed"),
     (svg('<circle r="1e999"/>'), "r of circle number 1 is '1e999'; give a finite number"),
-    ("<svg>" + '<rect width="50%" height="3"/>' + "</svg>", "'50%' of a size that the file does not say; give it"),
+    ("<svg>" + '<rect width="50%" height="3"/>' + "</svg>", "'50%' of a size that the file does not give; add a"),
     (svg('<rect width="5em" height="3"/>'), "width of rect number 1 is '5em'; give a number, or one with mm"),
     (svg('<path d="M 0 0 C 1 1 2 2 Z"/>'), "unreadable path data at 'C 1 1 2 2 Z'"),
     (svg('<path d="M0 0A1 1 0 2 1 2 2z"/>'), "unreadable path data at 'A1 1 0 2 1 2 2z'"),
@@ -405,9 +405,9 @@ STROKED = '<g fill="none" stroke="red">{}</g>'
 @pytest.mark.parametrize(
     ("body", "told"),
     [
-        ('<path d="M5 5H6"/>', "left out a line that ends where no other goes on, at (5, -5), 1 from the next end"),
-        ('<path d="M4 0H9V9"/>', "left out a line that ends where no other goes on, at ("),
-        ('<path d="M5 5H6"/><path d="M6 5V7"/>', "left out 2 lines that end where no other goes on, at (5, -5), "),
+        ('<path d="M5 5H6"/>', "left out a line that ends where no other continues, at (5, -5), 1 from the next end"),
+        ('<path d="M4 0H9V9"/>', "left out a line that ends where no other continues, at ("),
+        ('<path d="M5 5H6"/><path d="M6 5V7"/>', "left out 2 lines that end where no other continues, at (5, -5), "),
         ('<path d="M5 5H6Z"/>', "left out 1 outline without area"),
         ('<path d="M5 5H6V6H6V5Z"/>', "left out 1 outline without area"),
         ('<path d="M5 5H6"/><path d="M6 5H5"/>', "left out 1 line drawn twice; left out a line that ends"),

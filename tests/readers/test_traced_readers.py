@@ -191,7 +191,7 @@ def test_gaps_and_strays_of_a_pdf_page_are_mended_and_told(tmp_path: Path) -> No
     assert area(drawing) == pytest.approx(600, rel=1e-3)
     gap, stray = drawing.repairs
     assert gap.startswith("closed 1 gap of at most 0.0018 mm")
-    assert stray.startswith("left out a line that ends where no other goes on")
+    assert stray.startswith("left out a line that ends where no other continues")
 
 
 def test_forms_of_a_pdf_page_nest_as_deep_as_is_allowed(tmp_path: Path) -> None:
@@ -208,7 +208,7 @@ def test_bad_pdfs_are_refused_in_one_line(tmp_path: Path) -> None:
     for data in (b"hello", good[:200], b"%PDF-1.4\n%%EOF"):
         with pytest.raises(FileFormatError, match=r"not a PDF file that can be read: .*; export"):
             read(tmp_path, "a.pdf", data)
-    with pytest.raises(FileFormatError, match="the first page has no vector path, but 1 text; export"):
+    with pytest.raises(FileFormatError, match="the first page has no vector path, only 1 text; export"):
         read(tmp_path, "a.pdf", pdf(lambda canvas: canvas.drawString(10, 10, "hello")))
     random = np.random.default_rng(1)
     for _ in range(60):

@@ -1,0 +1,146 @@
+"""In what order a person folds a pattern: straight folds where there are any, and the rest in collapses.
+
+``FoldedPattern`` -> ``FoldingStep`` after ``FoldingStep``, from the flat sheet to the folded one.
+
+A *fold* turns some faces over a straight line, through half a turn. Two kinds of folds are looked for. Each is checked
+on the sheet as it lies at that time: everything that lies on the moving faces moves with them (or everything under
+them, if they go under), and they hang on the rest only along the line.
+
+- At the beginning: folds after which faces that lie on each other never slide any more, so that they are like one
+  thicker sheet from then on. A fold along a mirror axis is one.
+- At the end: these are found backwards, by unfolding the finished sheet.
+
+What remains between them *collapses*: many creases close at the same time.
+
+Invariants: each crease is in one step; the first step begins with the flat sheet, its front up; after the last step,
+the sheet is in the folded state of the pattern, perhaps moved or turned over.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from foldcut.core.arrays import Bools, Floats, Ints, index_array, points_array
+from foldcut.core.model import FoldedPattern, FoldedState
+from foldcut.folding_steps.crease_sets import CreaseSets
+from foldcut.folding_steps.groups import groups_of
+from foldcut.folding_steps.partly_folded import partly_folded
+from foldcut.folding_steps.state import SheetData, SheetState, Turn, is_one_sheet
+
+__all__ = ["FoldingStep", "folding_steps"]
+
+MOST_CREASES = 1000
+"""A pattern with more creases than this is folded in one step."""
+
+MOST_TRIES = 40
+"""The number of states between the first folds and the last ones that are tried."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoldingStep:
+    """One movement: a fold or a collapse.
+
+    ``edges``: the numbers of the creases that it folds. ``state``: the sheet after it, layers from bottom to top. A
+    fold has a ``line``, ``(2, 2)`` mm, as it lies on the sheet before the step, the faces that are ``moved``, and
+    whether these go ``over`` the others, as seen from above, or under them. A collapse has no line; its ``groups``
+    divide its creases by molecules, the inner ones first.
+    """
+
+    edges: Ints
+    state: FoldedState
+    line: Floats | None = None
+    moved: Ints | None = None
+    over: bool = True
+    groups: tuple[Ints, ...] = ()
+
+
+def folding_steps(pattern: FoldedPattern) -> tuple[FoldingStep, ...]:
+    """Return the steps from the flat sheet to ``pattern.folded``."""
+    sheet = SheetData(pattern)
+    if sheet.creased.sum() > MOST_CREASES:
+        every = np.flatnonzero(sheet.creased)
+        return (FoldingStep(index_array(every), pattern.folded, groups=groups_of(pattern, every)),)
+    count = len(sheet.faces)
+    rank = np.argsort(pattern.folded.layers)
+    end = SheetState(sheet, pattern.folded.vertices_coords, rank, sheet.creased)
+    flat = SheetState(sheet, sheet.flat, np.arange(count), np.zeros_like(sheet.creased), np.zeros((count, count), bool))
+    state = flat
+    moves: list[_Move] = []
+    while found := _best(
+        (turn for turn in state.folds(sheet.creased) if is_one_sheet(state.turned(turn), end)), sheet.first
+    ):
+        moves.append(_Move(state, state.turned(found), found))
+        state = moves[-1].after
+    last: list[_Move] = []
+    target = end
+    while (target.folded != state.folded).any() and (found := _best(target.unfolds(state.meet))):
+        last.append(_Move(target.turned(found), target, found))
+        target = last[-1].before
+    moves += [*_collapses(sheet, state, target), *reversed(last)]
+    return tuple(_replayed(pattern, flat, moves))
+
+
+@dataclass(frozen=True, eq=False)
+class _Move:
+    """What happens between two states, which may lie anywhere: a straight fold, or without a ``turn`` a collapse."""
+
+    before: SheetState
+    after: SheetState
+    turn: Turn | None
+
+
+def _best(turns: Iterator[Turn], first: Bools | None = None) -> Turn | None:
+    """Return the turn of the most creases, then of the fewest faces; one of ``first`` creases only goes before all."""
+
+    def key(turn: Turn) -> tuple[bool, int, int]:
+        return first is not None and bool(first[turn.edges].all()), int(turn.edges.sum()), -int(turn.faces.sum())
+
+    return max(turns, key=key, default=None)
+
+
+def _collapses(sheet: SheetData, state: SheetState, target: SheetState) -> Iterator[_Move]:
+    """Yield the collapses between two states: one for each set of creases that folds flat without the others.
+
+    The verifier decides whether the sheet can lie flat with only these creases folded.
+    """
+    wholes = CreaseSets(sheet, state.folded, target.folded)
+    tries = MOST_TRIES
+    while (target.folded != state.folded).any():
+        after = target
+        for folded in wholes.supersets(state.folded):
+            tries -= 1
+            if tries < 0:
+                break
+            part = partly_folded(sheet, folded, target)
+            if part is not None and is_one_sheet(part, target):
+                after = part
+                break
+        yield _Move(state, after, None)
+        state = after
+
+
+def _replayed(pattern: FoldedPattern, state: SheetState, moves: Sequence[_Move]) -> Iterator[FoldingStep]:
+    """Yield the moves as steps, each from where the last one left the sheet; the larger part of it stays in place."""
+    sheet = state.sheet
+    for move in moves:
+        edges = np.flatnonzero(move.after.folded & ~move.before.folded)
+        if move.turn is None:
+            state = move.after.laid_on(state)
+            yield FoldingStep(index_array(edges), state.public, groups=groups_of(pattern, edges))
+            continue
+        hinge = state.at[sheet.ends[edges[sheet.lengths[edges].argmax()]]]
+        along = (hinge[1] - hinge[0]) / math.dist(*hinge)
+        faces = move.turn.faces
+        rest = state.sides(hinge[0], along)[~faces]
+        if sheet.areas[faces].sum() > sheet.areas[~faces].sum() and (rest.min() >= 0 or rest.max() <= 0):
+            faces = ~faces
+        over = bool(sheet.valley[edges[0]] == state.up[sheet.beside[edges[0], 0]])
+        places = (state.at[sheet.ends[edges]].reshape(-1, 2) - hinge[0]) @ along
+        line = hinge[0] + np.array([[places.min()], [places.max()]]) * along
+        state = state.turned(Turn(faces, hinge[0], along, over, move.turn.edges))
+        moved = index_array(np.flatnonzero(faces))
+        yield FoldingStep(index_array(edges), state.public, points_array(line), moved, over)
