@@ -1,4 +1,4 @@
-"""``python -m foldcut.cli.main``."""
+"""``python -m foldcut.cli`` is the command ``foldcut``."""
 
 import sys
 

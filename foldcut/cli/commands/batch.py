@@ -1,0 +1,155 @@
+"""``foldcut batch``: fold many drawings into one folder, on all cores or on a cluster."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from foldcut.cli import options
+from foldcut.cli.commands import Command
+from foldcut.cli.console import DONE, FAILED
+from foldcut.cli.outputs import Outputs
+from foldcut.cli.signals import Terminated
+
+if TYPE_CHECKING:
+    from foldcut.batch.run import Batch
+    from foldcut.profiles import Profile
+
+MOST_FAILURES = 10
+"""How many failures are listed; results.csv has all."""
+MOST_LETTERS = 120
+"""How much of an error is printed in the list of failures."""
+
+EXAMPLES = """\
+examples:
+  foldcut batch icons -o out --profile laser-dxf --effort fast
+  foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --simplify 0.3mm
+  foldcut batch icons -o out --dask tcp://scheduler:8786 --parquet
+
+OUT gets the files of each drawing under its name, results.csv with a row for each, contact-sheet.svg, and
+foldcut-batch.jsonl, where what is done is written down: the same command again goes on after an interruption.
+"""
+
+
+def add_options(command: ArgumentParser) -> None:
+    """Add the drawings, the folder to write into, how to share the work, the search and the machine."""
+    command.add_argument(
+        "drawings", metavar="FOLDER|GLOB", nargs="+", help="a folder with all below, a pattern of names, or a drawing"
+    )
+    command.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
+    command.add_argument(
+        "--format", dest="formats", metavar="NAME,...", help="what to write (default: the profile's, or svg,fold)"
+    )
+    command.add_argument("--jobs", metavar="N", type=int, help="how many processes (default: one for each core)")
+    command.add_argument("--dask", metavar="ADDRESS", help="use the workers of this dask scheduler (extra: batch)")
+    command.add_argument(
+        "--timeout",
+        dest="drawing_timeout",
+        metavar="S",
+        type=float,
+        default=300.0,
+        help="give up a drawing after so many seconds (default: 300)",
+    )
+    command.add_argument("--retry", action="store_true", help="do those again that failed before")
+    command.add_argument("--force", action="store_true", help="begin anew, and replace files that are there already")
+    command.add_argument("--parquet", action="store_true", help="also write results.parquet (extra: batch)")
+    command.add_argument(
+        "--contact-sheet", choices=("svg", "png"), default="svg", help="the page with all patterns (default: svg)"
+    )
+    options.add_folding(command)
+    options.add_machine(command)
+    options.add_console(command)
+
+
+def batch(args: Namespace) -> int:
+    """Fold many drawings."""
+    from foldcut.batch.run import run_batch
+    from foldcut.batch.worker import Recipe
+    from foldcut.cli.progress import ProgressBar
+
+    console, machine, folding = options.console(args), options.machine(args), options.folding(args)
+    formats = endings(args.formats, machine.profile)
+    Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", machine).check_formats(folding.sheet)
+    out = Path(args.output)
+    recipe = Recipe(folding.keywords(), options.reading(args), formats, machine.profile, machine.job)
+    done = ""
+    with ProgressBar(console.draws_progress) as bar:
+
+        def progress(text: str, part: float) -> None:
+            nonlocal done
+            done = f"{text}; "
+            bar(text, part)
+
+        try:
+            made = run_batch(
+                args.drawings,
+                out,
+                recipe,
+                jobs=args.jobs,
+                timeout=args.drawing_timeout,
+                cluster=args.dask,
+                replace=args.force,
+                retry=args.retry,
+                parquet=args.parquet,
+                sheet=f".{args.contact_sheet}",
+                progress=progress,
+            )
+        except (KeyboardInterrupt, Terminated) as error:
+            error.add_note(f"{done}the same command again goes on from there")
+            raise
+    failed = failures(made)
+    report = {
+        "ok": not failed,
+        "counts": made.counts,
+        "resumed": made.resumed,
+        "files": list(map(str, made.written)),
+        "rows": made.rows,
+    }
+    console.report(report, lines(made, out))
+    return FAILED if failed else DONE
+
+
+def endings(names: str | None, profile: Profile | None) -> tuple[str, ...]:
+    """Return the endings of the formats that are asked for, each once, such as ``(".svg", ".fold")``."""
+    asked = names.split(",") if names else [profile.format] if profile else ["svg", "fold"]
+    return tuple(dict.fromkeys("." + name.strip().lower().removeprefix(".") for name in asked))
+
+
+def failures(made: Batch) -> Sequence[dict[str, str]]:
+    """Return the rows of the drawings that have no pattern."""
+    from foldcut.batch.worker import MADE
+
+    return [row for row in made.rows if row["status"] != MADE]
+
+
+def lines(made: Batch, out: Path) -> list[str]:
+    """Return the report as text: counts, the first failures, and what was written."""
+    from foldcut.batch.run import RESULTS
+
+    failed = failures(made)
+    counts = ", ".join(f"{count} {status}" for status, count in made.counts.items())
+    before = f"; {made.resumed} were done before" if made.resumed else ""
+    drawings = f"{len(made.rows)} drawing{'s' * (len(made.rows) != 1)}"
+    first = [
+        f"  {row['status']:<10} {row['file']}: {cut_short(row['error'].removeprefix(row['file'] + ': '))}"
+        for row in failed[:MOST_FAILURES]
+    ]
+    more = [f"  and {len(failed) - MOST_FAILURES} more, see {out / RESULTS}"] if len(failed) > MOST_FAILURES else []
+    written = [f"  written    {path}" for path in made.written]
+    return [f"{drawings}: {counts}{before}", *first, *more, *written]
+
+
+def cut_short(text: str) -> str:
+    """Return as much of a text as fits on a line."""
+    return text if len(text) <= MOST_LETTERS else f"{text[:MOST_LETTERS]}..."
+
+
+BATCH = Command(
+    "Do as `foldcut make` does for every drawing in folders, and write all into one folder. No drawing ends the "
+    "batch, and an interrupted batch goes on where it was.",
+    EXAMPLES,
+    add_options,
+    batch,
+)

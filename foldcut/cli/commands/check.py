@@ -1,0 +1,54 @@
+"""``foldcut check``: verify a FOLD file, of foldcut's or of any other program."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from foldcut.cli import options
+from foldcut.cli.commands import Command
+
+EXAMPLES = """\
+examples:
+  foldcut check fish.fold
+  foldcut check fish.fold --shape fish     also check that the cut gives this shape
+  foldcut check fish.fold --json
+"""
+
+
+def add_options(command: ArgumentParser) -> None:
+    """Add the FOLD file, and the drawing that its cut must give."""
+    command.add_argument("file", metavar="FILE.fold", help="the crease pattern")
+    command.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
+    options.add_reading(command)
+    options.add_timeout(command)
+    options.add_console(command)
+
+
+def check(args: Namespace) -> int:
+    """Verify a FOLD file."""
+    from foldcut.cli import report
+    from foldcut.drawing.shape import make_shape
+    from foldcut.foldfile.read import read_fold
+    from foldcut.proof.verify import verify
+
+    read = read_fold(Path(args.file))
+    shape, notes = None, read.notes
+    if args.shape:
+        drawing = options.named_source(args.shape).read(options.reading(args))
+        notes += drawing.repairs
+        if read.placement is not None:
+            loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
+        else:
+            loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
+            notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
+        shape = make_shape(loops)
+    findings = verify(read.pattern, read.layers, shape)
+    checked = report.check_report(read.pattern, findings, shape is not None, notes)
+    remedy = "mend the pattern" + (", or give the drawing it was made from" if args.shape else "")
+    return options.console(args).verdict(checked, report.check_lines(checked), findings, remedy)
+
+
+CHECK = Command(
+    "Verify that a crease pattern folds flat as it says, and with --shape also its cut.", EXAMPLES, add_options, check
+)

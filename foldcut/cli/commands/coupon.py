@@ -1,0 +1,55 @@
+"""``foldcut coupon``: a test card of scores and perforations for a machine."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from foldcut.cli import options
+from foldcut.cli.commands import Command
+from foldcut.cli.console import DONE
+
+EXAMPLES = """\
+examples:
+  foldcut coupon --profile grbl-laser
+  foldcut coupon --profile laser-dxf --material card-300g -o card.dxf
+"""
+
+
+def add_options(command: ArgumentParser) -> None:
+    """Add the machine, the material and the output."""
+    command.add_argument("--profile", metavar="NAME", required=True, help="the machine; see foldcut profiles")
+    command.add_argument("--material", metavar="NAME", help="what the card is made of (default: the profile's first)")
+    command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
+    command.add_argument("-o", "--output", metavar="FILE", help="(default: coupon-PROFILE in the machine's format)")
+    options.add_force(command)
+    options.add_console(command)
+
+
+def coupon(args: Namespace) -> int:
+    """Write a machine's test card."""
+    from foldcut.exporters import export_job
+    from foldcut.jobs.coupon import make_coupon
+    from foldcut.output.atomic import check_targets, write_files
+    from foldcut.profiles import load_profile
+
+    profile = load_profile(args.profile, args.set)
+    path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
+    check_targets([path], replace=args.force)
+    job, rows = make_coupon(profile, args.material)
+    data = export_job(job, path.suffix, profile)
+    replaced = path.exists()
+    write_files({path: data}, replace=args.force)
+    lines = [job.title, *(f"  {row}" for row in rows), f"  written   {path} ({len(data):,} bytes)"]
+    files = [{"path": str(path), "bytes": len(data), "replaced": replaced}]
+    options.console(args).report({"ok": True, "title": job.title, "rows": rows, "files": files}, lines)
+    return DONE
+
+
+COUPON = Command(
+    "Write a test card: strips to fold, scored and perforated in many settings. A row's number is told "
+    "by the ticks beside it.",
+    EXAMPLES,
+    add_options,
+    coupon,
+)

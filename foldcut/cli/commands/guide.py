@@ -1,0 +1,46 @@
+"""``foldcut guide``: how a person folds the pattern, step by step."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+
+from foldcut.cli import options
+from foldcut.cli.commands import Command
+from foldcut.cli.making import fold_and_write
+from foldcut.core.errors import BadInputError
+
+EXAMPLES = """\
+examples:
+  foldcut guide letter-a                   letter-a-guide.pdf
+  foldcut guide logo.svg -o logo.html
+"""
+
+
+def add_options(command: ArgumentParser) -> None:
+    """Add the output, the drawing and the search."""
+    command.add_argument("-o", "--output", metavar="OUT", help="a .pdf or .html (default: NAME-guide.pdf)")
+    options.add_request(command)
+    options.add_console(command)
+
+
+def guide(args: Namespace) -> int:
+    """Fold a drawing and write how a person folds it."""
+    from foldcut.exporters.pictures.guide import GUIDES
+
+    request = options.request(args)
+    output = Path(args.output or f"{request.source.stem}-guide.pdf")
+    if output.suffix.lower() not in GUIDES:
+        raise BadInputError(f"{output}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
+    write = GUIDES[output.suffix.lower()]
+    console = options.console(args)
+    return fold_and_write(request, output, lambda result: write(result.folded_pattern), console, replace=args.force)
+
+
+GUIDE = Command(
+    "Compute as `foldcut make` does and write a folding guide with a picture of each step: straight folds, what to "
+    "press and to collapse at once, the layers, where to cut.",
+    EXAMPLES,
+    add_options,
+    guide,
+)

@@ -1,0 +1,129 @@
+"""``foldcut make``: fold a drawing and write the pattern, or the job for a machine; ``foldcut view``: write a page."""
+
+from __future__ import annotations
+
+import os
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from foldcut.cli import options
+from foldcut.cli.commands import Command
+from foldcut.cli.making import fold_or_open, write_and_report
+from foldcut.cli.options import ANY_LASER, PATTERN_STEM, Machine, Source
+from foldcut.cli.outputs import Outputs
+from foldcut.core.errors import BadInputError
+
+if TYPE_CHECKING:
+    from foldcut.jobs.job import Job
+
+MAKE_EXAMPLES = """\
+examples:
+  foldcut make fish -o fish.svg -o fish.fold
+  foldcut make logo.svg --sheet letter --margin 15mm
+  foldcut make logo.svg --layer Cut --flatten 0.2mm
+  foldcut make part.dxf --layer OUTLINE --join 0.2mm
+  cat fish.svg | foldcut make - --from svg -o fish.fold
+  foldcut make --text A --font MyFont.ttf
+  foldcut make photo.png --threshold 0.4 --simplify 1mm
+  foldcut make star.json --sheet 200x200mm --scale 1:2 --offset 30,40 --rotate 45
+  foldcut make logo.svg --width 80mm --sheet 100x150mm
+  foldcut make fish -o fish.fold --json > report.json
+  foldcut make swan --effort best --seconds 60
+  foldcut make map.svg --sheet a3 --simplify 0.5mm --min-crease 2mm
+  foldcut make fish --method paper --ribbon 0.4mm
+  foldcut make fish --profile laser-dxf --material card-160g --treatment perforate
+  foldcut make swan --sheet a2 --profile printer-a4 --tile
+  foldcut make fish --profile laser-dxf --two-sided --registration pins -o fish.zip
+  foldcut make fish --profile axidraw-a4 --marks outline,numbers,title
+  foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
+
+Without -o it writes NAME-creases.svg and, unless SHAPE is a .fold, NAME-creases.fold into the current folder, or with
+--profile NAME-PROFILE with the ending of the machine's format.
+Existing files are replaced only with --force. Ctrl-C during the search goes on with the best pattern found so far.
+"""
+
+VIEW_EXAMPLES = """\
+examples:
+  foldcut view fish                        fish.html; open it in a browser
+  foldcut view logo.svg --sheet a5 -o out/logo.html
+  foldcut view logo.fold                   a pattern that foldcut made before
+"""
+
+
+def add_options(command: ArgumentParser) -> None:
+    """Add the outputs, the drawing, the search and the machine."""
+    command.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT",
+        action="append",
+        help="a file to write; its ending is the format; or a folder or a .zip for all files of a job and a "
+        "README.txt; repeatable",
+    )
+    command.add_argument(
+        "--preview", metavar="FILE.svg", help="also draw the drawing before (red) and after (black) mending"
+    )
+    options.add_request(command)
+    options.add_machine(command)
+    options.add_console(command)
+
+
+def make(args: Namespace) -> int:
+    """Fold a drawing and write its files."""
+    from foldcut.drawing.mend import preview
+    from foldcut.drawing.placement import parse_sheet
+    from foldcut.foldfile.reopen import Reopened
+    from foldcut.output.atomic import check_targets
+
+    console, request = options.console(args), options.request(args)
+    source = request.source
+    only_dxf = bool(args.output) and all(Path(out).suffix.lower() == ".dxf" for out in args.output)
+    machine = options.machine(args, default=ANY_LASER if only_dxf else None)
+    default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
+    outputs = Outputs(output_paths(args.output or default, source), source.stem, machine)
+    outputs.check_formats(parse_sheet(args.sheet))
+    preview_path = None if not args.preview else Path(args.preview)
+    if preview_path is not None and preview_path.suffix.lower() != ".svg":
+        raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
+    check_targets([*outputs.targets(), *([preview_path] if preview_path else [])], replace=args.force)
+
+    result = fold_or_open(request, console)
+    contents: dict[Path, bytes] = {}
+    jobs: list[Job] = []
+    if result.verified:
+        contents, jobs = outputs.contents(result.folded_pattern)
+        if preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
+            contents[preview_path] = preview(result.prepared.drawn, result.prepared.loops)
+    return write_and_report(result, contents, console, replace=args.force, jobs=jobs, machine=machine)
+
+
+def default_names(source: Source, machine: Machine) -> list[str]:
+    """Return the outputs when none are asked for; never the drawing's own name."""
+    if machine.name is None or machine.profile is None:
+        pattern = f"{source.stem}{PATTERN_STEM}"
+        return [f"{pattern}.svg"] if source.is_pattern else [f"{pattern}.svg", f"{pattern}.fold"]
+    return [f"{source.stem}-{Path(machine.name).stem}.{machine.profile.format}"]
+
+
+def output_paths(names: list[str], source: Source) -> tuple[Path, ...]:
+    """Return the paths of the outputs; raises BadInputError for folders that do not exist, and for the source."""
+    for name in names:
+        if name.endswith(("/", os.sep)) and not Path(name).is_dir():
+            raise BadInputError(f"cannot write into {name}: there is no such folder; create it first")
+    for path in map(Path, names):
+        if path.is_file() and source.path.is_file() and path.samefile(source.path):
+            raise BadInputError(f"{path} is the drawing itself; give the output another name")
+    return tuple(map(Path, names))
+
+
+MAKE = Command(
+    "Compute how to fold a sheet so that one straight cut gives the drawing.", MAKE_EXAMPLES, add_options, make
+)
+VIEW = Command(
+    "Compute as `foldcut make` does and write NAME.html: the pattern, and the sheet in 3D with sliders that "
+    "fold it and take its layers off. The page is one file, needs no network, and works in any browser.",
+    VIEW_EXAMPLES,
+    add_options,
+    make,
+)

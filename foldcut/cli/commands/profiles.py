@@ -1,0 +1,64 @@
+"""``foldcut profiles``: list, show and validate what foldcut knows of machines."""
+
+from __future__ import annotations
+
+import json
+from argparse import ArgumentParser, Namespace
+
+from foldcut.cli.commands import Command
+from foldcut.cli.console import DONE, Console
+from foldcut.core.errors import BadInputError
+
+EXAMPLES = """\
+examples:
+  foldcut profiles
+  foldcut profiles show glowforge
+  foldcut profiles validate my-laser.toml
+"""
+
+
+def add_options(command: ArgumentParser) -> None:
+    """Add what to do, and with which profile."""
+    command.add_argument("action", nargs="?", choices=("list", "show", "validate"), default="list")
+    command.add_argument("name", nargs="?", metavar="PROFILE", help="a name, or the path of a TOML file")
+    command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
+    command.add_argument("--json", action="store_true", help="print for programs")
+
+
+def profiles(args: Namespace) -> int:
+    """List, show or validate profiles."""
+    from foldcut.profiles import load_profile
+
+    console = Console(args.json)
+    if args.action == "list":
+        return list_profiles(console)
+    if not args.name:
+        raise BadInputError(f"foldcut profiles {args.action} needs the name of a profile or the path of a TOML file")
+    profile = load_profile(args.name, args.set)
+    if args.action == "show":
+        shown = profile.model_dump(exclude_none=True)
+        console.report({"ok": True, "profile": shown}, [json.dumps(shown, indent=2, ensure_ascii=False)])
+    else:
+        console.report({"ok": True, "profile": args.name}, [f"{args.name}: valid"])
+    return DONE
+
+
+def list_profiles(console: Console) -> int:
+    """Print all profiles: name, format and title."""
+    from foldcut.profiles import load_profile, profile_names
+
+    known = {name: load_profile(name) for name in profile_names()}
+    width = max(map(len, known))
+    lines = [f"{name:<{width}}  {p.format:<5}  {p.title}" for name, p in known.items()]
+    listed = [{"name": name, "title": p.title, "format": p.format, "kind": p.kind} for name, p in known.items()]
+    console.report({"ok": True, "profiles": listed}, lines)
+    return DONE
+
+
+PROFILES = Command(
+    "List, show and validate profiles: what foldcut knows of machines. Your own go into "
+    "~/.config/foldcut/profiles, or anywhere: --profile takes a path that ends in .toml.",
+    EXAMPLES,
+    add_options,
+    profiles,
+)

@@ -1,0 +1,94 @@
+"""What ``make``, ``view``, ``draw`` and ``guide`` do alike: fold a drawing or open a pattern, write files, report."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from foldcut.cli.console import Console
+from foldcut.cli.options import FoldRequest, Machine, OpenRequest, Request
+from foldcut.core.errors import BadInputError, FileFormatError, ShapeError
+
+if TYPE_CHECKING:
+    from foldcut.foldfile.reopen import Reopened
+    from foldcut.jobs.job import Job
+    from foldcut.pipeline import Result
+
+NOT_VERIFIED = "nothing is written"
+"""What an error says beside the findings: no file is written for a pattern that is not verified."""
+
+
+def fold_or_open(request: Request, console: Console) -> Result | Reopened:
+    """Return the pattern of a drawing, or the one that was folded already."""
+    return opened(request) if isinstance(request, OpenRequest) else folded(request, console)
+
+
+def folded(request: FoldRequest, console: Console) -> Result:
+    """Read a drawing and fold it, with progress on stderr."""
+    from foldcut import pipeline
+    from foldcut.cli.progress import ProgressBar, progress_lines
+
+    with ProgressBar(console.draws_progress) as bar:
+        progress = progress_lines(sys.stderr) if request.progress_lines else bar
+        drawing = request.source.read(request.reading)
+        try:
+            return pipeline.fold(drawing, **request.folding.keywords(), progress=progress)
+        except ShapeError as error:
+            if request.source.text is not None:
+                raise
+            raise ShapeError(f"{request.source.path}: {error}") from error
+
+
+def opened(request: OpenRequest) -> Reopened:
+    """Open a FOLD file that foldcut wrote, and verify it anew."""
+    from foldcut.foldfile.read import read_fold
+    from foldcut.foldfile.reopen import reopen
+
+    try:
+        return reopen(read_fold(request.source.path))
+    except FileFormatError:
+        raise
+    except BadInputError as error:
+        raise BadInputError(f"{request.source.path}: {error}") from None
+
+
+def fold_and_write(
+    request: Request,
+    output: Path,
+    content: Callable[[Result | Reopened], bytes],
+    console: Console,
+    *,
+    replace: bool,
+) -> int:
+    """Fold a drawing, or open a pattern, and write one file about it; return the exit status."""
+    from foldcut.output.atomic import check_targets
+
+    check_targets([output], replace=replace)
+    result = fold_or_open(request, console)
+    return write_and_report(result, {output: content(result)} if result.verified else {}, console, replace=replace)
+
+
+def write_and_report(
+    result: Result | Reopened,
+    contents: Mapping[Path, bytes],
+    console: Console,
+    *,
+    replace: bool,
+    jobs: Sequence[Job] = (),
+    machine: Machine | None = None,
+) -> int:
+    """Write the files of a verified result and print its report; return the exit status."""
+    from foldcut.cli import report
+    from foldcut.foldfile.reopen import Reopened
+    from foldcut.output.atomic import write_files
+
+    files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
+    write_files(contents, replace=replace)
+    profile, material = (machine.profile, machine.job.material) if machine else (None, None)
+    if isinstance(result, Reopened):
+        made = report.reopened_report(result, files, jobs, profile)
+        return console.verdict(made, report.reopened_lines(made), result.findings, NOT_VERIFIED)
+    made = report.make_report(result, files, jobs, profile, material)
+    return console.verdict(made, report.make_lines(made), result.findings, NOT_VERIFIED)

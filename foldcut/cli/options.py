@@ -1,0 +1,580 @@
+"""The options that several commands share: each group is added to a parser, and read back as one value.
+
+For a group "thing" there is ``add_thing(parser)``, which gives a command its options, and ``thing(args)``, which
+returns what the user said as one typed, immutable value, or raises BadInputError. Only these functions and the
+commands' own ``run`` see the parsed arguments.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from foldcut.cli.console import Console
+from foldcut.cli.parser import Parser, nearest
+from foldcut.core.errors import BadInputError
+from foldcut.methods import ADJUST_MM, AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
+
+if TYPE_CHECKING:
+    from foldcut.core.model import Sheet
+    from foldcut.drawing.mend import Preparation
+    from foldcut.output.render import JobOptions
+    from foldcut.profiles import Profile
+    from foldcut.readers import Drawing, ReadOptions
+
+PATTERN_SUFFIX = ".fold"
+"""A source with this ending is a pattern that is folded already, not a drawing."""
+PATTERN_STEM = "-creases"
+"""``foldcut make`` puts this behind the drawing's name when it names a pattern itself."""
+STDIN = "-"
+"""The SHAPE that stands for standard input."""
+LONGEST_STEM = 40
+"""A file that is named after a text gets this many of its letters."""
+ANY_LASER = "laser-dxf"
+"""The profile for DXF files when no machine is named."""
+
+
+# ---- reports ----
+
+
+def add_console(command: ArgumentParser) -> None:
+    """Add the options on how to report."""
+    command.add_argument("--json", action="store_true", help="print the report for programs, on stdout")
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+
+
+def console(args: Namespace) -> Console:
+    """Return how to report."""
+    return Console(args.json, args.quiet)
+
+
+def add_force(command: ArgumentParser) -> None:
+    """Add the option that lets a command replace files; ``args.force`` is its value."""
+    command.add_argument("--force", action="store_true", help="replace files that are there already")
+
+
+def add_timeout(command: ArgumentParser) -> None:
+    """Add the time limit, which ``cli.main`` reads and keeps."""
+    command.add_argument(
+        "--timeout", metavar="S", type=float, help="give up after so many seconds, with an error (default: never)"
+    )
+
+
+# ---- what is folded ----
+
+
+@dataclass(frozen=True)
+class Source:
+    """What is folded: a drawing's file, a ``text`` in a ``font``, or a pattern that foldcut wrote.
+
+    ``path`` is the file's, or "-" for standard input; a text has one only to name outputs after.
+    """
+
+    path: Path
+    text: str | None = None
+    font: str = ""
+
+    @property
+    def is_pattern(self) -> bool:
+        """Whether this is a pattern that is folded already."""
+        return self.text is None and self.path.suffix.lower() == PATTERN_SUFFIX
+
+    @property
+    def stem(self) -> str:
+        """What outputs are called: after the drawing, also where the source is a pattern that is named after one."""
+        stem = self.path.stem.removesuffix(PATTERN_STEM) if self.is_pattern else self.path.stem
+        return "drawing" if str(self.path) == STDIN else stem or self.path.stem
+
+    def read(self, options: ReadOptions) -> Drawing:
+        """Return the drawing."""
+        if self.text is None:
+            from foldcut.readers import read_shape
+
+            return read_shape(self.path, options)
+        from foldcut.readers.typed_text import draw_text
+
+        return draw_text(self.text, self.font, options)
+
+
+def add_source(command: ArgumentParser) -> None:
+    """Add the drawing: a SHAPE or a text."""
+    command.add_argument(
+        "shape",
+        metavar="SHAPE",
+        nargs="?",
+        help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, a "
+        "pattern that foldcut wrote (.fold), or - for standard input",
+    )
+    command.add_argument("--text", help="draw this text instead of a SHAPE")
+    command.add_argument(
+        "--font", default="sans", help="of --text: the path of a font file, or a family (default: %(default)s)"
+    )
+
+
+def source(args: Namespace) -> Source:
+    """Return what is folded."""
+    if (args.text is None) == (not args.shape):
+        raise BadInputError(f"give a SHAPE or a --text, {'one of them' if args.text is None else 'not both'}")
+    if args.text is None:
+        return named_source(args.shape)
+    stem = "".join(letter for letter in args.text if letter.isalnum())[:LONGEST_STEM]
+    return Source(Path(stem or "text"), args.text, args.font)
+
+
+def named_source(shape: str) -> Source:
+    """Return the source that is meant by a path, the name of a sample, or "-"."""
+    from foldcut.samples import sample_names, sample_path
+
+    path = Path(shape)
+    if shape == STDIN or path.is_file():
+        return Source(path)
+    if shape in sample_names():
+        return Source(sample_path(shape))
+    if path.is_dir():
+        raise BadInputError(f"{shape}: is a folder; give a drawing, or all in it to foldcut batch")
+    remedy = "give a drawing or one of the samples, which foldcut samples lists"
+    raise BadInputError(f"{shape}: there is no such file; {nearest(shape, sample_names(), 'the sample ') or remedy}")
+
+
+# ---- how it is read ----
+
+
+def add_reading(command: ArgumentParser) -> None:
+    """Add how a drawing's file is read."""
+    reading = command.add_argument_group("the drawing")
+    reading.add_argument(
+        "--from", metavar="SUFFIX", help="the drawing's format, such as svg (default: as its name ends)"
+    )
+    reading.add_argument("--layer", metavar="NAME", action="append", default=[], help="read only this (repeatable)")
+    reading.add_argument("--id", metavar="ID", action="append", default=[], help="read only this element (repeatable)")
+    reading.add_argument(
+        "--flatten",
+        metavar="LENGTH",
+        default="0.05mm",
+        help="how far a curve may be from its segments, in the drawing at its own size and at 200 mm "
+        "(default: %(default)s)",
+    )
+    reading.add_argument(
+        "--threshold",
+        metavar="T",
+        type=float,
+        default=0.5,
+        help="how light a picture's shape may be, from 0, black, to 1, white (default: %(default)s)",
+    )
+    reading.add_argument(
+        "--join",
+        metavar="LENGTH",
+        default="0.05mm",
+        help="join ends of lines that are no farther apart, at the same sizes (default: %(default)s)",
+    )
+    reading.add_argument(
+        "--limit",
+        metavar="NAME=NUMBER",
+        action="append",
+        default=[],
+        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000), "
+        "pixels (40 million), nesting (100); repeatable",
+    )
+
+
+def reading(args: Namespace) -> ReadOptions:
+    """Return how a drawing's file is read."""
+    from foldcut.drawing.limits import parse_limits
+    from foldcut.drawing.placement import parse_length
+    from foldcut.readers import ReadOptions
+
+    return ReadOptions(
+        flatten_mm=parse_length(args.flatten),
+        join_mm=parse_length(args.join),
+        layers=tuple(args.layer),
+        ids=tuple(args.id),
+        suffix=vars(args)["from"] or "",
+        threshold=args.threshold,
+        limits=parse_limits(args.limit),
+    )
+
+
+# ---- how it is laid on the sheet, folded and mended ----
+
+
+@dataclass(frozen=True)
+class FoldOptions:
+    """How a drawing is laid on the sheet, mended and folded: the fields are keyword arguments of ``pipeline.fold``."""
+
+    sheet: Sheet
+    margin: float
+    scale: str | float
+    offset: tuple[float, float] | None
+    rotation: str | float | None
+    width: float | None
+    height: float | None
+    method: str
+    ribbon: float | None
+    min_crease: float | None
+    simplify: float
+    symmetry: float
+    adjust: float
+    effort: str
+    seconds: float | None
+    preparation: Preparation
+
+    def keywords(self) -> dict[str, Any]:
+        """Return the arguments for ``pipeline.fold``."""
+        return dict(vars(self))
+
+
+def add_folding(command: ArgumentParser) -> None:
+    """Add where a drawing lies on the sheet, how it is read and mended, and how to search for its pattern."""
+    command.add_argument(
+        "--sheet",
+        default="a4",
+        help="a paper size such as a4, which lies as the drawing does, or a4-landscape, or WIDTHxHEIGHT "
+        "(default: %(default)s)",
+    )
+    command.add_argument(
+        "--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)"
+    )
+    command.add_argument(
+        "--scale",
+        help="fit, or a factor on the size of the drawing such as 1.5 or 1:2 (default: fit, within the margin)",
+    )
+    command.add_argument("--width", metavar="LENGTH", help="scale the drawing to this width, turned as --rotate says")
+    command.add_argument(
+        "--height",
+        metavar="LENGTH",
+        help="scale it to this height; with --width, as large as neither is exceeded: it is never stretched",
+    )
+    command.add_argument(
+        "--offset",
+        metavar="X,Y",
+        help="where the lower left corner of the drawing lies on the sheet (default: centred)",
+    )
+    command.add_argument(
+        "--rotate",
+        metavar="DEG",
+        help="turn the drawing counter-clockwise; best: as it is largest on the sheet (default: a quarter if it has "
+        "more room so, and as its mirror axes ask for; 0 forbids that)",
+    )
+    command.add_argument(
+        "--method",
+        choices=CHOICES,
+        default=DEFAULT_METHOD,
+        help=_method_help(),
+    )
+    command.add_argument(
+        "--effort",
+        choices=EFFORTS,
+        default="normal",
+        help="how long to search for fewer and longer creases (default: %(default)s)",
+    )
+    command.add_argument(
+        "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
+    )
+    command.add_argument(
+        "--progress", action="store_true", help="print how far it is on stderr, as lines of JSON for programs"
+    )
+    command.add_argument(
+        "--ribbon",
+        metavar="WIDTH",
+        help="half the width of an unfolded ribbon along the cut (default: none; with the methods "
+        f"{_joined(method.name for method in METHODS.values() if method.needs_ribbon)}, which need one, 0.25mm or "
+        "what the drawing has room for)",
+    )
+    command.add_argument(
+        "--min-crease",
+        metavar="LENGTH",
+        help=f"refuse patterns with a shorter crease (default: {_shortest_creases()})",
+    )
+    command.add_argument(
+        "--simplify",
+        metavar="LENGTH",
+        default="0mm",
+        help="leave out corners that are no more than this off, on the sheet (default: none)",
+    )
+    command.add_argument(
+        "--symmetry",
+        metavar="LENGTH",
+        default="0mm",
+        help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
+        "make it so (default: only rounding)",
+    )
+    command.add_argument(
+        "--adjust",
+        metavar="LENGTH",
+        default=f"{ADJUST_MM:g}mm",
+        help="how far a method may move the drawing's corners to make creases meet (default: %(default)s)",
+    )
+    add_reading(command)
+    mend = command.add_argument_group("the drawing; every change is reported")
+    mend.add_argument("--strict", action="store_true", help="refuse a drawing that has to be mended, and say why")
+    mend.add_argument("--corners", metavar="N", type=int, help="leave out corners until at most N are left")
+    mend.add_argument(
+        "--min-feature",
+        metavar="LENGTH",
+        default="0mm",
+        help="drop parts and close gaps that are narrower, on the sheet",
+    )
+    mend.add_argument(
+        "--separate",
+        metavar="LENGTH",
+        default="0mm",
+        help="if loops touch, move all edges inward until they are this far apart",
+    )
+    mend.add_argument("--mirror", action="store_true", help="turn the drawing over, left to right")
+
+
+def _method_help() -> str:
+    """Return what each method does, from the table of methods."""
+    rows = [f"{AUTO}: the easiest to fold of the patterns that several methods make"]
+    for method in METHODS.values():
+        extra = f" (extra: {method.extra})" if method.extra else ""
+        rows.append(f"{method.name}: {method.summary}{extra}")
+    return "; ".join(rows) + " (default: %(default)s)"
+
+
+def _shortest_creases() -> str:
+    """Return the shortest crease that each method allows, such as "0.5mm with mirror and compact; 0mm with paper"."""
+    names: dict[float, list[str]] = {}
+    for method in METHODS.values():
+        names.setdefault(method.min_crease_mm, []).append(method.name)
+    return "; ".join(f"{length:g}mm with {_joined(some)}" for length, some in names.items())
+
+
+def _joined(names: Iterable[str]) -> str:
+    """Return names as words: "a", "a and b", "a, b and c"."""
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def folding(args: Namespace) -> FoldOptions:
+    """Return how a drawing is laid on the sheet, mended and folded."""
+    from foldcut.drawing.mend import Preparation
+    from foldcut.drawing.placement import parse_length, parse_sheet
+
+    def length(text: str | None) -> float | None:
+        return None if text is None else parse_length(text)
+
+    return FoldOptions(
+        sheet=parse_sheet(args.sheet),
+        margin=parse_length(args.margin),
+        scale=_scale(args.scale, args.width, args.height),
+        offset=_offset(args.offset),
+        rotation=_rotation(args.rotate),
+        width=length(args.width),
+        height=length(args.height),
+        method=args.method,
+        ribbon=length(args.ribbon),
+        min_crease=length(args.min_crease),
+        simplify=parse_length(args.simplify),
+        symmetry=parse_length(args.symmetry),
+        adjust=parse_length(args.adjust),
+        effort=args.effort,
+        seconds=args.seconds,
+        preparation=Preparation(
+            corners=args.corners,
+            min_feature=parse_length(args.min_feature),
+            separate=parse_length(args.separate),
+            mirror=args.mirror,
+            strict=args.strict,
+        ),
+    )
+
+
+def _scale(text: str | None, width: str | None, height: str | None) -> str | float:
+    """Return "fit", or the factor that "1.5" or "1:2" (half size) means."""
+    if text is not None and (width is not None or height is not None):
+        other = "--width" if width is not None else "--height"
+        raise BadInputError(f"--scale and {other} both say how large the drawing is; give one of them")
+    if not text or text == "fit":
+        return "fit"
+    numerator, colon, denominator = text.partition(":")
+    try:
+        scale = float(numerator) / (float(denominator) if colon else 1.0)
+    except (ValueError, ZeroDivisionError):
+        scale = 0.0
+    if not 0 < scale < float("inf"):
+        raise BadInputError(
+            f"--scale {text} is no scale; give fit, a number above 0 such as 1.5, or a ratio such as 1:2"
+        )
+    return scale
+
+
+def _offset(text: str | None) -> tuple[float, float] | None:
+    """Return (x, y) in mm from "X,Y", each a length that may be negative."""
+    from foldcut.drawing.placement import parse_length
+
+    if text is None:
+        return None
+    parts = [part.strip() for part in text.split(",")]
+    if len(parts) != 2:
+        raise BadInputError(f"--offset {text} is no pair; give X,Y such as 30,40 or 3cm,-5mm")
+    x, y = (-parse_length(part[1:]) if part.startswith("-") else parse_length(part) for part in parts)
+    return x, y
+
+
+def _rotation(text: str | None) -> str | float | None:
+    """Return degrees or "best"; None if nothing is asked for."""
+    if text is None or text == "best":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise BadInputError(f"--rotate {text} is no angle; give degrees such as 45, or best") from None
+
+
+# ---- a source and how to fold it ----
+
+
+@dataclass(frozen=True)
+class FoldRequest:
+    """A drawing and how to read and fold it; ``progress_lines``: tell programs on stderr how far the work is."""
+
+    source: Source
+    reading: ReadOptions
+    folding: FoldOptions
+    progress_lines: bool
+
+
+@dataclass(frozen=True)
+class OpenRequest:
+    """A pattern that is folded already."""
+
+    source: Source
+
+
+Request = FoldRequest | OpenRequest
+
+
+def add_request(command: ArgumentParser) -> None:
+    """Add what to fold and how."""
+    add_force(command)
+    add_source(command)
+    add_timeout(command)
+    add_folding(command)
+
+
+def request(args: Namespace) -> Request:
+    """Return what to fold and how; for a pattern, options on how to read, lay and fold a drawing are errors."""
+    asked = source(args)
+    if not asked.is_pattern:
+        return FoldRequest(asked, reading(args), folding(args), args.progress)
+    for_drawings = [name for add in (add_source, add_folding) for name in given(args, add)]
+    for_drawings = [name for name in for_drawings if name not in ("--shape", "--progress")]
+    for_drawings += ["--preview"] if getattr(args, "preview", None) else []
+    if for_drawings:
+        raise BadInputError(f"{', '.join(for_drawings)}: for drawings; {asked.path} has its sheet and creases already")
+    return OpenRequest(asked)
+
+
+def given(args: Namespace, add_options: Callable[[ArgumentParser], None]) -> list[str]:
+    """Return the options of a group that have a value of their own, not empty, in the group's order."""
+    parser = Parser(add_help=False)
+    add_options(parser)
+    defaults = vars(parser.parse_args([]))
+    values = vars(args)
+    return [f"--{name.replace('_', '-')}" for name in defaults if values[name] not in (defaults[name], "")]
+
+
+# ---- the machine ----
+
+
+@dataclass(frozen=True)
+class Machine:
+    """Whom files are made for: the ``profile`` that goes by this ``name``, none if None, and how its job is made."""
+
+    name: str | None
+    profile: Profile | None
+    job: JobOptions
+
+    @property
+    def with_jobs(self) -> Profile | None:
+        """The profile, if it is a machine's that carries out jobs, and not of the pattern alone."""
+        return self.profile if self.profile is not None and self.profile.operations else None
+
+
+def add_machine(command: ArgumentParser) -> None:
+    """Add the machine and how its job is made."""
+    machine = command.add_argument_group("the machine")
+    machine.add_argument(
+        "--profile",
+        metavar="NAME",
+        help=f"write the job for this machine; see foldcut profiles (default: none, and {ANY_LASER} for DXF alone)",
+    )
+    machine.add_argument(
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="change a value of the profile (repeatable)"
+    )
+    machine.add_argument("--material", metavar="NAME", help="what the sheet is made of (default: the profile's first)")
+    machine.add_argument(
+        "--treatment",
+        choices=("score", "perforate", "draw"),
+        help="of the creases: unbroken lines, cuts with gaps, or dashed and dash-dotted lines (default: the profile's)",
+    )
+    machine.add_argument(
+        "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
+    )
+    machine.add_argument(
+        "--registration",
+        choices=("corners", "holes", "pins"),
+        help="what lines the back up with the front: corner marks, 3 mm holes for pegs, or 1 mm holes for needles "
+        "(default: corners)",
+    )
+    machine.add_argument(
+        "--marks",
+        metavar="NAME,...",
+        help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what is seen of the "
+        "outline when folded), numbers (the order to press creases), title, ruler (PDF has both anyway); "
+        "or none (default: outline,first-folds)",
+    )
+    machine.add_argument(
+        "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
+    )
+
+
+def machine(args: Namespace, default: str | None = None) -> Machine:
+    """Return the machine and how its job is made; ``default`` names the profile when the user names none.
+
+    Options that only a machine can follow are errors without one.
+    """
+    from foldcut.output.render import JobOptions
+    from foldcut.profiles import load_profile
+
+    name = default if args.profile is None else args.profile
+    profile = None if name is None else load_profile(name, args.set)
+    if profile is None or not profile.operations:
+        allowed = ("--profile",) if profile is None else ("--profile", "--set")
+        wrong = [option for option in given(args, add_machine) if option not in allowed]
+        if wrong:
+            one = len(wrong) == 1
+            if profile is None:
+                what = f"{'goes' if one else 'go'} with a machine: name it with --profile"
+            else:
+                what = f"{'is' if one else 'are'} for a machine, and {name} is none"
+            raise BadInputError(f"{' and '.join(wrong)} {what}; see foldcut profiles")
+    if args.registration and not args.two_sided:
+        raise BadInputError("--registration lines the back up with the front: it goes with --two-sided")
+    job = JobOptions(
+        material=args.material,
+        treatment=args.treatment,
+        two_sided=args.two_sided,
+        registration=args.registration or "corners",
+        marks=_marks(args.marks),
+        tile=args.tile,
+    )
+    return Machine(name, profile, job)
+
+
+def _marks(text: str | None) -> tuple[str, ...]:
+    """Return the names of marks; raises JobError for an unknown one."""
+    from foldcut.jobs.job import JobError
+    from foldcut.jobs.marks import DEFAULT_MARKS, MARKS
+
+    if text is None:
+        return DEFAULT_MARKS
+    names = () if text == "none" else tuple(name.strip() for name in text.split(","))
+    for name in names:
+        if name not in MARKS:
+            raise JobError(f"there is no mark {name!r}; choose of {', '.join(MARKS)}, or none")
+    return names
