@@ -24,7 +24,8 @@ from support.programs import require_program, run_node
 
 from foldcut.cli.main import main
 from foldcut.samples import sample_path
-from foldcut.web.app import Jobs, Settings, make_app
+from foldcut.web.app import make_app
+from foldcut.web.jobs import Jobs, Settings
 
 OWN = {"X-Foldcut": "1"}
 SQUARE = json.dumps({"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "units": "mm"}).encode()

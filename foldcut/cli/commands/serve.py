@@ -37,7 +37,8 @@ def serve(args: Namespace) -> int:
     try:
         import uvicorn
 
-        from foldcut.web.app import Settings, make_app
+        from foldcut.web.app import make_app
+        from foldcut.web.jobs import Settings
     except ModuleNotFoundError as error:
         raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
     if not 0 < port < 65536:

@@ -1,0 +1,256 @@
+"""Drawings that the server folds: each by the real command line, in a process and a temporary folder of its own.
+
+So a bad drawing meets the same limits as on the command line, cannot reach another drawing's files, and cannot take
+the server down: its process is killed after ``Settings.job_seconds`` and may use ``Settings.job_bytes`` of memory.
+Formats that are not made at once are made from the FOLD file when the page asks for them. Folders are deleted with
+their drawing, after ``Settings.keep_seconds``, and all of them when the server stops.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import os
+import secrets
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS
+from foldcut.web.errors import RefusedError
+from foldcut.web.options import Wanted
+
+__all__ = ["Jobs", "Settings", "Upload"]
+
+PATTERN = "pattern.fold"
+"""The file that all others can be made from."""
+QUICK_FILES = ("pattern.html",)
+"""The files of a quick look."""
+FILES = ("pattern.svg", PATTERN, "pattern.html", "pattern.png", "pattern.zip")
+"""The files that are made at once where there is no machine; the others are made when the page asks for them."""
+MACHINE_FILES = (PATTERN, "pattern.html", "pattern.png", "job.zip")
+"""The files that are made at once for a machine, beside the job in the machine's own format."""
+GUIDES = {"guide.pdf": "guide", "guide.html": "guide", "pictures.svg": "draw", "pictures.png": "draw"}
+"""Files that other commands than ``make`` write, and these commands."""
+TOKEN_BYTES = 16
+"""A drawing's token is so long that nobody can guess it: whoever knows it may take the files."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the server allows.
+
+    ``upload_bytes``: the size of a drawing; ``job_seconds`` and ``job_bytes``: the time and memory to fold it;
+    ``quick_seconds``: the time for a quick look while the drawing is being changed; ``workers``: how many are folded
+    at once; ``most_jobs``: how many are kept; ``keep_seconds``: how long; ``hosts``: the names of this machine.
+    """
+
+    upload_bytes: int = 5_000_000
+    job_seconds: float = 60.0
+    job_bytes: int = 4 * 2**30
+    quick_seconds: float = 10.0
+    workers: int = 2
+    most_jobs: int = 200
+    keep_seconds: float = 1800.0
+    hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")
+
+
+@dataclass
+class Upload:
+    """One drawing that is being folded, or was: its folder, how far it is, and the report or the error.
+
+    ``state`` is "waiting", "folding", "done" or "failed"; ``stage`` and ``fraction``, from 0 to 1, are what the command
+    tells of its progress; ``started`` is in seconds of the monotonic clock.
+    """
+
+    folder: Path
+    wanted: Wanted
+    state: str = "waiting"
+    stage: str = ""
+    fraction: float = 0.0
+    error: str = ""
+    report: dict[str, Any] = field(default_factory=dict)
+    started: float = field(default_factory=time.monotonic)
+    process: asyncio.subprocess.Process | None = None
+    task: asyncio.Task[None] | None = None
+
+    @property
+    def made(self) -> Path:
+        """The folder of the files that can be taken."""
+        return self.folder / "made"
+
+    def files(self) -> dict[str, Path]:
+        """Return the files that can be taken, by name."""
+        return {path.name: path for path in sorted(self.made.iterdir())} if self.state == "done" else {}
+
+    def possible_files(self) -> list[str]:
+        """Return the names of all files that can be made when the page asks for them."""
+        patterns = ["pattern.zip", *(f"pattern{ending}" for ending in PATTERN_EXPORTERS)]
+        return [*GUIDES, *patterns, *([f"job{ending}" for ending in JOB_EXPORTERS] if self.wanted.machine else [])]
+
+
+class Jobs:
+    """All drawings of a server, by token."""
+
+    def __init__(self, settings: Settings) -> None:
+        self.settings = settings
+        self.root = Path(tempfile.mkdtemp(prefix="foldcut-"))
+        self.uploads: dict[str, Upload] = {}
+        self.free = asyncio.Semaphore(settings.workers)
+
+    def require_room(self) -> None:
+        """Forget old drawings; raises ``RefusedError`` where there is no room for another."""
+        oldest = time.monotonic() - self.settings.keep_seconds
+        for token, upload in list(self.uploads.items()):
+            if upload.started < oldest and upload.state in ("done", "failed"):
+                shutil.rmtree(self.uploads.pop(token).folder, ignore_errors=True)
+        if len(self.uploads) >= self.settings.most_jobs:
+            raise RefusedError(503, "the server has too many drawings; try again in a while")
+
+    def new_path(self) -> Path:
+        """Return a new path for the bytes of a drawing, to write them to before it is added."""
+        return self.root / f"upload-{secrets.token_urlsafe(TOKEN_BYTES)}"
+
+    def add(self, wanted: Wanted, received: Path | None = None, ending: str = "") -> str:
+        """Start to fold what is wanted and return its token; a ``received`` drawing is moved, and gets its ending."""
+        self.require_room()
+        token = secrets.token_urlsafe(TOKEN_BYTES)
+        upload = Upload(self.root / token, wanted)
+        drawing = upload.folder / f"drawing{ending}"
+        upload.made.mkdir(parents=True)
+        if received is not None:
+            received.rename(drawing)
+        self.uploads[token] = upload
+        source = wanted.source if received is None else (str(drawing),)
+        upload.task = asyncio.create_task(self._fold(upload, source))
+        return token
+
+    async def _fold(self, upload: Upload, source: tuple[str, ...]) -> None:
+        """Fold a drawing and make the files that are there at once."""
+        wanted = upload.wanted
+        machine = () if wanted.quick else wanted.machine
+        names = (*MACHINE_FILES, f"job.{wanted.machine_format}") if machine else FILES
+        outputs = [
+            word for name in (QUICK_FILES if wanted.quick else names) for word in ("-o", str(upload.made / name))
+        ]
+        command = ["make", *source, *wanted.options, "--progress", "--json", *machine, *outputs]
+        seconds = self.settings.quick_seconds if wanted.quick else self.settings.job_seconds
+        upload.report, upload.error = await self._run(upload, command, seconds)
+        upload.state = "failed" if upload.error else "done"
+
+    async def _run(self, upload: Upload, command: list[str], seconds: float) -> tuple[dict[str, Any], str]:
+        """Run one command for a drawing when its turn comes; return its report, and its error or an empty text."""
+        async with self.free:
+            if not upload.folder.is_dir():
+                raise RefusedError(404, "this drawing is gone; send it again")
+            upload.state = "folding" if upload.state == "waiting" else upload.state
+            process = upload.process = await asyncio.create_subprocess_exec(
+                *(sys.executable, "-m", "foldcut.cli", *command),
+                stdin=asyncio.subprocess.DEVNULL,
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.PIPE,
+                cwd=upload.folder,
+                start_new_session=True,
+            )
+            try:
+                _bound_memory(process.pid, self.settings.job_bytes)
+                assert process.stdout is not None
+                async with asyncio.timeout(seconds):
+                    out, _, status = await asyncio.gather(
+                        process.stdout.read(), _follow(process, upload), process.wait()
+                    )
+            except TimeoutError:
+                remedy = "press Fold to let it search longer" if upload.wanted.quick else "simplify the drawing"
+                return {}, f"it took more than {seconds:g} s; {remedy}"
+            finally:
+                await _kill(process)
+        report = _parsed(out.replace(f"{upload.made}/".encode(), b"").replace(f"{upload.folder}/".encode(), b""))
+        error = report.pop("error", None) or {"message": "no pattern was made; it needs too much memory, or is broken"}
+        return report, "" if status == 0 else str(error["message"])
+
+    async def export(self, upload: Upload, name: str) -> None:
+        """Make one more file from the FOLD file of a drawing that is folded; raises ``RefusedError`` if that fails."""
+        if PATTERN not in upload.files():
+            raise RefusedError(409, "there is no pattern yet to make files of")
+        if name in upload.files():
+            return
+        making = upload.folder / secrets.token_hex(4)
+        making.mkdir()
+        machine = upload.wanted.machine if name.startswith("job.") else ()
+        verb = GUIDES.get(name, "make")
+        command = [verb, str(upload.made / PATTERN), "--json", *machine, "-o", str(making / name)]
+        _, error = await self._run(upload, command, self.settings.job_seconds)
+        if error:
+            raise RefusedError(400, error)
+        with contextlib.suppress(FileNotFoundError):  # the drawing may have been dropped meanwhile
+            (making / name).replace(upload.made / name)
+
+    def get(self, token: str) -> Upload:
+        """Return a drawing; raises ``RefusedError`` for an unknown token."""
+        if token not in self.uploads:
+            raise RefusedError(404, "there is no such drawing, or it is too old; send it again")
+        return self.uploads[token]
+
+    async def drop(self, token: str) -> None:
+        """Stop folding a drawing and delete its files."""
+        upload = self.get(token)
+        del self.uploads[token]
+        if upload.task is not None:
+            upload.task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await upload.task
+        if upload.process is not None:
+            await _kill(upload.process)
+        shutil.rmtree(upload.folder, ignore_errors=True)
+
+    async def close(self) -> None:
+        """Stop everything and leave nothing behind."""
+        for token in list(self.uploads):
+            await self.drop(token)
+        shutil.rmtree(self.root, ignore_errors=True)
+
+
+async def _follow(process: asyncio.subprocess.Process, upload: Upload) -> None:
+    """Read a command's standard error to the end, and keep the progress that it tells."""
+    assert process.stderr is not None
+    while True:
+        try:
+            line = await process.stderr.readline()
+        except ValueError:  # what asyncio raises for a line that is longer than any of ours
+            continue
+        if not line:
+            return
+        told = _parsed(line)
+        if told.keys() >= {"stage", "fraction"}:
+            upload.stage, upload.fraction = str(told["stage"]), float(told["fraction"])
+
+
+def _parsed(data: bytes) -> dict[str, Any]:
+    """Return the JSON object in this text; an empty one where a program that broke down wrote something else."""
+    try:
+        parsed = json.loads(data)
+    except (json.JSONDecodeError, UnicodeDecodeError):
+        return {}
+    return parsed if isinstance(parsed, dict) else {}
+
+
+async def _kill(process: asyncio.subprocess.Process) -> None:
+    """End a process and all that it started."""
+    if process.returncode is None:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        await process.wait()
+
+
+def _bound_memory(pid: int, most: int) -> None:
+    """Let a process have no more memory than this, where the system can do that."""
+    with contextlib.suppress(ImportError, AttributeError, OSError):
+        import resource
+
+        resource.prlimit(pid, resource.RLIMIT_AS, (most, most))
