@@ -42,7 +42,7 @@ ANY_LASER = "laser-dxf"
 
 def add_console(command: ArgumentParser) -> None:
     """Add the options on how to report."""
-    command.add_argument("--json", action="store_true", help="print the report for programs, on stdout")
+    command.add_argument("--json", action="store_true", help="print the report as JSON on stdout, for programs")
     command.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
@@ -53,13 +53,13 @@ def console(args: Namespace) -> Console:
 
 def add_force(command: ArgumentParser) -> None:
     """Add the option that lets a command replace files; ``args.force`` is its value."""
-    command.add_argument("--force", action="store_true", help="replace files that are there already")
+    command.add_argument("--force", action="store_true", help="replace files that exist already")
 
 
 def add_timeout(command: ArgumentParser) -> None:
     """Add the time limit, which ``cli.main`` reads and keeps."""
     command.add_argument(
-        "--timeout", metavar="S", type=float, help="give up after so many seconds, with an error (default: never)"
+        "--timeout", metavar="S", type=float, help="give up with an error after this many seconds (default: never)"
     )
 
 
@@ -110,14 +110,16 @@ def add_source(command: ArgumentParser) -> None:
     )
     command.add_argument("--text", help="draw this text instead of a SHAPE")
     command.add_argument(
-        "--font", default="sans", help="of --text: the path of a font file, or a family (default: %(default)s)"
+        "--font",
+        default="sans",
+        help="the font of --text: the path of a font file, or the name of a family (default: %(default)s)",
     )
 
 
 def source(args: Namespace) -> Source:
     """Return what is folded."""
     if (args.text is None) == (not args.shape):
-        raise BadInputError(f"give a SHAPE or a --text, {'one of them' if args.text is None else 'not both'}")
+        raise BadInputError(f"give a SHAPE or a --text{'' if args.text is None else ', not both'}")
     if args.text is None:
         return named_source(args.shape)
     stem = "".join(letter for letter in args.text if letter.isalnum())[:LONGEST_STEM]
@@ -134,7 +136,7 @@ def named_source(shape: str) -> Source:
     if shape in sample_names():
         return Source(sample_path(shape))
     if path.is_dir():
-        raise BadInputError(f"{shape}: is a folder; give a drawing, or all in it to foldcut batch")
+        raise BadInputError(f"{shape}: is a folder; give a drawing, or give the folder to foldcut batch")
     remedy = "give a drawing or one of the samples, which foldcut samples lists"
     raise BadInputError(f"{shape}: there is no such file; {nearest(shape, sample_names(), 'the sample ') or remedy}")
 
@@ -146,36 +148,38 @@ def add_reading(command: ArgumentParser) -> None:
     """Add how a drawing's file is read."""
     reading = command.add_argument_group("the drawing")
     reading.add_argument(
-        "--from", metavar="SUFFIX", help="the drawing's format, such as svg (default: as its name ends)"
+        "--from", metavar="SUFFIX", help="the drawing's format, such as svg (default: the ending of its name)"
     )
-    reading.add_argument("--layer", metavar="NAME", action="append", default=[], help="read only this (repeatable)")
+    reading.add_argument(
+        "--layer", metavar="NAME", action="append", default=[], help="read only this layer (repeatable)"
+    )
     reading.add_argument("--id", metavar="ID", action="append", default=[], help="read only this element (repeatable)")
     reading.add_argument(
         "--flatten",
         metavar="LENGTH",
         default="0.05mm",
-        help="how far a curve may be from its segments, in the drawing at its own size and at 200 mm "
-        "(default: %(default)s)",
+        help="how far a curve may be from the segments that replace it, both at the drawing's own size and scaled to "
+        "200 mm (default: %(default)s)",
     )
     reading.add_argument(
         "--threshold",
         metavar="T",
         type=float,
         default=0.5,
-        help="how light a picture's shape may be, from 0, black, to 1, white (default: %(default)s)",
+        help="how light the shape in a picture may be, from 0, black, to 1, white (default: %(default)s)",
     )
     reading.add_argument(
         "--join",
         metavar="LENGTH",
         default="0.05mm",
-        help="join ends of lines that are no farther apart, at the same sizes (default: %(default)s)",
+        help="join ends of lines that are no farther apart than this, at the same sizes (default: %(default)s)",
     )
     reading.add_argument(
         "--limit",
         metavar="NAME=NUMBER",
         action="append",
         default=[],
-        help="read drawings that are larger: bytes (default: 20 MiB), points (100000), loops (1000), "
+        help="allow larger drawings: bytes (default: 20 MiB), points (100000), loops (1000), "
         "pixels (40 million), nesting (100); repeatable",
     )
 
@@ -231,7 +235,7 @@ def add_folding(command: ArgumentParser) -> None:
     command.add_argument(
         "--sheet",
         default="a4",
-        help="a paper size such as a4, which lies as the drawing does, or a4-landscape, or WIDTHxHEIGHT "
+        help="a paper size such as a4, turned to suit the drawing, or a4-landscape, or WIDTHxHEIGHT "
         "(default: %(default)s)",
     )
     command.add_argument(
@@ -245,7 +249,7 @@ def add_folding(command: ArgumentParser) -> None:
     command.add_argument(
         "--height",
         metavar="LENGTH",
-        help="scale it to this height; with --width, as large as neither is exceeded: it is never stretched",
+        help="scale it to this height; with --width, to the largest size that exceeds neither: it is never stretched",
     )
     command.add_argument(
         "--offset",
@@ -255,8 +259,8 @@ def add_folding(command: ArgumentParser) -> None:
     command.add_argument(
         "--rotate",
         metavar="DEG",
-        help="turn the drawing counter-clockwise; best: as it is largest on the sheet (default: a quarter if it has "
-        "more room so, and as its mirror axes ask for; 0 forbids that)",
+        help="turn the drawing counter-clockwise; best: to the angle at which it is largest on the sheet (default: a "
+        "quarter turn if that gives it more room, and whatever its mirror axes need; 0 forbids both)",
     )
     command.add_argument(
         "--method",
@@ -271,17 +275,17 @@ def add_folding(command: ArgumentParser) -> None:
         help="how long to search for fewer and longer creases (default: %(default)s)",
     )
     command.add_argument(
-        "--seconds", metavar="S", type=float, help="stop the search after so many seconds (default: as --effort says)"
+        "--seconds", metavar="S", type=float, help="stop the search after this many seconds (default: as --effort says)"
     )
     command.add_argument(
-        "--progress", action="store_true", help="print how far it is on stderr, as lines of JSON for programs"
+        "--progress", action="store_true", help="print progress on stderr, as lines of JSON for programs"
     )
     command.add_argument(
         "--ribbon",
         metavar="WIDTH",
         help="half the width of an unfolded ribbon along the cut (default: none; with the methods "
         f"{_joined(method.name for method in METHODS.values() if method.needs_ribbon)}, which need one, 0.25mm or "
-        "what the drawing has room for)",
+        "as much as the drawing has room for)",
     )
     command.add_argument(
         "--min-crease",
@@ -292,14 +296,14 @@ def add_folding(command: ArgumentParser) -> None:
         "--simplify",
         metavar="LENGTH",
         default="0mm",
-        help="leave out corners that are no more than this off, on the sheet (default: none)",
+        help="leave out corners if that moves the outline by no more than this on the sheet (default: none)",
     )
     command.add_argument(
         "--symmetry",
         metavar="LENGTH",
         default="0mm",
-        help="take the drawing as mirror-symmetric when its corners are off by no more than this on the sheet, and "
-        "make it so (default: only rounding)",
+        help="treat the drawing as mirror-symmetric if its corners are off by no more than this on the sheet, and make "
+        "it exactly so (default: only rounding errors)",
     )
     command.add_argument(
         "--adjust",
@@ -315,7 +319,7 @@ def add_folding(command: ArgumentParser) -> None:
         "--min-feature",
         metavar="LENGTH",
         default="0mm",
-        help="drop parts and close gaps that are narrower, on the sheet",
+        help="drop parts and close gaps that are narrower than this, on the sheet",
     )
     mend.add_argument(
         "--separate",
@@ -397,7 +401,7 @@ def _scale(text: str | None, width: str | None, height: str | None) -> str | flo
         scale = 0.0
     if not 0 < scale < float("inf"):
         raise BadInputError(
-            f"--scale {text} is no scale; give fit, a number above 0 such as 1.5, or a ratio such as 1:2"
+            f"--scale {text} is not a scale; give fit, a number above 0 such as 1.5, or a ratio such as 1:2"
         )
     return scale
 
@@ -410,7 +414,7 @@ def _offset(text: str | None) -> tuple[float, float] | None:
         return None
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 2:
-        raise BadInputError(f"--offset {text} is no pair; give X,Y such as 30,40 or 3cm,-5mm")
+        raise BadInputError(f"--offset {text} is not a pair; give X,Y such as 30,40 or 3cm,-5mm")
     x, y = (-parse_length(part[1:]) if part.startswith("-") else parse_length(part) for part in parts)
     return x, y
 
@@ -422,7 +426,7 @@ def _rotation(text: str | None) -> str | float | None:
     try:
         return float(text)
     except ValueError:
-        raise BadInputError(f"--rotate {text} is no angle; give degrees such as 45, or best") from None
+        raise BadInputError(f"--rotate {text} is not an angle; give degrees such as 45, or best") from None
 
 
 # ---- a source and how to fold it ----
@@ -465,7 +469,9 @@ def request(args: Namespace) -> Request:
     for_drawings = [name for name in for_drawings if name not in ("--shape", "--progress")]
     for_drawings += ["--preview"] if getattr(args, "preview", None) else []
     if for_drawings:
-        raise BadInputError(f"{', '.join(for_drawings)}: for drawings; {asked.path} has its sheet and creases already")
+        raise BadInputError(
+            f"{', '.join(for_drawings)}: only for drawings; {asked.path} has its sheet and creases already"
+        )
     return OpenRequest(asked)
 
 
@@ -510,7 +516,8 @@ def add_machine(command: ArgumentParser) -> None:
     machine.add_argument(
         "--treatment",
         choices=("score", "perforate", "draw"),
-        help="of the creases: unbroken lines, cuts with gaps, or dashed and dash-dotted lines (default: the profile's)",
+        help="how creases are made; score: unbroken lines; perforate: cuts with gaps; draw: dashed and dash-dotted "
+        "lines (default: the profile's)",
     )
     machine.add_argument(
         "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
@@ -524,12 +531,12 @@ def add_machine(command: ArgumentParser) -> None:
     machine.add_argument(
         "--marks",
         metavar="NAME,...",
-        help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what is seen of the "
-        "outline when folded), numbers (the order to press creases), title, ruler (PDF has both anyway); "
-        "or none (default: outline,first-folds)",
+        help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what can be seen of "
+        "the outline when the sheet is folded), numbers (the order to press creases), title, ruler (PDF has both "
+        "anyway); or none (default: outline,first-folds)",
     )
     machine.add_argument(
-        "--tile", action="store_true", help="print a sheet that is larger than the paper on several pages"
+        "--tile", action="store_true", help="print a sheet that is larger than the printer's paper on several pages"
     )
 
 
@@ -551,7 +558,7 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
             if profile is None:
                 what = f"{'goes' if one else 'go'} with a machine: name it with --profile"
             else:
-                what = f"{'is' if one else 'are'} for a machine, and {name} is none"
+                what = f"{'is' if one else 'are'} for a machine, and {name} is not one"
             raise BadInputError(f"{' and '.join(wrong)} {what}; see foldcut profiles")
     if args.registration and not args.two_sided:
         raise BadInputError("--registration lines the back up with the front: it goes with --two-sided")
@@ -576,5 +583,5 @@ def _marks(text: str | None) -> tuple[str, ...]:
     names = () if text == "none" else tuple(name.strip() for name in text.split(","))
     for name in names:
         if name not in MARKS:
-            raise JobError(f"there is no mark {name!r}; choose of {', '.join(MARKS)}, or none")
+            raise JobError(f"there is no mark {name!r}; choose from {', '.join(MARKS)}, or none")
     return names

@@ -79,7 +79,7 @@ class Outputs:
 
         about = path / README
         if about.is_file() and not about.read_bytes().startswith(OURS.encode()):
-            raise BadInputError(f"{about} is there and not foldcut's; choose an empty folder, or a .zip")
+            raise BadInputError(f"{about} exists and was not written by foldcut; choose an empty folder, or a .zip")
         return [about, *(path / name for member in self._members(path) for name in sides(member).values())]
 
 

@@ -72,7 +72,7 @@ def parse(argv: Sequence[str]) -> tuple[Command, argparse.Namespace]:
         question = nearest(unknown[0].partition("=")[0], known) if unknown[0].startswith("--") else ""
         remedy = question or f"see {options.prog} --help"
         if args.command == "make" and unknown[0][:1] != "-":
-            remedy = "give one drawing, or all to foldcut batch"
+            remedy = "give one drawing, or give all of them to foldcut batch"
         raise BadInputError(f"unrecognized arguments: {' '.join(unknown)}; {remedy}")
     return load(args.command), args
 

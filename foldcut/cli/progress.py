@@ -1,7 +1,6 @@
-"""Progress on stderr: a bar for people, for work that takes longer than a second, or lines of JSON for programs.
+"""Progress on stderr: a bar for people, or lines of JSON for programs that ask for them with ``--progress``.
 
-The command line shows the bar when stderr is a terminal, and clears it when the work is done; ``--progress`` asks for
-the lines.
+The bar appears when stderr is a terminal and the work takes longer than a second; it disappears when the work is done.
 """
 
 from __future__ import annotations
@@ -19,12 +18,13 @@ if TYPE_CHECKING:
 PATIENCE_S = 1.0
 """Work that is done sooner shows no bar."""
 BETWEEN_LINES_S = 0.1
+"""A stage writes no more than one line in this time."""
 
 
 def progress_lines(out: TextIO) -> Callable[[str, float], None]:
     """Return a callback that writes ``{"stage": "searching: 8 creases", "fraction": 0.5}`` as a line.
 
-    Of what one stage tells (the text up to a colon) no more than a line every ``BETWEEN_LINES_S`` is written.
+    A stage, which is named by the text before the colon, writes no more than one line every ``BETWEEN_LINES_S``.
     """
     last, told = "", 0.0
 
@@ -39,7 +39,7 @@ def progress_lines(out: TextIO) -> Callable[[str, float], None]:
 
 
 class ProgressBar:
-    """A callback ``bar(stage, fraction)`` that draws; use it in a ``with`` statement."""
+    """A callback ``bar(stage, fraction)`` that draws a bar; use it in a ``with`` statement."""
 
     def __init__(self, enabled: bool) -> None:
         self._enabled = enabled
@@ -56,7 +56,7 @@ class ProgressBar:
         self._open.close()
 
     def __call__(self, stage: str, fraction: float) -> None:
-        """Show that ``stage`` is at work and this ``fraction`` of all is done, 0 to 1."""
+        """Show that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
         if not self._enabled or time.monotonic() - self._started < PATIENCE_S:
             return
         if self._progress is None:

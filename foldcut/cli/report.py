@@ -1,7 +1,7 @@
-"""What the command line says about a pattern: numbers as a plain dictionary, and the same as lines of text.
+"""Reports about patterns: a plain dictionary, which ``--json`` prints, and the same as lines of text.
 
-Input: a finished pattern and what is known of its making; output: what ``--json`` prints, or text. Nothing
-is printed here, and nothing is checked: findings come from verification.
+A finished pattern, how it was made and what verification found -> a ``Report`` -> lines. Nothing is printed or verified
+here.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from foldcut.readers import Drawing
 
 Report = dict[str, Any]
+"""What JSON can hold: the names and numbers that programs read."""
 
 MOST_FINDINGS = 10
 """How many findings the text shows; the report for programs has all."""
@@ -35,9 +36,10 @@ def make_report(
     profile: Profile | None = None,
     material: str | None = None,
 ) -> Report:
-    """Return the report of ``foldcut make``; ``files`` are the written ones: path, bytes, replaced.
+    """Return the report of ``foldcut make``.
 
-    Thicknesses are those of the profile's ``material``, its first unless given; without one, of office paper.
+    ``files``: a dictionary with path, bytes and replaced for each file that was written. The thickness is that of the
+    profile's ``material``, by default its first one, or of office paper where the profile names no materials.
     """
     pattern = result.folded_pattern
     sheet = pattern.sheet
@@ -71,7 +73,7 @@ def make_report(
 
 
 def _drawing_report(drawing: Drawing | None) -> Report | None:
-    """Return what was read, in numbers."""
+    """Return the numbers of the drawing that was read."""
     if drawing is None:
         return None
     return {
@@ -85,7 +87,7 @@ def _drawing_report(drawing: Drawing | None) -> Report | None:
 
 
 def _drawing_rows(report: Report) -> list[tuple[str, str]]:
-    """Return the lines on what was read."""
+    """Return the lines about the drawing that was read."""
     drawing = report["drawing"]
     if drawing is None:
         return []
@@ -107,7 +109,7 @@ def _paper(profile: Profile | None, material: str | None) -> tuple[str, float]:
 
 
 def _next(files: Sequence[Report], profile: Profile | None) -> list[str]:
-    """Return what to do in the machine's software, where a file is in the format that this is for."""
+    """Return what to do in the machine's software, if one of the files is in the format that it reads."""
     if profile is None:
         return []
     endings = {str(file["path"]).rpartition(".")[2].lower() for file in files}
@@ -141,7 +143,7 @@ def make_lines(report: Report) -> list[str]:
 
 
 def _job_report(job: Job) -> Report:
-    """Return a job in numbers."""
+    """Return the numbers of a job."""
     return {
         "side": job.side,
         "turned": job.turned,
@@ -161,7 +163,7 @@ def _job_report(job: Job) -> Report:
 
 
 def _job_rows(report: Report) -> list[tuple[str, str]]:
-    """Return the lines about the machine's jobs."""
+    """Return the lines about the machine and its jobs."""
     rows = [("machine", report["machine"])] if report["machine"] else []
     for job in report["jobs"]:
         steps = "; ".join(f"{step['layer']} {step['length_mm'] / 1000:.2f} m" for step in job["steps"])
@@ -173,7 +175,7 @@ def _job_rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _method_rows(report: Report) -> list[tuple[str, str]]:
-    """Return the lines on how the pattern was made."""
+    """Return the lines about how the pattern was made, and what came of the other methods that were tried."""
     rows = [("method" if number == 0 else "", text) for number, text in enumerate(report["told"])]
     others = (attempt for attempt in report["attempts"] if attempt["method"] != report["method"])
     rows += [("", f"{attempt['method']}: {_attempt_text(attempt)}") for attempt in others]
@@ -182,7 +184,7 @@ def _method_rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _attempt_text(attempt: Report) -> str:
-    """Return what came of a method that was not taken."""
+    """Return what came of a method whose pattern was not taken."""
     if attempt["failure"]:
         return str(attempt["failure"]).partition(": loop")[0]
     return (
@@ -191,7 +193,7 @@ def _attempt_text(attempt: Report) -> str:
 
 
 def _fold_rows(report: Report) -> list[tuple[str, str]]:
-    """Return the lines on what is folded first, and how many folds there are."""
+    """Return the lines about the first folds and the number of folds."""
     rows: list[tuple[str, str]] = []
     for (x, y), (to_x, _) in report["first_folds"]:
         line = f"upright line at x = {x:.4g} mm" if x == to_x else f"level line at y = {y:.4g} mm"
@@ -223,7 +225,7 @@ def check_lines(report: Report) -> list[str]:
 def reopened_report(
     result: Reopened, files: Sequence[Report], jobs: Sequence[Job] = (), profile: Profile | None = None
 ) -> Report:
-    """Return the report of a pattern that was opened, not made; ``files`` as of ``make_report``."""
+    """Return the report of a pattern that was read from a FOLD file; ``files`` as in ``make_report``."""
     pattern = result.folded_pattern
     return {
         **check_report(pattern.creases, result.findings, True, result.notes),
@@ -236,13 +238,13 @@ def reopened_report(
 
 
 def reopened_lines(report: Report) -> list[str]:
-    """Return the report of a pattern that was opened as text."""
+    """Return the report of a pattern that was read from a FOLD file as text."""
     rows = [*_job_rows(report), *_file_rows(report)]
     return [report["title"] or "untitled", *check_lines(report), *_aligned(rows)]
 
 
 def _file_rows(report: Report) -> list[tuple[str, str]]:
-    """Return the lines on what was written, and what to do with it."""
+    """Return the lines about the files that were written, and what to do with them."""
     written = [("written", _file_text(file)) for file in report["files"]]
     return [*written, *[("next", line) for line in report["next"] if written]]
 
@@ -260,12 +262,12 @@ def _pattern_rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _count(number: int, thing: str) -> str:
-    """Return a number of things in words."""
+    """Return "1 loop", "2 loops"."""
     return f"{number} {thing}{'s' * (number != 1)}"
 
 
 def _verdict_rows(report: Report) -> list[tuple[str, str]]:
-    """Return the line that says what was verified, or a line for each finding."""
+    """Return the line that names the checks that passed, or a line for each finding."""
     findings = [Finding(**finding) for finding in report["findings"]]
     if not findings:
         return [("verified", ", ".join(report["verified"]))]
@@ -274,10 +276,10 @@ def _verdict_rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _file_text(file: Report) -> str:
-    """Return a file's line: its path, its size, and whether there was one before."""
+    """Return a file's path, its size, and whether it replaced another."""
     return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''})"
 
 
 def _aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
-    """Return the rows with their texts below each other."""
+    """Return the rows with their texts aligned."""
     return [f"  {name:<9} {text}" for name, text in rows]

@@ -72,5 +72,7 @@ def test_options_with_a_value_of_their_own_are_told_in_order(tmp_path: Path) -> 
     pattern.touch()
     args = arguments(str(pattern), "--join", "1mm", "--from", "svg", "--margin", "10mm", "--font", "serif")
     assert options.given(args, options.add_folding) == ["--from", "--join"]
-    with pytest.raises(BadInputError, match=r"^--font, --from, --join: for drawings; .* has its sheet and creases"):
+    with pytest.raises(
+        BadInputError, match=r"^--font, --from, --join: only for drawings; .* has its sheet and creases"
+    ):
         options.request(args)

@@ -104,7 +104,7 @@ def test_view_make_and_draw_take_a_fold_file(
     assert main(["guide", "a.fold"]) == 0
     capsys.readouterr()
     assert main(["view", "a.fold", "--force", "--sheet", "a3", "--mirror"]) == 2
-    assert "--sheet, --mirror: for drawings" in capsys.readouterr().err
+    assert "--sheet, --mirror: only for drawings" in capsys.readouterr().err
     assert main(["draw", "a.fold", "--force", "--show", "packing"]) == 2
 
 

@@ -124,7 +124,7 @@ def test_a_shape_or_a_text_is_needed_and_not_both(capsys: pytest.CaptureFixture[
     assert main(["make", "fish", "--text", "L"]) == 2
     assert "give a SHAPE or a --text, not both" in capsys.readouterr().err
     assert main(["make"]) == 2
-    assert "give a SHAPE or a --text, one of them" in capsys.readouterr().err
+    assert "give a SHAPE or a --text\n" in capsys.readouterr().err
 
 
 # --- PDF

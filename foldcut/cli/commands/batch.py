@@ -29,18 +29,24 @@ examples:
   foldcut batch icons -o out --dask tcp://scheduler:8786 --parquet
 
 OUT gets the files of each drawing under its name, results.csv with a row for each, contact-sheet.svg, and
-foldcut-batch.jsonl, where what is done is written down: the same command again goes on after an interruption.
+foldcut-batch.jsonl, a journal of what is done: after an interruption, the same command goes on from there.
 """
 
 
 def add_options(command: ArgumentParser) -> None:
     """Add the drawings, the folder to write into, how to share the work, the search and the machine."""
     command.add_argument(
-        "drawings", metavar="FOLDER|GLOB", nargs="+", help="a folder with all below, a pattern of names, or a drawing"
+        "drawings",
+        metavar="FOLDER|GLOB",
+        nargs="+",
+        help="a folder, with all its subfolders, a pattern of names, or a drawing",
     )
     command.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
     command.add_argument(
-        "--format", dest="formats", metavar="NAME,...", help="what to write (default: the profile's, or svg,fold)"
+        "--format",
+        dest="formats",
+        metavar="NAME,...",
+        help="the formats to write (default: the profile's, or svg,fold)",
     )
     command.add_argument("--jobs", metavar="N", type=int, help="how many processes (default: one for each core)")
     command.add_argument("--dask", metavar="ADDRESS", help="use the workers of this dask scheduler (extra: batch)")
@@ -50,10 +56,10 @@ def add_options(command: ArgumentParser) -> None:
         metavar="S",
         type=float,
         default=300.0,
-        help="give up a drawing after so many seconds (default: 300)",
+        help="give up on a drawing after this many seconds (default: 300)",
     )
-    command.add_argument("--retry", action="store_true", help="do those again that failed before")
-    command.add_argument("--force", action="store_true", help="begin anew, and replace files that are there already")
+    command.add_argument("--retry", action="store_true", help="try the drawings again that failed before")
+    command.add_argument("--force", action="store_true", help="start over, and replace files that exist already")
     command.add_argument("--parquet", action="store_true", help="also write results.parquet (extra: batch)")
     command.add_argument(
         "--contact-sheet", choices=("svg", "png"), default="svg", help="the page with all patterns (default: svg)"
@@ -147,8 +153,8 @@ def cut_short(text: str) -> str:
 
 
 BATCH = Command(
-    "Do as `foldcut make` does for every drawing in folders, and write all into one folder. No drawing ends the "
-    "batch, and an interrupted batch goes on where it was.",
+    "Do what `foldcut make` does for every drawing in folders, and write everything into one folder. A drawing that "
+    "fails does not end the batch, and an interrupted batch goes on where it was.",
     EXAMPLES,
     add_options,
     batch,

@@ -47,8 +47,8 @@ def coupon(args: Namespace) -> int:
 
 
 COUPON = Command(
-    "Write a test card: strips to fold, scored and perforated in many settings. A row's number is told "
-    "by the ticks beside it.",
+    "Write a test card: strips to fold, scored and perforated in many settings. The ticks beside a "
+    "row tell its number.",
     EXAMPLES,
     add_options,
     coupon,

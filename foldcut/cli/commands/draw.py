@@ -33,8 +33,8 @@ def add_options(command: ArgumentParser) -> None:
         metavar="NAME,...",
         default="pattern,folded,layers,pieces",
         help="pattern; folded: flat, from the front, with the cut; layers: drawn apart, from the side; pieces: "
-        f"unfolded after the cut (default: these); and with --method {constructed} packing, molecules, rabbit-ear, "
-        "gusset, inset, trees, matching, ribbon",
+        f"unfolded after the cut (default: these); and with --method {constructed} also packing, molecules, "
+        "rabbit-ear, gusset, inset, trees, matching, ribbon",
     )
     options.add_request(command)
     options.add_console(command)
@@ -64,5 +64,8 @@ def draw(args: Namespace) -> int:
 
 
 DRAW = Command(
-    "Compute as `foldcut make` does and draw pictures to look at, side by side.", EXAMPLES, add_options, draw
+    "Compute the pattern as `foldcut make` does and draw pictures to look at, side by side.",
+    EXAMPLES,
+    add_options,
+    draw,
 )

@@ -38,8 +38,8 @@ def guide(args: Namespace) -> int:
 
 
 GUIDE = Command(
-    "Compute as `foldcut make` does and write a folding guide with a picture of each step: straight folds, what to "
-    "press and to collapse at once, the layers, where to cut.",
+    "Compute the pattern as `foldcut make` does and write a folding guide with a picture of each step: straight folds, "
+    "which creases to press and which to collapse all at once, the layers, where to cut.",
     EXAMPLES,
     add_options,
     guide,

@@ -40,7 +40,7 @@ examples:
 
 Without -o it writes NAME-creases.svg and, unless SHAPE is a .fold, NAME-creases.fold into the current folder, or with
 --profile NAME-PROFILE with the ending of the machine's format.
-Existing files are replaced only with --force. Ctrl-C during the search goes on with the best pattern found so far.
+Existing files are replaced only with --force. Ctrl-C ends the search and goes on with the best pattern found so far.
 """
 
 VIEW_EXAMPLES = """\
@@ -58,8 +58,8 @@ def add_options(command: ArgumentParser) -> None:
         "--output",
         metavar="OUT",
         action="append",
-        help="a file to write; its ending is the format; or a folder or a .zip for all files of a job and a "
-        "README.txt; repeatable",
+        help="a file to write, in the format that its ending names, or a folder or a .zip for all files of a job and a "
+        "README.txt (repeatable)",
     )
     command.add_argument(
         "--preview", metavar="FILE.svg", help="also draw the drawing before (red) and after (black) mending"
@@ -121,8 +121,8 @@ MAKE = Command(
     "Compute how to fold a sheet so that one straight cut gives the drawing.", MAKE_EXAMPLES, add_options, make
 )
 VIEW = Command(
-    "Compute as `foldcut make` does and write NAME.html: the pattern, and the sheet in 3D with sliders that "
-    "fold it and take its layers off. The page is one file, needs no network, and works in any browser.",
+    "Compute the pattern as `foldcut make` does and write NAME.html: the pattern, and the sheet in 3D with sliders "
+    "that fold it and take its layers off. The page is one file, needs no network, and works in any browser.",
     VIEW_EXAMPLES,
     add_options,
     make,

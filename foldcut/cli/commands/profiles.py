@@ -1,4 +1,4 @@
-"""``foldcut profiles``: list, show and validate what foldcut knows of machines."""
+"""``foldcut profiles``: list, show and validate what foldcut knows about machines."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument("action", nargs="?", choices=("list", "show", "validate"), default="list")
     command.add_argument("name", nargs="?", metavar="PROFILE", help="a name, or the path of a TOML file")
     command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
-    command.add_argument("--json", action="store_true", help="print for programs")
+    command.add_argument("--json", action="store_true", help="print JSON, for programs")
 
 
 def profiles(args: Namespace) -> int:
@@ -56,8 +56,8 @@ def list_profiles(console: Console) -> int:
 
 
 PROFILES = Command(
-    "List, show and validate profiles: what foldcut knows of machines. Your own go into "
-    "~/.config/foldcut/profiles, or anywhere: --profile takes a path that ends in .toml.",
+    "List, show and validate profiles: what foldcut knows about machines. Put your own into "
+    "~/.config/foldcut/profiles, or anywhere else: --profile also takes a path that ends in .toml.",
     EXAMPLES,
     add_options,
     profiles,

@@ -16,7 +16,7 @@ examples:
 
 def add_options(command: ArgumentParser) -> None:
     """Add how to print the list."""
-    command.add_argument("--json", action="store_true", help="print the list for programs")
+    command.add_argument("--json", action="store_true", help="print the list as JSON, for programs")
 
 
 def samples(args: Namespace) -> int:

@@ -23,9 +23,13 @@ examples:
 def add_options(command: ArgumentParser) -> None:
     """Add where to listen, and how long a drawing may take."""
     command.add_argument("--port", type=int, default=8000, help="(default: %(default)s)")
-    command.add_argument("--host", default="127.0.0.1", help="the address to listen at (default: only this machine)")
+    command.add_argument("--host", default="127.0.0.1", help="the address to listen on (default: only this machine)")
     command.add_argument(
-        "--job-seconds", type=float, default=60.0, metavar="S", help="stop a drawing after so long (default: 60)"
+        "--job-seconds",
+        type=float,
+        default=60.0,
+        metavar="S",
+        help="give up on a drawing after this many seconds (default: 60)",
     )
 
 
@@ -42,7 +46,7 @@ def serve(args: Namespace) -> int:
     except ModuleNotFoundError as error:
         raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
     if not 0 < port < 65536:
-        raise BadInputError(f"--port {port} is none; give one from 1 to 65535")
+        raise BadInputError(f"--port {port} is not a port; give a number from 1 to 65535")
     if not 0 < job_seconds < 1e8:
         raise BadInputError(f"--job-seconds is {job_seconds:g}; give a positive number below 1e8")
     name = f"[{host}]" if ":" in host else host
@@ -68,7 +72,7 @@ def serve(args: Namespace) -> int:
 
 
 SERVE = Command(
-    "Serve a page where drawings are dropped or drawn, folded, looked at and taken as files (extra: serve).",
+    "Serve a page on which you drop or draw a drawing, fold it, look at it and download the files (extra: serve).",
     EXAMPLES,
     add_options,
     serve,
