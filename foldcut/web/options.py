@@ -48,7 +48,7 @@ class Wanted:
 def read_query(query: Mapping[str, str], *, uploaded: bool) -> Wanted:
     """Return what the parameters of a request ask for; ``uploaded``: the drawing comes as the request's body.
 
-    Raises ``RefusedError`` for a name that is not known, and ``BadInputError`` for a sheet or length that is none.
+    Raises ``RefusedError`` for an unknown name, and ``BadInputError`` for a sheet or a length that cannot be read.
     """
     machine, machine_format = _machine(query)
     source = () if uploaded else _source(query)

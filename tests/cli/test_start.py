@@ -1,4 +1,4 @@
-"""What is not imported: the command line starts at once because of what it leaves alone."""
+"""The command line starts at once: what it must not import, and what it uses instead of slow libraries."""
 
 from __future__ import annotations
 

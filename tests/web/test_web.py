@@ -38,13 +38,13 @@ def running_app(settings: Settings | None = None) -> TestClient:
 
 @pytest.fixture
 def client() -> Iterator[TestClient]:
-    """Give a running app with a short temper."""
+    """Give a running app that allows small drawings only."""
     with running_app(Settings(upload_bytes=100_000, job_seconds=50)) as running:
         yield running
 
 
 def send(client: TestClient, data: bytes = b"", **query: str) -> str:
-    """Start a job and return its token."""
+    """Send a drawing and return its token."""
     answer = client.post("/jobs", params={"effort": "fast", **query}, content=data, headers=OWN)
     assert answer.status_code == 201, answer.text
     token: str = answer.json()["job"]
@@ -52,7 +52,7 @@ def send(client: TestClient, data: bytes = b"", **query: str) -> str:
 
 
 def outcome(client: TestClient, token: str) -> dict[str, Any]:
-    """Wait for a job."""
+    """Wait until a drawing is folded, or is not, and return its state."""
     for _ in range(600):
         state: dict[str, Any] = client.get(f"/jobs/{token}").json()
         if state["state"] in ("done", "failed"):
