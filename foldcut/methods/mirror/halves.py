@@ -27,8 +27,10 @@ from foldcut.core.arrays import Bools, Floats, points_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
 from foldcut.geometry.vectors import cross, signed_area
+from foldcut.methods.compact.budget import EFFORT_SECONDS
+from foldcut.methods.compact.part import SheetPart
 from foldcut.methods.compact.pattern import regions
-from foldcut.methods.compact.search import EFFORTS, Compact, Whole, fold_compact
+from foldcut.methods.compact.search import Compact, fold_compact
 from foldcut.pattern.assemble import Ring, assemble, creases_of_stack
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 
@@ -51,7 +53,7 @@ Arc = tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
-class Half(Whole):
+class Half(SheetPart):
     """A part of the sheet, and one loop to fold it by.
 
     ``sheet`` is the part to the right of the upright axis, 0, or above the level one, 1, or both: see ``axes``;
@@ -163,7 +165,7 @@ def fold_mirrored(
                 seconds=seconds,
                 progress=tell,
                 share=share,
-                whole=half,
+                part=half,
             )
         except UnfoldableError:
             return None
@@ -177,7 +179,7 @@ def fold_mirrored(
         return key
 
     try:
-        looks = min(max(round(SCAN * (seconds or EFFORTS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
+        looks = min(max(round(SCAN * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
         candidates = _by_promise(candidates)[:looks]
         share = min(MOST_SCAN, SCAN / max(1, len(candidates)))
         ranked = [(key, number) for number, half in enumerate(candidates) if (key := look(half)) is not None]
