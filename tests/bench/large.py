@@ -1,9 +1,9 @@
 """How long the compact method takes for polygons with many corners, and how many creases it makes.
 
 Run it with ``python tests/bench/large.py [CORNERS ...]``. It folds star-shaped polygons and prints a line of JSON for
-each: ``seconds`` of processor time; ``exponent``, the power of the number of corners with which the time has grown since
-the polygon before; ``tries``, how often the polygon was folded until no two vertices were too near each other. 5,000
-corners take half a minute.
+each: ``seconds`` of processor time; ``exponent``, the power of the number of corners with which the time has grown
+since the polygon before; ``tries``, how often the polygon was folded until no two vertices were too near each other.
+5,000 corners take half a minute.
 """
 
 from __future__ import annotations

@@ -57,6 +57,24 @@ OVERTIME = 0.3
 APART = 0.8
 """How often, in variations of such patterns, turns are moved at random, not under nodes."""
 
+SPREAD = 0.15
+"""How far they are moved then: the standard deviation, as a part of their side."""
+
+BEST_FIRST = 0.4
+"""How often the best candidate is the one that is varied, how often of all others the next, and so on."""
+
+BEST_FIRST_APART = 0.2
+"""The same if the best pattern has creases that are hard to fold."""
+
+POLISHED_CLEARANCE = 0.06
+"""In every other choice of wishes for a new solution, clearance up to this is worth something."""
+
+VARIED_CLEARANCE = 0.1
+"""In every other variation, clearance up to a random part of this is worth something."""
+
+MORE_TURNS = 1.15
+"""A plan is given up if it needs more turns than the best candidate by this factor, and two."""
+
 
 @dataclass(frozen=True, eq=False)
 class Compact:
@@ -180,7 +198,7 @@ class Search:
         return self.trials.attempt(solution, self.charge)
 
     def run(self) -> None:
-        """Search until the budget is spent, or all plans and solutions are."""
+        """Search until the budget is spent; return earlier only if no plan has a solution."""
         plain = self.cover.ranked(plans(self.outline, turned=False))
         turned = self.cover.ranked(plans(self.outline, turned=True))
         while (plain or turned) and (self.trials.best is None or self.budget.part < FOLLOWING):
@@ -218,7 +236,7 @@ class Search:
 
     def _follow(self, plan: Plan) -> None:
         """Find a solution for a plan, and patterns."""
-        known = [round(1.15 * len(one.solution.turns)) + 2 for one in self.candidates[:1] if one.cost < np.inf]
+        known = [round(MORE_TURNS * len(one.solution.turns)) + 2 for one in self.candidates[:1] if one.cost < np.inf]
         solution = self.cover.whole(plan, min([MANY_TURNS, *known]))
         if solution is not None:
             self._polish(self.cover.thinned(solution), plan)
@@ -228,7 +246,7 @@ class Search:
         best = plain = Candidate(self.attempt(solution).cost, solution, plan)
         for number in range(POLISHINGS):
             nodes = under_nodes(self.outline, solution.turns, self.random if number else None)
-            wishes = Wishes(nodes.along, nodes.weight, 0.06 if number % 2 else None)
+            wishes = Wishes(nodes.along, nodes.weight, POLISHED_CLEARANCE if number % 2 else None)
             moved = self._moved(solution, CLEARANCES[number], wishes)
             if moved is not None:
                 other = Candidate(self.attempt(moved).cost, moved, plan)
@@ -270,17 +288,20 @@ class Search:
         """Try other wishes for one of the best candidates so far."""
         apart = self._has_short_creases and self.random.random() < APART
         folding = sum(one.cost < np.inf for one in self.candidates)
-        number = min(int(self.random.geometric(0.2 if apart else 0.4)), folding or len(self.candidates)) - 1
+        number = (
+            min(int(self.random.geometric(BEST_FIRST_APART if apart else BEST_FIRST)), folding or len(self.candidates))
+            - 1
+        )
         before = self.candidates[number]
         solution = before.solution
         nodes = under_nodes(self.outline, solution.turns, self.random)
         along = nodes.along
         if apart:
             # turns that are connected by one hub of the tree cannot be moved far: move them apart from each other
-            share = self.random.normal(0.0, 0.15, len(along)) * self.outline.length[solution.turns.side]
+            share = self.random.normal(0.0, SPREAD, len(along)) * self.outline.length[solution.turns.side]
             along = np.where(solution.turns.corner, np.nan, solution.along + share)
         clearance = float(self.random.choice(CLEARANCES))
-        most = 0.1 * float(self.random.random()) if self.random.random() < 0.5 else None
+        most = VARIED_CLEARANCE * float(self.random.random()) if self.random.random() < 0.5 else None
         moved = self._moved(solution, clearance, Wishes(along, nodes.weight, most))
         if moved is None:
             return
