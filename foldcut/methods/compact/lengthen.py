@@ -40,7 +40,7 @@ TRUST = 0.05
 """How far images may move in the first step, as a part of the shape's size."""
 
 LEAST_TRUST = 1e-4
-"""How far they may always move: if a step this small does not fold, none is taken."""
+"""A step that does not fold is made smaller, until images move no more than by this part of the shape's size."""
 
 LEAP = 0.1
 """How far images may move for a crease to vanish, as a part of the shape's size."""

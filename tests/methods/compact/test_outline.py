@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import shapely
 
 from foldcut.methods.compact.outline import MOST_POCKETS, Outline
 
@@ -34,5 +35,6 @@ def test_the_width_is_measured_to_sides_that_are_not_beside() -> None:
 def test_the_free_region_shrinks_inside_and_outside() -> None:
     outline = Outline(U)
     assert outline.front(0.25, False).area == pytest.approx(2 * 0.5 * 2.5 + 1.5 * 0.5, rel=1e-5)
-    assert outline.front(0.25, True).covers(outline.front(0.5, True))
+    beside = shapely.Point(3.3, 1.0)
+    assert [outline.front(height, True).covers(beside) for height in (0.25, 0.5)] == [True, False]
     assert outline.front(0.25, False) is outline.front(0.25, False), "kept"
