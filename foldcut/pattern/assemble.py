@@ -13,11 +13,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from foldcut.core.arrays import BLOCK, Bools, Chars, Floats, Ints, Ragged, sealed
+from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState
 from foldcut.geometry.planar_graph import half_edges, pair_keys, signed_areas
 from foldcut.geometry.vectors import signed_area
 
 Ring = list[int]
+
+
+class NoFaceUpError(UnfoldableError):
+    """A folded state cannot be written down because none of its faces looks up."""
 
 
 def outlines(rings: Sequence[Ring]) -> list[Ring]:
@@ -81,7 +86,7 @@ def assemble(
 
     ``flat`` and ``folded`` ``(v, 2)`` mm; ``rings`` the faces from bottom to top, counter-clockwise on the sheet;
     ``edges`` with their ``kinds`` "M", "V", "B". Vertices on which nothing turns are left out, the rest numbered anew;
-    face 0 is the lowest that looks up, the others follow the layer order.
+    face 0 is the lowest that looks up, the others follow the layer order. Raises ``NoFaceUpError`` if none looks up.
     """
     rings = rings if isinstance(rings, Ragged) else Ragged.from_rows(rings)
     joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners, len(flat))
@@ -93,7 +98,9 @@ def assemble(
     _look_up(renumber, joined.reshape(-1))
     _look_up(renumber, faces.values)
     landed = folded[used]
-    first = next(k for k in range(len(faces)) if signed_area(landed[faces[k]]) > 0)
+    first = next((k for k in range(len(faces)) if signed_area(landed[faces[k]]) > 0), None)
+    if first is None:
+        raise NoFaceUpError("no face of the pattern looks up")
     layers: Ints = np.arange(len(faces), dtype=np.int32)
     layers[[0, first]] = layers[[first, 0]]
     begin = faces.take(layers[: first + 1])

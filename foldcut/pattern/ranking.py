@@ -1,18 +1,39 @@
-"""Which of two patterns is easier to fold."""
+"""Which of two patterns is easier to fold.
+
+The number of creases and the length of the shortest in mm -> ``Rank``; the lower rank is the better pattern.
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from foldcut.core.model import CreasePattern
 
-FOLDABLE_MM, SHORTEST_MM = 3.0, 0.5
+FOLDABLE_MM = 3.0
+"""Creases at least this long are easy to fold by hand."""
+
+SHORTEST_MM = 0.5
+"""Creases shorter than this cannot be folded by hand."""
+
+TOO_SHORT = 1.65
+"""What each crease counts if the shortest is only just not easy to fold."""
+
+STILL_SHORTER = 0.6
+"""What each crease counts in addition if the shortest has no length; less, in proportion, if it has some."""
 
 
-TOO_SHORT, STILL_SHORTER = 1.65, 0.6  # what creases count when the shortest is nearly foldable, and what more at 0 mm
+class Rank(NamedTuple):
+    """The rank of a pattern.
 
+    ``unfoldable``: whether it has a crease that nobody can fold; ``creases``: the number of its creases, increased if
+    the shortest is hard to fold; ``minus_shortest``: the negative length of the shortest in mm.
+    """
 
-Rank = tuple[bool, float, float]
+    unfoldable: bool
+    creases: float
+    minus_shortest: float
 
 
 def shortest_crease(creases: CreasePattern) -> float:
@@ -22,10 +43,11 @@ def shortest_crease(creases: CreasePattern) -> float:
 
 
 def rank(count: float, shortest: float) -> Rank:
-    """Patterns in order: those with all creases long enough to fold at all, then fewer creases, then longer ones.
+    """Return the rank of a pattern with ``count`` creases, the shortest of which is ``shortest`` mm long.
 
-    ``count`` of creases, ``shortest`` in mm.
+    Patterns without creases that nobody can fold come first, then those with fewer creases, then those with longer
+    ones.
     """
     if shortest < FOLDABLE_MM:
         count *= TOO_SHORT + STILL_SHORTER * (1 - shortest / FOLDABLE_MM)
-    return shortest < SHORTEST_MM, count, -shortest
+    return Rank(shortest < SHORTEST_MM, count, -shortest)

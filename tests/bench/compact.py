@@ -1,9 +1,9 @@
-"""Creases and folds of the default method against the paper's, and another program's where these are known.
+"""Compare the creases and folds of a method with those of the paper's method, and of another program if known.
 
 Run it with ``make bench-compact`` or ``python tests/bench/compact.py [--method M] [--effort E] [--out OUT.json]
-[FOLDER ...]``: samples first, then every JSON shape below the folders. A file ``peer.tsv`` in a folder has, in each
-line, a class, a shape's name, and the creases of another program, or ``fails``. Times are wall-clock, one shape at a
-time: compare them within one run.
+[FOLDER ...]``. It folds all samples, and then every JSON shape below the folders. Each line of a file ``peer.tsv`` in a
+folder has a class, the name of a shape, and the number of creases that another program makes, or ``fails``. Times are
+wall-clock times of one shape after the other: compare them only within one run.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from foldcut.samples import sample_names, sample_path
 
 
 def peers(folders: list[Path]) -> dict[str, str]:
-    """Return what is known of another program, by the shape's name."""
+    """Return the creases that another program makes, or ``fails``, by the name of the shape."""
     lines = [line for folder in folders for file in folder.rglob("peer.tsv") for line in file.read_text().splitlines()]
     rows = [line.split("\t") for line in lines if not line.startswith("#")]
     return {row[1]: row[2].strip() for row in rows if len(row) == 3}
 
 
 def measure(path: Path, method: str, effort: str) -> dict[str, Any]:
-    """Fold one shape on A4 by a method, and if it has one loop, by the paper's."""
+    """Fold one shape on A4 with a method, and if it has one loop, with the paper's method."""
     loops = make_shape(read_shape(path).loops).loops
     start = time.perf_counter()
     try:
@@ -55,12 +55,12 @@ def measure(path: Path, method: str, effort: str) -> dict[str, Any]:
 
 
 def mean_ratio(rows: list[dict[str, Any]], below: str) -> float:
-    """Return the geometric mean of creases over another column."""
+    """Return the geometric mean of the ratios of creases to another column."""
     return math.exp(sum(math.log(row["creases"] / row[below]) for row in rows) / max(1, len(rows)))
 
 
 def main() -> None:
-    """Print a row for each shape, and the means."""
+    """Print a line for each shape, and the means."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument("--method", default="auto")
@@ -94,7 +94,7 @@ def main() -> None:
 
 
 def line_of(row: dict[str, Any]) -> str:
-    """Return what was measured of a shape, in a line."""
+    """Return a line with what was measured for a shape."""
     if "refused" in row:
         return f"{row['loops']} loops, refused: {row['refused'].split(':')[1].strip()}"
     ratio = f"paper {row['paper_creases']:6d}" if row["paper_creases"] else f"{row['loops']} loops     "

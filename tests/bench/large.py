@@ -1,8 +1,9 @@
-"""Seconds and creases of the compact method for polygons with many corners.
+"""How long the compact method takes for polygons with many corners, and how many creases it makes.
 
-Run it with ``python tests/bench/large.py [CORNERS ...]``: star-shaped polygons, one line of JSON each. The seconds are
-of this machine's processor, not of the clock; ``exponent`` is by what power of the corners they grew; ``tries`` is how
-often all was folded, until no two vertices were nearly in one place. 5,000 corners take half a minute.
+Run it with ``python tests/bench/large.py [CORNERS ...]``. It folds star-shaped polygons and prints a line of JSON for
+each: ``seconds`` of processor time; ``exponent``, the power of the number of corners with which the time has grown
+since the polygon before; ``tries``, how often the polygon was folded until no two vertices were too near each other.
+5,000 corners take half a minute.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from foldcut.core.arrays import Floats, points_array
 
 
 def polygon(corners: int) -> Floats:
-    """A wavy star-shaped polygon with uneven sides, the same for each number of corners."""
+    """Return a wavy star-shaped polygon with uneven sides, always the same for the same number of corners."""
     random = np.random.default_rng(0)
     angles = (np.arange(corners) + random.uniform(0.1, 0.9, corners)) * 2 * np.pi / corners
     reach = 80 + 15 * np.sin(7 * angles) + 5 * np.sin(31 * angles)
@@ -28,7 +29,7 @@ def polygon(corners: int) -> Floats:
 
 
 def main(sizes: list[int]) -> None:
-    """Fold a polygon of each size on A4, fast."""
+    """Fold a polygon of each size on A4 with the effort ``fast``, and print what that took."""
     before: tuple[int, float] | None = None
     for corners in sizes:
         start = time.process_time()
@@ -38,7 +39,7 @@ def main(sizes: list[int]) -> None:
             "corners": corners,
             "creases": result.folded_pattern.creases.crease_count,
             "verified": result.verified,
-            "tries": result.stages.tried,
+            "tries": int(result.numbers["tried"]),
             "seconds": round(seconds, 2),
             "exponent": round(math.log(seconds / before[1]) / math.log(corners / before[0]), 2) if before else None,
             "peak_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024,

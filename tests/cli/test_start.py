@@ -14,7 +14,7 @@ from scipy.linalg import null_space
 from support.places import SAMPLES
 
 import foldcut
-from foldcut.methods.compact import lengthen as ties
+from foldcut.methods.compact import lengthen
 from foldcut.methods.compact import sensitivity as slopes
 from foldcut.pattern import face_maps as flatfold
 
@@ -123,6 +123,6 @@ def test_full_and_sparse_matrices_have_the_same_solution() -> None:
 def test_null_space_is_scipys() -> None:
     matrix = np.random.default_rng(8).normal(size=(4, 9))
     matrix[3] = matrix[0] + matrix[1]
-    ours, theirs = ties._null_space(matrix), null_space(matrix)
+    ours, theirs = lengthen.null_space(matrix), null_space(matrix)
     assert ours.shape == theirs.shape == (9, 6)
     assert np.allclose(ours @ ours.T, theirs @ theirs.T)

@@ -1,13 +1,16 @@
-"""Short creases are gaps between events that nearly fall together: move the turns until they do, or are far apart.
+"""Short creases are gaps between events that nearly coincide: move the turns until they do, or are far apart.
 
-Solution -> solutions near it, with fewer and longer creases.
+``Solution`` -> solutions near it, with fewer and longer creases.
 
 The length of a crease is a smooth function of the images of the turns as long as the events keep their order; its
-derivatives come from ``slopes``. Newton's method on the lengths of the shortest creases finds images for which they
-vanish; on the way the order may change, then others are short in the same places, and the next step takes these. What
-has vanished is kept so, to first order, while the shortest of the others is made as long as it can be, by a linear
-program for each step. Where it gets no longer, a shortest crease is sent through zero, which changes the order of two
-events, and the next steps go on from there.
+derivatives come from ``sensitivity``. There are three kinds of steps.
+
+- *Vanish*: Newton's method on the lengths of the shortest creases finds images for which they are zero. On the way the
+  order of events may change; then other creases are short in the same places, and the next step takes these.
+- *Lengthen*: a linear program makes the shortest crease as long as possible, within a region in which the derivatives
+  can be trusted. Creases that have vanished stay so, to first order.
+- *Across*: where the shortest crease gets no longer, it is sent through zero. That changes the order of two events, and
+  the next steps go on from there.
 """
 
 from __future__ import annotations
@@ -21,25 +24,40 @@ import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.core.model import CreasePattern
+from foldcut.methods.compact.linear_program import Program, Solver
+from foldcut.methods.compact.outline import Outline
 from foldcut.methods.compact.pattern import Molecules
 from foldcut.methods.compact.sensitivity import vertex_slopes
-from foldcut.methods.compact.turns import Outline, Program, Solution, Solver
+from foldcut.methods.compact.turns import Solution
 
 CLEARANCE = 0.003
-"""The clearance, relative to distances, that is left to turns that see each other."""
+"""The clearance, see ``Program.solve``, that pairs of turns keep."""
 
 NEWTON_STEPS = 4
+"""How many steps a crease may take to vanish."""
 
 TRUST = 0.05
-"""How far images may move in one step, as a part of the shape's size."""
+"""How far images may move in the first step, as a part of the shape's size."""
 
-SHORT, MOST_CROSSINGS = 1.1, 8
-"""Creases up to this many times as long as the shortest are made to go through zero, so many at most."""
+LEAST_TRUST = 1e-4
+"""A step that does not fold is made smaller, until images move no more than by this part of the shape's size."""
+
+LEAP = 0.1
+"""How far images may move for a crease to vanish, as a part of the shape's size."""
+
+SHORT = 1.1
+"""Creases up to this many times as long as the shortest are sent through zero."""
+
+MOST_CROSSINGS = 8
+"""How many creases, or groups of them, are sent through zero at most."""
+
+SAME_LEVEL = 1e-7
+"""Turns whose images differ by less than this part of the shape's size are on one level."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Lengths:
-    """The creases of a pattern, for comparison with those of another, and their lengths in mm."""
+    """The creases of a pattern: the numbers of their ends, ``(m, 2)``, and their lengths, ``(m,)`` mm."""
 
     edges: Numbers
     length: Floats
@@ -50,12 +68,19 @@ class _Lengths:
         ends = creases.vertices_coords[edges]
         return cls(edges, np.hypot(*(ends[:, 1] - ends[:, 0]).T))
 
+    @property
+    def order(self) -> Numbers:
+        """The creases, shortest first."""
+        return np.argsort(self.length, kind="stable")
+
 
 class Mover:
-    """Moves the turns of a solution so that its creases get longer, or so that short ones vanish.
+    """Moves the turns of a solution so that its short creases get longer, or vanish.
 
-    ``fold`` returns the molecules and the creases of a solution, or None; ``creased`` which edges count as creases;
-    ``careful`` as for ``Program``; ``solution``: where it is now.
+    ``solution``: where the turns are now. ``fold`` returns the molecules and the creases of a solution, or None if it
+    does not fold; ``creased`` tells which edges of a pattern count as creases. Turns move along the columns of
+    ``basis``, ``(n, m)``: those are all changes of their images for which sides keep their lengths and turns on one
+    level stay on one level.
     """
 
     def __init__(
@@ -64,25 +89,23 @@ class Mover:
         solution: Solution,
         fold: Callable[[Solution], tuple[Molecules, CreasePattern] | None],
         creased: Callable[[CreasePattern], Bools],
-        *,
-        careful: bool,
     ) -> None:
         self.solution, self._fold, self._creased = solution, fold, creased
-        self._program = Program(outline, solution.turns, careful=careful)
+        self.program = Program(outline, solution.turns)
         count = len(solution.turns)
-        rows = [self._program.ends[:, :count], np.eye(1, count), _levels(outline, solution)]
-        self._basis = _null_space(np.vstack(rows))
-        self._kept = np.zeros((0, self._basis.shape[1]))
+        rows = [self.program.sides[:, :count], np.eye(1, count), _levels(outline, solution)]
+        self.basis = null_space(np.vstack(rows))
+        self._kept = np.zeros((0, self.basis.shape[1]))
         self._trust = TRUST * outline.size
         self._folded = fold(solution)
 
     def lengthen(self, target: float) -> bool:
-        """Make the shortest crease as long as possible, or ``target`` mm; return whether anything has moved."""
-        if self._folded is None or not self._basis.shape[1]:
+        """Make the shortest crease as long as possible, up to ``target`` mm; return whether anything has moved."""
+        if self._folded is None or not self.basis.shape[1]:
             return False
         now = self._now(self._folded[1])
         slopes = self._slopes(now, np.arange(len(now.length)))
-        while self._trust > 1e-4 * self._program.outline.size:
+        while self._trust > LEAST_TRUST * self.program.outline.size:
             found = self._longest(now, slopes, target)
             if found is not None and self._go(found[1]):
                 return True
@@ -90,16 +113,16 @@ class Mover:
         return False
 
     def lengths(self) -> Floats:
-        """The lengths of the creases in mm, shortest first."""
+        """Return the lengths of the creases in mm, shortest first; none if the solution does not fold."""
         return np.zeros(0) if self._folded is None else np.sort(self._now(self._folded[1]).length)
 
     def _now(self, creases: CreasePattern) -> _Lengths:
         return _Lengths.of(creases, self._creased(creases))
 
     def without(self, number: int, limit: float) -> Mover | None:
-        """Return a mover for which the crease that is so manyth in length has vanished, or None.
+        """Return a mover for which the crease at place ``number`` in the order of length has vanished, or None.
 
-        Creases shorter than ``limit`` mm, which had vanished and come back on the way, vanish, too.
+        Creases shorter than ``limit`` mm vanish as well: they may have vanished before, and have come back on the way.
         """
         mover = copy(self)
         if not mover._vanish(limit, number):
@@ -113,44 +136,46 @@ class Mover:
         return None
 
     def _vanish(self, limit: float, number: int | None = None) -> bool:
-        """Take a step for which creases shorter than ``limit`` vanish, and one more; return whether it was taken."""
-        if self._folded is None or not self._basis.shape[1]:
+        """Take a step that makes crease ``number`` and all shorter than ``limit`` vanish; return whether it folds."""
+        if self._folded is None or not self.basis.shape[1]:
             return False
         now = self._now(self._folded[1])
-        order = np.argsort(now.length, kind="stable")
+        order = now.order
         gone = order[now.length[order] < limit]
         if number is not None:
             gone = np.union1d(gone, order[number : number + 1])
         slopes = self._slopes(now, gone)
         rows = np.vstack([slopes, self._kept])
         move = np.linalg.lstsq(rows, np.append(-now.length[gone], np.zeros(len(self._kept))), rcond=1e-4)[0]
-        if np.abs(move).max() > 0.1 * self._program.outline.size or not self._go(move):
+        if np.abs(move).max() > LEAP * self.program.outline.size or not self._go(move):
             return False
         self._kept = np.vstack([self._kept, slopes])
         return True
 
     def _go(self, move: Floats) -> bool:
-        other = self._moved(self._basis @ move)
+        """Move along the basis, if the pattern still folds then; return whether it does."""
+        other = self.moved(self.basis @ move)
         folded = self._fold(other)
         if folded is None:
             return False
         self.solution, self._folded = other, folded
         return True
 
-    def _moved(self, by: Floats) -> Solution:
-        """The solution with other images."""
+    def moved(self, by: Floats) -> Solution:
+        """Return the solution with its images changed ``by`` ``(n,)`` mm."""
         x = self.solution.x + by
-        return replace(self.solution, x=x, along=self._program.walked[:, : len(x)] @ x)
+        return replace(self.solution, x=x, along=self.program.walked[:, : len(x)] @ x)
 
     def _slopes(self, now: _Lengths, some: Numbers) -> Floats:
-        """The derivatives of lengths by the directions of the basis."""
+        """The derivatives of some lengths along the columns of the basis, ``(k, m)``."""
         assert self._folded is not None
         molecules, creases = self._folded
         count = len(self.solution.x)
-        along = self._program.walked[:, :count] @ self._basis
-        direction = self._program.outline.direction[self.solution.turns.side]
-        slopes = vertex_slopes(molecules, direction[:, :, None] * along[:, None], self._basis)
-        slopes = np.concatenate([slopes, np.zeros_like(slopes[:1])])  # the last is for the sheet's corners
+        along = self.program.walked[:, :count] @ self.basis
+        direction = self.program.outline.direction[self.solution.turns.side]
+        slopes = vertex_slopes(molecules, direction[:, :, None] * along[:, None], self.basis)
+        # the last row is for the sheet's corners, which stay where they are
+        slopes = np.concatenate([slopes, np.zeros_like(slopes[:1])])
         number = {place: vertex for vertex, place in enumerate(molecules.vertices.flat)}
         place = creases.vertices_coords
         vertex = np.array([number.get((x, y), -1) for x, y in place.tolist()])
@@ -160,18 +185,18 @@ class Mover:
         return changes
 
     def across(self, target: float) -> Iterator[Mover]:
-        """Yield movers for which shortest creases have gone through zero: some events have changed their order.
+        """Yield movers for which the shortest creases have gone through zero: some events have changed their order.
 
-        Those first for which the shortest crease promises to become longest.
+        Those come first for which the shortest crease promises to become longest.
         """
-        if self._folded is None or not self._basis.shape[1]:
+        if self._folded is None or not self.basis.shape[1]:
             return
         now = self._now(self._folded[1])
         slopes = self._slopes(now, np.arange(len(now.length)))
         mover = copy(self)
-        mover._trust = TRUST * self._program.outline.size
+        mover._trust = TRUST * self.program.outline.size
         # creases that vanish together are between the same two events
-        order = np.argsort(now.length, kind="stable")
+        order = now.order
         short = order[now.length[order] < SHORT * now.length[order[0]]]
         rates = slopes[short] / now.length[short, None]
         left = np.ones(len(short), dtype=bool)
@@ -192,9 +217,9 @@ class Mover:
     def _longest(
         self, now: _Lengths, slopes: Floats, target: float, crossed: Numbers | None = None
     ) -> tuple[float, Floats] | None:
-        """Return how long the shortest crease can be, and the step within reach for that, by a linear program.
+        """Return how long the shortest crease can become, at most ``target`` mm, and the step for that, or None.
 
-        ``crossed``: creases that go through zero.
+        The step is one that can be trusted, found by a linear program. ``crossed``: creases that go through zero.
         """
         width, trust = slopes.shape[1], self._trust
         cost = np.zeros(width + 1)
@@ -213,17 +238,17 @@ class Mover:
         rows, lengths = way[near, None] * slopes[near], way[near] * now.length[near]
         solver.add(wide(rows, -1.0), -lengths, np.full(len(near), np.inf))
         if len(self._kept):
-            # what has vanished stays so, as far as these agree with each other
+            # what has vanished stays so, as far as these rows do not contradict each other
             _, size, rows = np.linalg.svd(self._kept, full_matrices=False)
             rows = rows[size > 1e-6 * size[0]]
             solver.add(wide(rows, 0.0), np.zeros(len(rows)), np.zeros(len(rows)))
-        rows, bounds = self._program.conditions(self.solution, CLEARANCE)
-        solver.add(wide(rows[:, : len(self._basis)] @ self._basis, 0.0), np.full(len(rows), -np.inf), bounds)
+        rows, bounds = self.program.conditions(self.solution, CLEARANCE)
+        solver.add(wide(rows[:, : len(self.basis)] @ self.basis, 0.0), np.full(len(rows), -np.inf), bounds)
         found = solver.run()
         return None if found is None else (float(found[width]), found[:width])
 
 
-def _null_space(matrix: Floats) -> Floats:
+def null_space(matrix: Floats) -> Floats:
     """Return orthonormal columns that span what ``matrix`` takes to zero, as ``scipy.linalg.null_space`` does."""
     _, singular, right = np.linalg.svd(matrix)
     rank = int((singular > np.finfo(np.float64).eps * max(matrix.shape) * singular.max(initial=0.0)).sum())
@@ -232,13 +257,13 @@ def _null_space(matrix: Floats) -> Floats:
 
 
 def _levels(outline: Outline, solution: Solution) -> Floats:
-    """Rows that keep valleys on one level that are on one, and peaks: they are one hub of the tree."""
+    """Rows that keep dips on one level if they are on one now, and crests: they form one hub of the tree."""
     rows = []
-    for kind in (solution.turns.peak, ~solution.turns.peak):
+    for kind in (solution.turns.crest, ~solution.turns.crest):
         some = np.flatnonzero(kind)
         some = some[np.argsort(solution.x[some], kind="stable")]
         for a, b in pairwise(some.tolist()):
-            if solution.x[b] - solution.x[a] < 1e-7 * outline.size:
+            if solution.x[b] - solution.x[a] < SAME_LEVEL * outline.size:
                 row = np.zeros(len(solution.x))
                 row[a], row[b] = -1.0, 1.0
                 rows.append(row)

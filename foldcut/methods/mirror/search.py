@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region
+from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
-from foldcut.methods.compact.search import EFFORTS, Compact, fold_compact
+from foldcut.methods.compact.search import Compact, fold_compact
 from foldcut.methods.mirror.unfold import Half
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 
@@ -92,7 +93,7 @@ def fold_mirrored(
                 seconds=seconds,
                 progress=tell,
                 share=share,
-                whole=half,
+                part=half,
             )
         except UnfoldableError:
             return None
@@ -106,7 +107,7 @@ def fold_mirrored(
         return key
 
     try:
-        looks = min(max(round(SCAN * (seconds or EFFORTS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
+        looks = min(max(round(SCAN * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
         candidates = _by_promise(candidates)[:looks]
         share = min(MOST_SCAN, SCAN / max(1, len(candidates)))
         ranked = [(key, number) for number, half in enumerate(candidates) if (key := look(half)) is not None]

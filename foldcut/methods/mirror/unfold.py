@@ -16,12 +16,12 @@ import numpy as np
 from foldcut.core.arrays import Bools, Floats, points_array
 from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
 from foldcut.geometry.vectors import signed_area
-from foldcut.methods.compact.search import Whole
+from foldcut.methods.compact.part import SheetPart
 from foldcut.pattern.assemble import assemble, creases_of_stack
 
 
 @dataclass(frozen=True, eq=False)
-class Half(Whole):
+class Half(SheetPart):
     """A half or a quarter of the sheet, and a loop to fold it by.
 
     ``axes`` are the axes that are folded first: 0 is the sheet's upright middle line, 1 the level one. ``sheet`` is the

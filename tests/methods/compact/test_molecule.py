@@ -20,10 +20,10 @@ from foldcut.drawing.placement import place
 from foldcut.drawing.shape import make_shape
 from foldcut.methods.compact import molecule as universal
 from foldcut.methods.compact.events import Queue, Table, looks_inside
-from foldcut.methods.compact.many_disks import crowded_solution
+from foldcut.methods.compact.many_disks import many_disks
+from foldcut.methods.compact.outline import Outline
 from foldcut.methods.compact.pattern import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.methods.compact.search import fold_compact
-from foldcut.methods.compact.turns import Outline
 from foldcut.methods.disks.molecules import Kind
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
@@ -186,7 +186,7 @@ def crowded_walk(corners: int) -> Walk:
     angles = (np.arange(corners) + random.uniform(0.1, 0.9, corners)) * 2 * np.pi / corners
     reach = random.uniform(0.5, 1.0, corners) * 60
     outline = Outline(points_array(100 + np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1)))
-    return crowded_solution(outline, 0.02).walk(outline, careful=False)
+    return many_disks(outline, 0.02).walk(outline)
 
 
 def searched_walk(name: str) -> Walk:
@@ -242,7 +242,7 @@ def gear_walk(teeth: int) -> Walk:
     angles = np.arange(2 * teeth) * np.pi / teeth
     reach = np.where(np.arange(2 * teeth) % 2, 50.0, 60.0)
     outline = Outline(points_array(100 + np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1)))
-    return crowded_solution(outline, 0.02).walk(outline, careful=False)
+    return many_disks(outline, 0.02).walk(outline)
 
 
 def convex_walk(corners: int) -> Walk:
