@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from foldcut.jobs.job import Job, JobError, Step
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job, Step
 from foldcut.profiles import Gcode, Profile
 
 from ..text import number

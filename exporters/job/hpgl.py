@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from foldcut.jobs.job import Job, JobError
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job
 from foldcut.profiles import Profile
 
 POINTS_A_LINE = 16

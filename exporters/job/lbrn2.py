@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from foldcut.jobs.job import Job, JobError, Step
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job, Step
 from foldcut.profiles import Profile
 
 PALETTE = {"#000000": 0, "#0000ff": 1, "#ff0000": 2, "#00ff00": 3}

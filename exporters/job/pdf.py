@@ -22,7 +22,9 @@ from reportlab.pdfbase.pdfmetrics import stringWidth
 from reportlab.pdfgen.canvas import Canvas
 
 from foldcut.core.arrays import Floats
-from foldcut.jobs.job import Job, JobError, mountain_pieces, valley_pieces
+from foldcut.jobs.dashes import mountain_pieces, valley_pieces
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job
 from foldcut.profiles import Profile, Role
 
 from ..legend import BACKING, Ground

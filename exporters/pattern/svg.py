@@ -21,7 +21,7 @@ from svgwrite.extensions import Inkscape
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
-from foldcut.jobs.job import mountain_pieces, valley_pieces
+from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.pattern.cut_line import contains
 from foldcut.profiles import Drawing, Profile
 

@@ -16,7 +16,7 @@ import numpy as np
 import svgwrite
 
 from foldcut.core.arrays import Floats
-from foldcut.jobs.job import mountain_pieces, valley_pieces
+from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.profiles import Drawing
 
 from ..pattern.svg import path_data

@@ -15,7 +15,7 @@ import numpy as np
 from foldcut.core.arrays import Floats, Numbers
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern
-from foldcut.jobs.job import JobError
+from foldcut.jobs.errors import JobError
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.profiles import Profile, Solid
 

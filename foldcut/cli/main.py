@@ -27,7 +27,8 @@ from foldcut.methods import ADJUST_MM, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
 if TYPE_CHECKING:
     from foldcut.core.model import Finding, FoldedPattern
     from foldcut.foldfile.reopen import Reopened
-    from foldcut.jobs.job import Job, Side
+    from foldcut.jobs.bed import Side
+    from foldcut.jobs.job import Job
     from foldcut.output.render import JobOptions
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
@@ -657,7 +658,7 @@ def _targets(path: Path, stem: str, profile: Profile | None, args: argparse.Name
 
 def _marks(text: str | None) -> tuple[str, ...]:
     """Return the names of marks; raises JobError for one that is not known."""
-    from foldcut.jobs.job import JobError
+    from foldcut.jobs.errors import JobError
     from foldcut.jobs.marks import DEFAULT_MARKS, MARKS
 
     if text is None:

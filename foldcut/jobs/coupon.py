@@ -15,7 +15,10 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Sheet
-from foldcut.jobs.job import Job, Lay, Step, check_job, perforation, travel
+from foldcut.jobs.bed import Lay
+from foldcut.jobs.dashes import perforation
+from foldcut.jobs.job import Job, Step, check_job
+from foldcut.jobs.pen_path import travel
 from foldcut.profiles import Dash, Operation, Profile, Setting
 
 WIDTH_MM, ROW_MM, EDGE_MM, TICK_MM = 60.0, 14.0, 8.0, 2.0

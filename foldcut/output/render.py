@@ -10,7 +10,8 @@ from pathlib import Path
 
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import JOB_EXPORTERS, export, export_job
-from foldcut.jobs.job import Job, Registration, Side, make_jobs
+from foldcut.jobs.bed import Side
+from foldcut.jobs.job import Job, Registration, make_jobs
 from foldcut.jobs.marks import DEFAULT_MARKS
 from foldcut.profiles import Profile, Treatment
 

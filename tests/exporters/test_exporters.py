@@ -28,7 +28,7 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
 from foldcut.exporters.pattern.fold import face_orders, overlapping_faces
-from foldcut.jobs.job import mountain_pieces, valley_pieces
+from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_names, sample_path

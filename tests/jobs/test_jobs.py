@@ -32,7 +32,10 @@ from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export_job
 from foldcut.exporters.job.pdf import tiles
 from foldcut.jobs import job as jobs
-from foldcut.jobs.job import Job, JobError, Side, make_jobs, perforation
+from foldcut.jobs.bed import Side
+from foldcut.jobs.dashes import perforation
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job, make_jobs
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.pipeline import fold
 from foldcut.profiles import Dash, Profile, load_profile, profile_names
