@@ -31,7 +31,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
 
 
-class Drawing(_Table):
+class LineStyle(_Table):
     """How a drawing looks: colours as ``#rrggbb``, lengths in mm."""
 
     mountain_colour: Colour
@@ -142,7 +142,7 @@ class Profile(_Table):
     kerf_mm: Annotated[float, Field(ge=0, lt=5)] = 0.0
     dxf_version: Literal["R12", "R2000"] = "R2000"
     instructions: Annotated[tuple[str, ...], Field(min_length=3, max_length=3)]
-    drawing: Drawing
+    drawing: LineStyle
     bed: Bed | None = None
     operations: dict[Role, Operation] = {}
     materials: dict[str, Material] = {}
@@ -310,7 +310,7 @@ def _fields(path: Sequence[str]) -> list[str]:
     """Return the keys of the table at a path of the schema."""
     table: Any = Profile
     tables = {
-        "drawing": Drawing,
+        "drawing": LineStyle,
         "bed": Bed,
         "hpgl": Hpgl,
         "gcode": Gcode,

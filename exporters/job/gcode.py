@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from foldcut.jobs.errors import JobError
-from foldcut.jobs.job import Job, Step
+from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Gcode, Profile
 
 from ..text import number
@@ -67,7 +67,7 @@ def _pen(job: Job, code: Gcode) -> Iterator[str]:
         yield "M5"
 
 
-def _strokes(job: Job, step: Step) -> Iterator[tuple[str, list[str]]]:
+def _strokes(job: Job, step: JobStep) -> Iterator[tuple[str, list[str]]]:
     """Yield where each stroke begins, and its other points."""
     right, up = job.at
     for stroke in step.strokes:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 import svgwrite
 from svgwrite.extensions import Inkscape
 
-from foldcut.jobs.job import Job, Step
+from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Profile
 
 from ..pattern.svg import path_data, with_paths
@@ -45,7 +45,7 @@ def export(job: Job, profile: Profile) -> bytes:
     return with_paths(drawing, paths_of)
 
 
-def _paths(step: Step, height: float) -> Iterator[str]:
+def _paths(step: JobStep, height: float) -> Iterator[str]:
     """Yield the path data of a step's strokes."""
     for stroke in step.strokes:
         closed = len(stroke) > 2 and bool((stroke[0] == stroke[-1]).all())

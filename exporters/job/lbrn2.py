@@ -9,7 +9,7 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 
 from foldcut.jobs.errors import JobError
-from foldcut.jobs.job import Job, Step
+from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Profile
 
 PALETTE = {"#000000": 0, "#0000ff": 1, "#ff0000": 2, "#00ff00": 3}
@@ -64,7 +64,7 @@ def _indices(job: Job) -> list[int]:
     return indices
 
 
-def _cut_setting(root: ET.Element, step: Step, index: int, priority: int, profile: Profile) -> None:
+def _cut_setting(root: ET.Element, step: JobStep, index: int, priority: int, profile: Profile) -> None:
     setting = step.setting
     if setting is None:
         raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")

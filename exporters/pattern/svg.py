@@ -23,7 +23,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.pattern.cut_line import contains
-from foldcut.profiles import Drawing, Profile
+from foldcut.profiles import LineStyle, Profile
 
 from ..legend import BACKING, Corner, Ground, Place
 from ..text import number, printable
@@ -146,7 +146,7 @@ class _Legend:
 
 
 def _placed_legend(
-    pattern: FoldedPattern, look: Drawing
+    pattern: FoldedPattern, look: LineStyle
 ) -> tuple[list[tuple[_Legend, Corner]], list[tuple[float, ...]]]:
     """Return the parts of the legend, the places of their lower left corners, and the boxes to back with white.
 
@@ -189,7 +189,7 @@ def _placed_legend(
     return [(legend, (place.x, place.y)) for legend, place in parts], [box for box in boxes if ground.lines_under(*box)]
 
 
-def _legend(pattern: FoldedPattern, look: Drawing, room: float, letters: int, *, key: bool, ruler: bool) -> _Legend:
+def _legend(pattern: FoldedPattern, look: LineStyle, room: float, letters: int, *, key: bool, ruler: bool) -> _Legend:
     """Set what lines mean, and the ruler with the title below it, in rows that fill ``room`` mm.
 
     Texts with more ``letters`` are broken.

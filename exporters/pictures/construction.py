@@ -17,7 +17,7 @@ from foldcut.core.arrays import Bools, Floats, Ints
 from foldcut.core.errors import BadInputError
 from foldcut.geometry.vectors import left_normal
 from foldcut.methods.disks.molecules import Kind, Molecules
-from foldcut.profiles import Drawing
+from foldcut.profiles import LineStyle
 
 from .panels import BOLD, EDGE, EDGE_COLOUR, PANEL_MM, Item, Key, Label, Panel, faces, fine, mountain, valley
 
@@ -50,7 +50,7 @@ AROUND, TILT = math.radians(-35), math.radians(28)
 """From where a starfish is seen: turned about its spine, and from above."""
 
 
-def packing(stages: DiskStages, look: Drawing) -> Panel:
+def packing(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the disks, the gaps between them, and circles through the tangency points: paper section 2, Figure 1."""
     made = stages.packing
     gaps = [(made.centres[gap], made.radii[gap]) for gap in made.gaps]
@@ -122,7 +122,7 @@ def _loops(stages: DiskStages) -> list[Floats]:
     return [centre[[*loop, loop[0]]] for loop in made.loop_nodes.to_lists()[1:]]
 
 
-def molecules(stages: DiskStages, look: Drawing) -> Panel:
+def molecules(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw all molecules with their bisectors, tangency edges and gussets: paper section 3."""
     made = stages.molecules
     lines = made.vertices[made.creases]
@@ -171,7 +171,7 @@ class _Molecule:
         """Return the creases of these kinds."""
         return [self.made.vertices[p] for p, kind in zip(self.pairs, self.kinds, strict=True) if kind in kinds]
 
-    def flat(self, look: Drawing, fill: str) -> list[Item]:
+    def flat(self, look: LineStyle, fill: str) -> list[Item]:
         """Return the molecule on the sheet: mountains along bisectors, all other creases valleys."""
         polygon = shapely.Polygon(self.corners)
         arcs = [
@@ -220,14 +220,14 @@ def _sides(ring: Ints) -> Ints:
     return np.column_stack([ring, np.roll(ring, -1)])
 
 
-def _keys(look: Drawing) -> list[Key]:
+def _keys(look: LineStyle) -> list[Key]:
     return [
         Key("mountain", stroke=look.mountain_colour, dash=mountain(look)),
         Key("valley", stroke=look.valley_colour, dash=valley(look)),
     ]
 
 
-def rabbit_ear(stages: DiskStages, look: Drawing) -> Panel:
+def rabbit_ear(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the largest rabbit ear, flat and as a starfish of three arms: paper section 3, Figure 2."""
     ear = _Molecule(stages, 3)
     items = [*ear.flat(look, THREE), *ear.starfish()]
@@ -281,7 +281,7 @@ def _dot(at: Floats, size: float) -> Item:
     return Item([at + 0.012 * size * DOT], fill="#1a1a1a", closed=True)
 
 
-def gusset(stages: DiskStages, look: Drawing) -> Panel:
+def gusset(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the largest gusset molecule, flat and as a starfish of four arms: paper section 3, Figure 3."""
     made = _Gusset(stages)
     sheet, *lines = made.flat(look, PLAIN)
@@ -299,7 +299,7 @@ def gusset(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([sheet, shaded, *lines, *dots, *star], keys)
 
 
-def inset(stages: DiskStages, look: Drawing) -> Panel:
+def inset(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the inset quadrilateral, and the rabbit ears that it is folded with: paper section 3, Figure 4."""
     made = _Gusset(stages)
     ring, inner = made.corners[made.order], made.inset()
@@ -365,7 +365,7 @@ def _middles(made: Molecules) -> Floats:
     return np.array([made.vertices[row].mean(axis=0) for row in made.feet])
 
 
-def trees(stages: DiskStages, look: Drawing) -> Panel:
+def trees(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw T_C over the corners and T_M over the molecules: paper section 4, Figure 5(a)."""
     made, assignment = stages.molecules, stages.assignment
     gaps = faces([made.vertices[row] for row in made.corners], PLAIN)
@@ -393,7 +393,7 @@ def trees(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-def matching(stages: DiskStages, look: Drawing) -> Panel:
+def matching(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the edges that the trees reverse, which are mountains then: paper section 4, Figure 5(b)."""
     made, kinds = stages.molecules, stages.assignment.crease_assignment
     lines = made.vertices[made.creases]
@@ -420,7 +420,7 @@ def matching(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-def ribbon(stages: DiskStages, look: Drawing) -> Panel:
+def ribbon(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the strip along the boundary that stays unfolded: paper section 5, Figure 7."""
     made = stages.molecules
     strip = [
@@ -441,7 +441,7 @@ def ribbon(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-CONSTRUCTION: dict[str, Callable[[DiskStages, Drawing], Panel]] = {
+CONSTRUCTION: dict[str, Callable[[DiskStages, LineStyle], Panel]] = {
     "packing": packing,
     "molecules": molecules,
     "rabbit-ear": rabbit_ear,

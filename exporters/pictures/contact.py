@@ -17,7 +17,7 @@ import svgwrite
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
-from foldcut.profiles import Drawing
+from foldcut.profiles import LineStyle
 
 from ..pattern.svg import path_data, shortened
 from ..text import number, printable
@@ -74,7 +74,7 @@ def thumbnail(pattern: FoldedPattern) -> Thumbnail:
 
 
 def contact_sheet(
-    thumbnails: Sequence[tuple[str, Thumbnail]], title: str, look: Drawing
+    thumbnails: Sequence[tuple[str, Thumbnail]], title: str, look: LineStyle
 ) -> tuple[bytes, tuple[float, float]]:
     """Return the SVG of all thumbnails in rows, each over its name, and its width and height in mm.
 
@@ -120,7 +120,7 @@ def contact_sheet(
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode(), size
 
 
-def _styles(look: Drawing, scale: float) -> tuple[dict[str, str], dict[str, str]]:
+def _styles(look: LineStyle, scale: float) -> tuple[dict[str, str], dict[str, str]]:
     """Return the attributes of mountains and of valleys in a picture that is drawn at a scale."""
     dash, gap, dot = (number(DASHES * length / scale) for length in (look.dash_mm, look.gap_mm, look.dot_mm))
     return (

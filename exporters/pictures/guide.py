@@ -26,7 +26,7 @@ from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
 from foldcut.pattern.foldability import foldability, most_layers
 from foldcut.pattern.straight_lines import straight_lines
-from foldcut.profiles import Drawing, Profile, load_profile
+from foldcut.profiles import LineStyle, Profile, load_profile
 
 from ..text import printable
 from . import panels, pictures
@@ -54,7 +54,7 @@ class Instruction:
         return panels.laid_out([("", self.panel)], "")[0]
 
 
-def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
+def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
     """Return what to do from the flat sheet to the shape cut out."""
     numbers = foldability(pattern, method=fewer_creases())
     advice = [f"{numbers.layers_at_cut} layers will lie on the cut, {numbers.layers} at the thickest place"]
@@ -134,7 +134,7 @@ class _Sheet:
         turned = [signed_area(state.vertices_coords[ring]) < 0 for ring in self.rings]
         return [Key("the back", fill=BACK)] if any(turned) else []
 
-    def fold(self, step: FoldingStep, look: Drawing) -> Instruction:
+    def fold(self, step: FoldingStep, look: LineStyle) -> Instruction:
         """Return how a part is turned over a line."""
         assert step.line is not None
         assert step.moved is not None

@@ -17,7 +17,7 @@ import svgwrite
 
 from foldcut.core.arrays import Floats
 from foldcut.jobs.dashes import mountain_pieces, valley_pieces
-from foldcut.profiles import Drawing
+from foldcut.profiles import LineStyle
 
 from ..pattern.svg import path_data
 from ..text import number, printable
@@ -80,12 +80,12 @@ class Panel:
     labels: list[Label] = field(default_factory=list)
 
 
-def mountain(look: Drawing) -> Dash:
+def mountain(look: LineStyle) -> Dash:
     """Return what divides a line on a panel into dashes and dots."""
     return lambda line: mountain_pieces(line / DASHES, look) * DASHES
 
 
-def valley(look: Drawing) -> Dash:
+def valley(look: LineStyle) -> Dash:
     """Return what divides a line on a panel into dashes."""
     return lambda line: valley_pieces(line / DASHES, look) * DASHES
 

@@ -15,7 +15,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
 from foldcut.geometry.vectors import signed_area
-from foldcut.profiles import Drawing, Profile
+from foldcut.profiles import LineStyle, Profile
 
 from .construction import CONSTRUCTION
 from .panels import BOLD, EDGE, EDGE_COLOUR, Item, Key, Panel, faces, fine, laid_out, mountain, valley
@@ -83,7 +83,7 @@ def _colour(inside: bool, folded: Floats) -> str:
     return (INSIDE if front else INSIDE_BACK) if inside else (OUTSIDE if front else OUTSIDE_BACK)
 
 
-def creases(pattern: FoldedPattern, look: Drawing) -> Panel:
+def creases(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the crease pattern."""
     kinds = pattern.creases.edges_assignment
     lines = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
@@ -113,7 +113,7 @@ SIDES = [
 ]
 
 
-def front(pattern: FoldedPattern, look: Drawing) -> Panel:
+def front(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the folded sheet from the front, and where to cut."""
     rank = np.argsort(pattern.folded.layers)
     parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
@@ -125,7 +125,7 @@ def front(pattern: FoldedPattern, look: Drawing) -> Panel:
     return Panel([*drawn, cut], [Key("folded flat: the cut", stroke=CUT, width=BOLD), *SIDES])
 
 
-def apart(pattern: FoldedPattern, look: Drawing) -> Panel:
+def apart(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the layers apart along the spine, seen from the side."""
     rank = np.argsort(pattern.folded.layers)
     size = float(np.ptp(pattern.folded.vertices_coords, axis=0).max())
@@ -147,7 +147,7 @@ def apart(pattern: FoldedPattern, look: Drawing) -> Panel:
     )
 
 
-def after(pattern: FoldedPattern, look: Drawing) -> Panel:
+def after(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw what unfolds after the cut."""
     aside = np.array([1.06 * pattern.sheet.width, 0.0])
     if pattern.sheet.width > pattern.sheet.height:
@@ -162,7 +162,7 @@ def after(pattern: FoldedPattern, look: Drawing) -> Panel:
     return Panel(drawn, keys)
 
 
-PANELS: dict[str, Callable[[FoldedPattern, Drawing], Panel]] = {
+PANELS: dict[str, Callable[[FoldedPattern, LineStyle], Panel]] = {
     "pattern": creases,
     "folded": front,
     "layers": apart,

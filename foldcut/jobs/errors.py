@@ -1,4 +1,4 @@
-"""The error of this package."""
+"""What can be wrong with a job."""
 
 from __future__ import annotations
 
@@ -6,4 +6,4 @@ from foldcut.core.errors import BadInputError
 
 
 class JobError(BadInputError):
-    """The job does not suit the machine: too large, or the profile lacks what it needs."""
+    """The job does not suit the machine: the sheet is too large, or the profile lacks something the job needs."""

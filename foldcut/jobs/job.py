@@ -1,16 +1,16 @@
-"""The job: what a machine does to the sheet, operation after operation, ready for any format.
+"""The job: what a machine does to the sheet, step after step, ready for any format.
 
-``FoldedPattern`` and ``Profile`` -> ``Job``. Lengths are mm, y points up, (0, 0) is the sheet's lower left corner as it
-lies on the bed; ``Job.at`` says where that is.
+``FoldedPattern`` and ``Profile`` -> a ``Job`` for each side. Lengths are mm, y points up, and (0, 0) is the lower left
+corner of the sheet as it lies on the bed (``bed``); ``Job.at`` says where on the bed that is.
 
-Creases that go straight on are one line, and no line is there twice. Perforations are fitted to each crease between
-two vertices: cuts end a clearance before both, so that no two cuts meet. Operations come in this order: marks,
-mountains, valleys, the sheet's outline last; each operation's strokes are in the order of a short way for the pen.
+The steps come in this order: marks, mountains, valleys, and last the outline of the sheet, which is cut when everything
+else is done. No line is there twice. ``marks`` draws the marks, ``dashes`` divides creases into pieces, and
+``pen_path`` orders the strokes of each step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -20,20 +20,22 @@ import shapely
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.bed import Lay, Side
-from foldcut.jobs.dashes import mountain_pieces, perforation, valley_pieces
+from foldcut.jobs.dashes import crease_pieces
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.marks import DEFAULT_MARKS, HOLES_MM, MARKS, corner_marks, crosses, holes
-from foldcut.jobs.pen_path import _ordered, travel
-from foldcut.pattern.straight_lines import straight_lines
-from foldcut.profiles import Dash, Drawing, Operation, Profile, Role, Setting, Treatment
+from foldcut.jobs.pen_path import Run, ordered, travel
+from foldcut.profiles import Dash, Operation, Profile, Role, Setting, Treatment
 
 Registration = Literal["corners", "holes", "pins"]
-"""What lines the back up with the front: marks to look at, holes for pegs, or needles' holes."""
+"""What lines the back up with the front: marks in the corners, holes for pegs, or pinholes."""
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
-    """One operation: its strokes, ``(n, 2)`` each, in the order and direction they are made."""
+class JobStep:
+    """The strokes of one role, ``(n, 2)`` each, in the order and direction they are made.
+
+    ``operation`` says what the machine calls it; ``setting`` is None where the material has none for it.
+    """
 
     role: Role
     operation: Operation
@@ -50,9 +52,8 @@ class Step:
 class Job:
     """Everything that is done to one side of a sheet.
 
-    ``size`` of the sheet as it lies, in mm; ``at``: where its lower left corner lies from the bed's; ``turned``:
-    whether it lies a quarter turn counter-clockwise; ``travel_before`` and ``travel``: the way between strokes, in
-    mm, in the pattern's own order and in the job's.
+    ``size``, ``at`` and ``turned`` are those of the ``Lay``; ``travel_before`` and ``travel``: how far the tool moves
+    between strokes, in mm, in the pattern's own order and in the job's.
     """
 
     title: str
@@ -60,7 +61,7 @@ class Job:
     at: tuple[float, float]
     turned: bool
     side: Side
-    steps: tuple[Step, ...]
+    steps: tuple[JobStep, ...]
     travel_before: float
     travel: float
 
@@ -76,13 +77,13 @@ def make_jobs(
     marks: Sequence[str] = DEFAULT_MARKS,
     tile: bool = False,
 ) -> tuple[Job, ...]:
-    """Return the job for a pattern on a machine, or with ``two_sided`` those for its front and its back.
+    """Return the job for a pattern on a machine, or with ``two_sided`` one for its front and one for its back.
 
-    ``material`` is one of the profile's, its first unless given; ``treatment`` of the creases: "score", "perforate" or
-    "draw", the profile's unless given. ``two_sided``: mountains from the front, valleys from the back, which is turned
-    over like a page, left to right; ``registration`` lines it up: corner marks on both sides, or "holes" or "pins"
-    that are cut from the front, with crosses there on the back. ``marks``: names from ``MARKS``. ``tile``: a printer
-    may take several pages for the sheet.
+    ``material``: a name from the profile; its first by default. ``treatment`` of the creases: "score", "perforate" or
+    "draw"; the profile's by default. ``two_sided``: mountains from the front and valleys from the back; the sheet is
+    turned over like a page, left to right. ``registration`` lines the sides up: corner marks on both, or "holes" or
+    "pins" that are cut from the front and have crosses at their places on the back. ``marks``: names from ``MARKS``.
+    ``tile``: a printer may use several pages for the sheet.
 
     Raises JobError: the sheet does not fit the bed, or the profile has no such material.
     """
@@ -93,26 +94,26 @@ def make_jobs(
     sides: tuple[Side, ...] = ("front", "back") if two_sided else ("both",)
     jobs = []
     for side in sides:
-        roles: dict[Role, list[list[Floats]]] = {"mark": [], "mountain": [], "valley": [], "cut": []}
+        runs: dict[Role, list[Run]] = {"mark": [], "mountain": [], "valley": [], "cut": []}
         if side != "back":
-            # the cut line is a part of the outline, and no line is there twice
+            # the cut line is part of the outline, and no line may be there twice
             names = [name for name in marks if name != "cut-line" or "outline" not in marks]
-            roles["mark"] += [[line] for name in names for line in MARKS[name](pattern)]
+            runs["mark"] += [[line] for name in names for line in MARKS[name](pattern)]
         if two_sided:
             role, lines = _registration(pattern.sheet, registration, side)
-            roles[role] += [[line] for line in lines]
+            runs[role] += [[line] for line in lines]
         for role, letter, absent in (("mountain", "M", "back"), ("valley", "V", "front")):
             if side != absent:
-                roles[role] += list(_creases(pattern, letter, treatment, dashes, profile.drawing))
+                runs[role] += list(crease_pieces(pattern.creases, letter, treatment, dashes, profile.drawing))
         if profile.cut_outline and side != "front":
             corners = _outset(pattern.sheet.corners, profile.kerf_mm / 2)
-            roles["cut"].append([np.concatenate([corners, corners[:1]])])
-        jobs.append(_job(pattern, profile, roles, settings, lay, side))
+            runs["cut"].append([np.concatenate([corners, corners[:1]])])
+        jobs.append(_job(pattern, profile, runs, settings, lay, side))
     return tuple(jobs)
 
 
 def _registration(sheet: Sheet, kind: Registration, side: Side) -> tuple[Role, list[Floats]]:
-    """Return what lines one side up with the other, and the operation that it belongs to."""
+    """Return the lines that line one side up with the other, and their role."""
     if kind == "corners":
         return "mark", corner_marks(sheet)
     diameter = HOLES_MM[kind]
@@ -120,7 +121,10 @@ def _registration(sheet: Sheet, kind: Registration, side: Side) -> tuple[Role, l
 
 
 def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None, tile: bool = False) -> None:
-    """Raise JobError: the sheet does not fit the bed, or the profile has no such material or is for drawings only."""
+    """Check a job before there is a pattern.
+
+    Raises JobError: the sheet does not fit the bed, or the profile has no such material or is only for drawings.
+    """
     for role in ("mark", "mountain", "valley", "cut"):
         if role not in profile.operations:
             raise JobError(
@@ -132,42 +136,42 @@ def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None, ti
     Lay.on(sheet, None if tile else profile.bed)
 
 
-def steps_of(profile: Profile, material: str | None = None) -> tuple[Step, ...]:
-    """Return the steps of a job with nothing in them, to see whether a format has all that it needs."""
+def steps_of(profile: Profile, material: str | None = None) -> tuple[JobStep, ...]:
+    """Return a job's steps without strokes, to check that a format finds all it needs in the profile."""
     _, settings = _material(profile, material, profile.treatment)
-    return tuple(Step(role, operation, settings[role], ()) for role, operation in profile.operations.items())
+    return tuple(JobStep(role, operation, settings[role], ()) for role, operation in profile.operations.items())
 
 
 def _job(
     pattern: FoldedPattern,
     profile: Profile,
-    roles: dict[Role, list[list[Floats]]],
+    runs_of: dict[Role, list[Run]],
     settings: dict[Role, Setting | None],
     lay: Lay,
     side: Side,
 ) -> Job:
+    """Lay the runs on the bed and order them, role by role; each role goes on where the one before it ended."""
     steps = []
-    before = after = 0.0
-    here = there = np.zeros(2)
-    for role, lines in roles.items():
-        if not lines:
+    travel_before = travel_after = 0.0
+    here = here_before = np.zeros(2)
+    for role, runs in runs_of.items():
+        if not runs:
             continue
-        lines = [[lay.place(piece, side) for piece in line] for line in lines]
-        before += travel(lines, there)
-        there = lines[-1][-1][-1]
-        lines = _ordered(lines, here)
-        after += travel(lines, here)
-        here = lines[-1][-1][-1]
-        steps.append(
-            Step(role, profile.operations[role], settings[role], tuple(piece for line in lines for piece in line))
-        )
-    return Job(pattern.title, lay.size, lay.at, lay.turned, side, tuple(steps), before, after)
+        runs = [[lay.place(stroke, side) for stroke in run] for run in runs]
+        travel_before += travel(runs, here_before)
+        here_before = runs[-1][-1][-1]
+        runs = ordered(runs, here)
+        travel_after += travel(runs, here)
+        here = runs[-1][-1][-1]
+        strokes = tuple(stroke for run in runs for stroke in run)
+        steps.append(JobStep(role, profile.operations[role], settings[role], strokes))
+    return Job(pattern.title, lay.size, lay.at, lay.turned, side, tuple(steps), travel_before, travel_after)
 
 
 def _material(
     profile: Profile, name: str | None, treatment: Treatment
 ) -> tuple[dict[str, Dash], dict[Role, Setting | None]]:
-    """Return the dashes by letter and the settings by role."""
+    """Return the perforations of a material by assignment, and its settings by role."""
     if not profile.materials:
         raise JobError(f"the profile {profile.title!r} has no materials")
     name = name or next(iter(profile.materials))
@@ -184,32 +188,9 @@ def _material(
     return {"M": material.mountain, "V": material.valley}, settings
 
 
-def _creases(
-    pattern: FoldedPattern, letter: str, treatment: Treatment, dashes: dict[str, Dash], drawing: Drawing
-) -> Iterator[list[Floats]]:
-    """Yield the creases of a kind, each as the pieces that are made of it."""
-    creases = pattern.creases
-    edges = creases.edges_vertices[creases.edges_assignment == letter]
-    points = creases.vertices_coords
-    if treatment == "perforate":
-        for edge in edges:
-            pieces = perforation(points[edge], dashes[letter])
-            if pieces:
-                yield pieces
-        return
-    for a, b in straight_lines(points, edges.tolist()):
-        line = points[[a, b]]
-        if treatment == "score":
-            yield [line]
-        elif letter == "V":
-            yield list(valley_pieces(line, drawing))
-        else:
-            yield list(mountain_pieces(line, drawing))
-
-
 def _outset(corners: Floats, by: float) -> Floats:
-    """Return the outline moved outwards by half the kerf, so that what is cut has its true size."""
+    """Return an outline moved outwards by half the kerf, so that what is cut out has its true size."""
     if not by:
         return corners
-    ring = shapely.Polygon(corners).buffer(by, join_style="mitre").exterior
-    return np.asarray(ring.coords)[:-1]
+    outline = shapely.Polygon(corners).buffer(by, join_style="mitre").exterior
+    return np.asarray(outline.coords)[:-1]
