@@ -410,7 +410,8 @@ def _write_and_report(
 
 def _batch(args: argparse.Namespace) -> int:
     """Fold many drawings."""
-    from foldcut.batch.run import RESULTS, run_batch
+    from foldcut.batch.results import RESULTS
+    from foldcut.batch.run import run_batch
     from foldcut.batch.worker import MADE, Recipe
     from foldcut.cli.progress import ProgressBar
     from foldcut.profiles import load_profile

@@ -44,7 +44,7 @@ ARROW_MM = 4.0
 """The length of the arrowheads at the ends of first folds."""
 
 SHORTEST_NUMBERED_MM = 8.0
-"""Shorter lines of creases get no number: it would be longer than the line."""
+"""Shorter lines of creases have no number beside them."""
 
 HOLES_MM = {"holes": 3.0, "pins": 1.0}
 """The diameter of registration holes: for pegs, and for pins."""
