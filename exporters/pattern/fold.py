@@ -189,13 +189,13 @@ def _convex_pieces(points: Floats, faces: Ragged) -> tuple[Ints, NDArray[np.int6
     """
     bent = _faces_with_bends(points, faces)
     rows, owners = [], []
-    for face, ring in enumerate(faces.to_lists()):
+    for face, outline in enumerate(faces.to_lists()):
         if face in bent:
-            ends = np.array([len(ring)], dtype=np.uint32)
-            parts = mapbox_earcut.triangulate_float64(points[ring], ends).reshape(-1, 3).tolist()
-            fan = [[ring[corner] for corner in part] for part in parts]
+            ends = np.array([len(outline)], dtype=np.uint32)
+            parts = mapbox_earcut.triangulate_float64(points[outline], ends).reshape(-1, 3).tolist()
+            fan = [[outline[corner] for corner in part] for part in parts]
         else:
-            fan = [[ring[0], *ring[at : at + 3]] for at in range(1, len(ring) - 1, 2)]
+            fan = [[outline[0], *outline[at : at + 3]] for at in range(1, len(outline) - 1, 2)]
         rows += [[*part, part[-1]] if len(part) == 3 else part for part in fan]
         owners += [face] * len(fan)
     return np.array(rows, dtype=np.int32).reshape(-1, 4), np.array(owners, dtype=np.int64)
