@@ -187,7 +187,7 @@ def molecules(stages: DiskStages, look: LineStyle) -> Panel:
 class _Molecule:
     """The molecule with this many sides that is best to draw: its creases and corners.
 
-    That is the one whose shortest crease is longest; one inside the shape comes before one outside.
+    That is the one whose shortest crease is longest; inside the shape, lengths count ten times.
     """
 
     def __init__(self, stages: DiskStages, sides: int) -> None:
