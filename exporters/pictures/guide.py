@@ -195,34 +195,37 @@ class _Sheet:
 
     def collapse(self, step: FoldingStep) -> list[Instruction]:
         """Return the instructions to press creases in groups and to close them all."""
-        at = self.state.vertices_coords
         groups = [self._lines(group) for group in step.groups]
         layers = most_layers(self.faces, self.state) if self.folded.any() else 1
         through = "" if layers == 1 else " through both layers" if layers == 2 else f" through all {layers} layers"
         paper = self.paper(self.state, self.folded)
-        made = []
-        if len(groups) > 1:
-            labels = [
-                Label(str(number), line.mean(axis=0), colour="#a03000")
-                for number, lines in enumerate(groups, start=1)
-                for line in lines
-                if math.dist(*line) * PANEL_MM / float(np.ptp(at, axis=0).max()) > LABELLED_MM
-            ]
-            lines = [line for lines in groups for line in lines]
-            order = (
-                "what is inside other parts of the pattern comes first" if self.pattern.regions else "long lines first"
-            )
-            made.append(
-                Instruction(
-                    "The groups",
-                    f"The creases that come next are pressed in {len(groups)} groups: {order}. "
-                    "The picture has the numbers of the groups on the longer lines.",
-                    Panel([*paper, Item(lines, stroke=DONE, width=EDGE)], labels=labels),
-                )
-            )
+        overview = [self._overview(groups, paper)] if len(groups) > 1 else []
+        return [*overview, *self._press(groups, paper, through), self._close(step, through)]
+
+    def _overview(self, groups: list[list[Floats]], paper: list[Item]) -> Instruction:
+        """Return the instruction that shows which creases are in which group."""
+        extent = float(np.ptp(self.state.vertices_coords, axis=0).max())
+        labels = [
+            Label(str(number), line.mean(axis=0), colour="#a03000")
+            for number, lines in enumerate(groups, start=1)
+            for line in lines
+            if math.dist(*line) * PANEL_MM / extent > LABELLED_MM
+        ]
+        lines = [line for lines in groups for line in lines]
+        order = "what is inside other parts of the pattern comes first" if self.pattern.regions else "long lines first"
+        return Instruction(
+            "The groups",
+            f"The creases that come next are pressed in {len(groups)} groups: {order}. "
+            "The picture has the numbers of the groups on the longer lines.",
+            Panel([*paper, Item(lines, stroke=DONE, width=EDGE)], labels=labels),
+        )
+
+    def _press(self, groups: list[list[Floats]], paper: list[Item], through: str) -> list[Instruction]:
+        """Return an instruction to press the creases of each group."""
         every = np.array([line for lines in groups for line in lines])
-        thin = panels.fine(every, float(np.ptp(at, axis=0).max()), EDGE * 1.5)
+        thin = panels.fine(every, float(np.ptp(self.state.vertices_coords, axis=0).max()), EDGE * 1.5)
         bold = BOLD / 1.5 * max(0.5, thin / (EDGE * 1.5))
+        made = []
         for number, lines in enumerate(groups):
             done = [line for some in groups[:number] for line in some]
             later = [line for some in groups[number + 1 :] for line in some]
@@ -239,6 +242,10 @@ class _Sheet:
                 f"The shortest is {shortest:.1f} mm long."
             )
             made.append(Instruction(title, text, Panel([*paper, *items], keys)))
+        return made
+
+    def _close(self, step: Step, through: str) -> Instruction:
+        """Return the instruction to close all creases of a step at once."""
         folded = self.folded.copy()
         folded[step.edges] = True
         ends = "lies flat like this" if not self.folded.any() else "lies flat again, like this"
@@ -247,13 +254,12 @@ class _Sheet:
             "every mountain (dash-dotted on the pattern) away from you and every valley (dashed) toward you, a little "
             f"everywhere, then more, until the sheet {ends}."
         )
-        if len(groups) > 1 and self.pattern.regions:
+        if len(step.groups) > 1 and self.pattern.regions:
             text += (
                 " Shape group 1 first, then 2, and so on; the flaps come to lie on each other like the pages of a book."
             )
         keys = [Key("the printed side", fill=FRONT), *self.back(step.state)]
-        made.append(Instruction("Collapse", text, Panel(self.paper(step.state, folded), keys)))
-        return made
+        return Instruction("Collapse", text, Panel(self.paper(step.state, folded), keys))
 
     def _lines(self, edges: Ints) -> list[Floats]:
         """Return the lines of creases as they lie now; creases of several layers that coincide are one line."""

@@ -13,6 +13,7 @@ import os
 import secrets
 import signal
 import stat
+import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -119,7 +120,7 @@ def _signals_wait() -> Iterator[None]:
 
     before = {}
     try:
-        with suppress(ValueError):  # not the main thread: signals do not interrupt it
+        if threading.current_thread() is threading.main_thread():  # no other is interrupted by signals
             for number in _HELD:
                 before[number] = signal.signal(number, remember)
         yield
