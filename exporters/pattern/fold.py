@@ -118,8 +118,8 @@ def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> I
     for first in range(0, len(pieces), CHUNK):
         # These pieces against themselves and all later ones.
         these, rest = slice(first, first + CHUNK), slice(first, None)
-        apart = _wholly_outside(points, pieces[rest], sides[:, these], tolerance).T
-        apart |= _wholly_outside(points, pieces[these], sides[:, rest], tolerance)
+        apart = wholly_outside(points, pieces[rest], sides[:, these], tolerance).T
+        apart |= wholly_outside(points, pieces[these], sides[:, rest], tolerance)
         f, g = faces_of_pieces[np.argwhere(np.triu(~apart, k=1)) + first].T
         found.append(_distinct(f[f != g] * len(faces) + g[f != g]))
         if sum(map(len, found)) > most:
@@ -155,7 +155,7 @@ def _distinct(keys: NDArray[np.int64]) -> NDArray[np.int64]:
     return keys[np.diff(keys, prepend=-1) > 0]
 
 
-def _wholly_outside(points: Floats, pieces: Ints, sides: Floats, tolerance: float) -> Bools:
+def wholly_outside(points: Floats, pieces: Ints, sides: Floats, tolerance: float) -> Bools:
     """Return whether piece i lies wholly outside some side of piece j, ``(i, j)``."""
     used, corners = np.unique(pieces, return_inverse=True)
     points, pieces = points[used], corners.astype(np.int32).reshape(pieces.shape)

@@ -159,8 +159,8 @@ def _placed_legend(
 ) -> tuple[list[tuple[_Legend, Corner]], list[tuple[float, ...]]]:
     """Return the parts of the legend with the places of their lower left corners, and the boxes to back with white.
 
-    The legend is put where it covers the fewest lines. If that covers fewer, it is in two parts: the key, which says
-    what lines mean, and the ruler with the title. Boxes that cover lines all the same get a backing.
+    The legend is put where it covers the fewest lines. It is divided if that covers fewer still: into the key, which
+    says what lines mean, and the ruler with the title. Boxes that cover lines all the same get a backing.
     """
     sheet, creases = pattern.sheet, pattern.creases
     inset = min(look.inset_mm, 0.05 * sheet.width)

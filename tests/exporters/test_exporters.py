@@ -251,7 +251,7 @@ def test_faces_at_a_glance_are_never_more_than_there_are(seed: int) -> None:
 
 
 def test_too_many_overlaps_are_seen_without_comparing_faces(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("foldcut.exporters.pattern.fold._wholly_outside", None)
+    monkeypatch.setattr("foldcut.exporters.pattern.fold.wholly_outside", None)
     assert overlapping_faces(letter_fold(), 2) is None
 
 
