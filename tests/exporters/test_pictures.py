@@ -17,8 +17,9 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters.pictures.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
-from foldcut.methods.disks.method import DiskStages, fold
+from foldcut.methods.disks.method import DiskStages
 from foldcut.methods.disks.molecules import Kind
+from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
 
