@@ -47,7 +47,7 @@ FOUR = "#f6d9c9"
 """The colour of gaps with four sides, and of gussets."""
 
 PLAIN = "#ffffff"
-"""The colour of paper."""
+"""The colour of faces that nothing sets apart."""
 
 STRIP = "#ffe08a"
 """The colour of the ribbon."""

@@ -128,7 +128,7 @@ class _Sheet:
         self.folded[step.edges] = True
         self.state = step.state
 
-    def paper(self, state: FoldedState, folded: Bools, moved: Ints | None = None) -> list[Item]:
+    def drawn(self, state: FoldedState, folded: Bools, moved: Ints | None = None) -> list[Item]:
         """Return the sheet from the lowest layer to the highest; its border and folded creases are drawn as edges."""
         if not folded.any() and moved is None:
             return [panels.faces([self.pattern.sheet.corners], FRONT)]
@@ -176,7 +176,7 @@ class _Sheet:
         arrow = _arrow(at[np.unique(np.concatenate([self.faces[face] for face in step.moved]))], step.line)
         panel = Panel(
             [
-                *self.paper(self.state, self.folded, step.moved),
+                *self.drawn(self.state, self.folded, step.moved),
                 Item([step.line], stroke=NOW, width=BOLD, dash=valley),
                 Item(arrow, stroke=NOW, width=BOLD / 2),
             ],
@@ -198,11 +198,11 @@ class _Sheet:
         groups = [self._lines(group) for group in step.groups]
         layers = most_layers(self.faces, self.state) if self.folded.any() else 1
         through = "" if layers == 1 else " through both layers" if layers == 2 else f" through all {layers} layers"
-        paper = self.paper(self.state, self.folded)
-        overview = [self._overview(groups, paper)] if len(groups) > 1 else []
-        return [*overview, *self._press(groups, paper, through), self._close(step, through)]
+        sheet = self.drawn(self.state, self.folded)
+        overview = [self._overview(groups, sheet)] if len(groups) > 1 else []
+        return [*overview, *self._press(groups, sheet, through), self._close(step, through)]
 
-    def _overview(self, groups: list[list[Floats]], paper: list[Item]) -> Instruction:
+    def _overview(self, groups: list[list[Floats]], sheet: list[Item]) -> Instruction:
         """Return the instruction that shows which creases are in which group."""
         extent = float(np.ptp(self.state.vertices_coords, axis=0).max())
         labels = [
@@ -217,10 +217,10 @@ class _Sheet:
             "The groups",
             f"The creases that come next are pressed in {len(groups)} groups: {order}. "
             "The picture has the numbers of the groups on the longer lines.",
-            Panel([*paper, Item(lines, stroke=DONE, width=EDGE)], labels=labels),
+            Panel([*sheet, Item(lines, stroke=DONE, width=EDGE)], labels=labels),
         )
 
-    def _press(self, groups: list[list[Floats]], paper: list[Item], through: str) -> list[Instruction]:
+    def _press(self, groups: list[list[Floats]], sheet: list[Item], through: str) -> list[Instruction]:
         """Return an instruction to press the creases of each group."""
         every = np.array([line for lines in groups for line in lines])
         thin = panels.fine(every, float(np.ptp(self.state.vertices_coords, axis=0).max()), EDGE * 1.5)
@@ -241,7 +241,7 @@ class _Sheet:
                 f"Crease the {what}{through}, sharply and both ways, and open {them} again. "
                 f"The shortest is {shortest:.1f} mm long."
             )
-            made.append(Instruction(title, text, Panel([*paper, *items], keys)))
+            made.append(Instruction(title, text, Panel([*sheet, *items], keys)))
         return made
 
     def _close(self, step: Step, through: str) -> Instruction:
@@ -259,7 +259,7 @@ class _Sheet:
                 " Shape group 1 first, then 2, and so on; the flaps come to lie on each other like the pages of a book."
             )
         keys = [Key("the printed side", fill=FRONT), *self.back(step.state)]
-        return Instruction("Collapse", text, Panel(self.paper(step.state, folded), keys))
+        return Instruction("Collapse", text, Panel(self.drawn(step.state, folded), keys))
 
     def _lines(self, edges: Ints) -> list[Floats]:
         """Return the lines of creases as they lie now; creases of several layers that coincide are one line."""

@@ -46,7 +46,7 @@ def crease_pieces(
 
 
 def perforation(line: Floats, dash: Dash) -> list[Floats]:
-    """Return the cuts along a crease, ``(2, 2)`` each, stretched a little to fit, with uncut paper at both ends.
+    """Return the cuts along a crease, ``(2, 2)`` each, stretched a little to fit, with both ends uncut.
 
     A crease too short for one cut and both clearances gets a single cut in its middle half, so that none is lost.
     """
