@@ -244,7 +244,7 @@ class _Sheet:
             made.append(Instruction(title, text, Panel([*sheet, *items], keys)))
         return made
 
-    def _close(self, step: Step, through: str) -> Instruction:
+    def _close(self, step: FoldingStep, through: str) -> Instruction:
         """Return the instruction to close all creases of a step at once."""
         folded = self.folded.copy()
         folded[step.edges] = True
