@@ -1,8 +1,8 @@
-"""Writers of finished patterns: one module per format, one table of them.
+"""Writers of finished patterns and jobs: one module for each format, and one table of them for each of the two.
 
-Stage: after verification. A pattern's exporter takes a ``FoldedPattern``, a job's exporter the ``Job`` that a machine
-does, both a ``Profile``; the output is the bytes of a file. An exporter opens no file, prints nothing and changes no
-geometry; the same input gives the same bytes.
+An exporter of ``pattern/`` or ``solids/`` takes a ``FoldedPattern``, one of ``job/`` the ``Job`` for a machine; both
+take a ``Profile`` and return the bytes of a file. An exporter opens no file, prints nothing and changes no geometry;
+the same input gives the same bytes.
 """
 
 from __future__ import annotations
@@ -19,40 +19,47 @@ from foldcut.profiles import Profile, load_profile
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
 JobExporter = Callable[[Job, Profile], bytes]
 
-# Imported when they are used: ezdxf alone takes longer to import than all the rest.
+# Modules are named and not imported here: ezdxf alone takes longer to import than all the rest.
 PATTERN_EXPORTERS = {
     ".fold": "pattern.fold.export",
     ".svg": "pattern.svg.export",
-    ".cp": "pattern.lines.export_cp",
-    ".opx": "pattern.lines.export_opx",
+    ".cp": "pattern.cp.export",
+    ".opx": "pattern.opx.export",
     ".png": "pattern.png.export",
-    ".html": "pattern.page.export",
+    ".html": "pattern.html_page.export",
     ".stl": "solids.stl.export",
     ".3mf": "solids.threemf.export",
     ".step": "solids.step.export",
 }
+"""The exporters of patterns, by the ending of their files."""
+
 SOLIDS = (".stl", ".3mf", ".step")
-SOFTWARE_SVG = "pattern.lines.export_svg"
+"""The endings of solids, which need the extra ``solids`` and a profile with ``solid``."""
+
+SOFTWARE_SVG = "pattern.bare_svg.export"
+"""What writes SVG for profiles of kind "software"."""
+
 JOB_EXPORTERS = {
-    ".svg": "job.layered_svg.export",
+    ".svg": "job.svg.export",
     ".dxf": "job.dxf.export",
     ".hpgl": "job.hpgl.export",
     ".gcode": "job.gcode.export",
     ".pdf": "job.pdf.export",
     ".lbrn2": "job.lbrn2.export",
 }
+"""The exporters of jobs, by the ending of their files."""
 
 
 def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile | None = None) -> None:
     """Raise FileFormatError unless a file with this ending, such as ``".svg"``, can be written.
 
-    Without a ``machine`` there are files of the pattern only; ``profile``: what these are made by, "plain" unless
-    given. Raises JobError: the profile makes no solid.
+    Without a ``machine`` only files of the pattern can. ``profile``: the one that they are made with, by default
+    "plain". Raises JobError: the profile makes no solid.
     """
     known = {**PATTERN_EXPORTERS, **(JOB_EXPORTERS if machine else {})}
     if suffix.lower() in known:
         if suffix.lower() in SOLIDS:
-            from .solids.solid import check_solid, needs
+            from .solids.scored_sheet import check_solid, needs
 
             check_solid(profile or load_profile())
             if suffix.lower() == ".step":
@@ -66,11 +73,11 @@ def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile |
 
 
 def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) -> bytes:
-    """Return ``pattern`` as the bytes of a file with this ending; ``profile`` is "plain" unless given.
+    """Return ``pattern`` as the bytes of a file with this ending; ``profile`` is "plain" by default.
 
-    With a profile of kind "software" SVG is bare lines, else a drawing to look at and to print.
+    SVG is bare lines with a profile of kind "software", otherwise a drawing to look at and to print.
 
-    Raises FileFormatError: no exporter writes such files of a pattern.
+    Raises FileFormatError: no exporter writes a pattern to such a file.
     """
     profile = profile or load_profile()
     check_suffix(suffix, profile=profile)
@@ -82,7 +89,7 @@ def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) 
 def check_job_export(
     suffix: str, profile: Profile, sheet: Sheet, *, material: str | None = None, tile: bool = False
 ) -> None:
-    """Raise what ``make_jobs`` and ``export_job`` would for any pattern on this sheet, before there is one."""
+    """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would for any on this sheet."""
     check_job(sheet, profile, material=material, tile=tile)
     size = (sheet.width, sheet.height)
     export_job(Job("", size, (0.0, 0.0), False, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)
@@ -91,7 +98,8 @@ def check_job_export(
 def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
     """Return a job as the bytes of a file with this ending.
 
-    Raises FileFormatError: no exporter writes jobs so. Raises JobError: the profile lacks what the format needs.
+    Raises FileFormatError: no exporter writes a job to such a file. Raises JobError: the profile lacks something that
+    the format needs.
     """
     if suffix.lower() not in JOB_EXPORTERS:
         raise FileFormatError(

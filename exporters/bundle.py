@@ -1,4 +1,4 @@
-"""Several files as one: a job's files and a README.txt that says what to load first, for a folder or a zip archive.
+"""A zip archive of a job's files, with a README.txt that says what each is and in which order to load them.
 
 Input: names and contents of files, the ``Job`` of each, the ``Profile``; output: bytes.
 """
@@ -16,21 +16,23 @@ from foldcut.profiles import Profile
 from .text import number, printable
 
 README = "README.txt"
+"""The name of the file that explains the others."""
+
 OURS = "foldcut"
-"""What our README begins with."""
+"""Every README that foldcut wrote begins with this, and so may be replaced by it."""
 
 WHAT = {
     "svg": "the pattern, at true size",
     "fold": "the pattern for origami programs and for foldcut view, draw, guide and check",
     "png": "a picture of it",
 }
-"""What files without a job are, by their endings."""
+"""What a file without a job is, by its ending."""
 
 
 def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None) -> bytes:
-    """Return the text that says what each file is, in the order to load them, and how to go on.
+    """Return the text that lists the files in the order to load them and says how to go on.
 
-    ``files``: the job in each file by the file's name, None where it is the pattern's.
+    ``files``: the job in each file, by name; None if the file has the pattern itself.
     """
     sheet = pattern.sheet
     jobs = [job for job in files.values() if job is not None]

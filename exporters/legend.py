@@ -1,8 +1,8 @@
-"""Where a page has room for a legend: the place with the least of all lines under it.
+"""Where a page has room for a legend: the place that covers the least length of lines.
 
-Lines in mm, y up, and the sizes of boxes -> the lower left corner of one of them. Lines count by their length; of
-places that are as good, one beside the shape that is cut out is taken before one in it, and one near the lower left
-corner before one that is far from it.
+Lines in mm, y up, and the sizes of boxes, of which one has to be placed -> that box and its lower left corner. Among
+places that cover equally little, one beside the shape to cut out comes before one inside it, and one near the lower
+left corner of the page before one far away.
 """
 
 from __future__ import annotations
@@ -16,23 +16,35 @@ from numpy.typing import NDArray
 from foldcut.core.arrays import Bools, Floats
 
 CELLS = 300
-"""Cells along the longer side of a page."""
+"""A page is divided into cells, this many along its longer side."""
+
 BLOCK = 65_536
-"""Lines looked at at once."""
-IN_SHAPE, FAR, LATER = 2e-3, 1e-3, 0.5
-"""What a mm² in the shape, a mm from the corner, and a box one further down the list cost, in mm of lines under it."""
+"""This many lines are added at once."""
+
+IN_SHAPE = 2e-3
+"""The cost of each mm² of a box that lies in the shape, in mm of covered lines."""
+
+FAR = 1e-3
+"""The cost of each mm between a box and the lower left corner, in mm of covered lines."""
+
+LATER = 0.5
+"""The cost of taking the next box in the list, in mm of covered lines."""
 
 BACKING = 0.75
-"""How opaque the white behind words is that have lines under them all the same: no line is to be hidden."""
+"""The opacity of the white behind words that cover lines all the same: the lines must stay visible."""
 
 Indices = NDArray[np.intp]
+
 Box = tuple[float, float]
+"""Width and height, in mm."""
+
 Corner = tuple[float, float]
+"""A lower left corner, in mm."""
 
 
 @dataclass(frozen=True)
 class Place:
-    """Which of the boxes it is, its lower left corner and its size, in mm."""
+    """The index of the box that was placed, its lower left corner, and its size, in mm."""
 
     box: int
     x: float
@@ -42,17 +54,17 @@ class Place:
 
 
 class Ground:
-    """A page, ``inset`` mm of which are left free all round, and what is drawn on it."""
+    """A page and what is drawn on it; no box is placed within ``inset`` mm of its edges."""
 
     def __init__(self, width: float, height: float, inset: float) -> None:
         self.inset = inset
         self.cell = max(width, height) / CELLS
         self.room = np.maximum(np.array([width, height]) - 2 * inset, 0.0)
         self.under = np.zeros(np.ceil(self.room / self.cell).astype(int) + 1)  # mm of lines in each cell
-        self.shape: Floats = np.zeros_like(self.under)  # mm² of each cell in the shape
+        self.shape: Floats = np.zeros_like(self.under)  # mm² of the shape in each cell
 
     def add_lines(self, lines: Floats, weight: float = 1.0) -> None:
-        """Draw straight lines, ``(n, 2, 2)``, that count as so many."""
+        """Add straight lines, ``(n, 2, 2)``; a mm of them counts as ``weight`` mm."""
         for low in range(0, len(lines), BLOCK):
             some = lines[low : low + BLOCK] - self.inset
             length = np.hypot(*(some[:, 1] - some[:, 0]).T)
@@ -65,38 +77,38 @@ class Ground:
             np.add.at(self.under, (x[on], y[on]), (weight * length / count)[row][on])
 
     def add_polyline(self, points: Floats, weight: float = 1.0) -> None:
-        """Draw a polyline, ``(n, 2)``, that counts as so many."""
+        """Add a polyline, ``(n, 2)``; a mm of it counts as ``weight`` mm."""
         self.add_lines(np.stack([points[:-1], points[1:]], axis=1), weight)
 
     def fill(self, x: float, y: float, width: float, height: float, weight: float = 1.0) -> None:
-        """Draw a box full of lines, where nothing else is to be, or with -1 take it away again."""
+        """Fill a box with lines, to keep other boxes away; with a weight of -1 take them away again."""
         low, high = self._cells(x, y, width, height)
         self.under[low[0] : high[0], low[1] : high[1]] += weight * self.cell
 
     def centres(self) -> Floats:
-        """Return the centres of the cells, ``(n, 2)``, to see which are in the shape."""
+        """Return the centres of the cells, ``(n, 2)``, for the caller to find those in the shape."""
         indices = np.stack(np.meshgrid(*map(np.arange, self.under.shape), indexing="ij"), axis=-1).reshape(-1, 2)
         return np.asarray(self.inset + (indices + 0.5) * self.cell)
 
     def set_shape(self, inside: Bools) -> None:
-        """Say which cells, in the order of ``centres``, are in the shape."""
+        """Set which cells are in the shape, ``(n,)`` in the order of ``centres``."""
         self.shape = np.where(inside.reshape(self.under.shape), self.cell**2, 0.0)
 
     def lines_under(self, x: float, y: float, width: float, height: float) -> float:
-        """Return how many mm of lines there are in a box, or in cells that it only touches."""
+        """Return how many mm of lines are in a box, counted by all the cells that it touches."""
         low, high = self._cells(x, y, width, height)
         return float(self.under[low[0] : high[0], low[1] : high[1]].sum())
 
     def _cells(self, x: float, y: float, width: float, height: float) -> tuple[Indices, Indices]:
-        """Return the first cells that a box touches, and the first ones beyond it."""
+        """Return the lowest column and row of cells that a box touches, and the first ones beyond it."""
         low = np.floor((np.array([x, y]) - self.inset) / self.cell + 1e-9).astype(int)
         high = np.ceil((np.array([x + width, y + height]) - self.inset) / self.cell - 1e-9).astype(int)
         return np.maximum(low, 0), np.maximum(high, 0)
 
     def place(self, boxes: Sequence[Box], away: float = 0.0) -> Place:
-        """Return the best place for one of the boxes, with ``away`` mm round it free, too.
+        """Return the best place for one of the boxes; lines within ``away`` mm of it count as covered.
 
-        Boxes larger than the page without its insets are passed over; if all are, the last is in the lower left corner.
+        Boxes too large for the page are passed over; if all are, the last one is put in the lower left corner.
         """
         best, place = np.inf, None
         for number, (width, height) in enumerate(boxes):
@@ -114,7 +126,7 @@ class Ground:
         return place or Place(len(boxes) - 1, self.inset, self.inset, *boxes[-1])
 
     def _sums(self, cells: Floats, width: float, height: float, away: float, steps: Floats) -> Floats:
-        """Return the sum of the cells under a box, and around it, for every place that it may have."""
+        """Return the sum of the cells under a box and around it, for every place where it fits."""
         more = int(np.ceil(away / self.cell))
         wide, high = (int(np.ceil(size / self.cell - 1e-9)) + 2 * more for size in (width, height))
         padded = np.pad(cells, ((more + 1, more + wide), (more + 1, more + high)))

@@ -1,8 +1,8 @@
 """Device profiles: one TOML file for each machine, read into one schema.
 
-A profile holds what an exporter must not decide: the size of the bed, colours, layers, pens, speeds, dashes. Names end
-in their unit. ``base`` lists files of ``base/`` whose tables a profile goes on from. Every number has a source: an
-entry of ``sources`` for its key or a table around it. Unknown, missing or wrong keys are errors.
+A profile holds what an exporter must not decide: the size of the bed, colours, layers, pens, speeds, dashes. The names
+of quantities end in their unit. ``base`` lists files in ``base/`` whose tables a profile extends. Every number has a
+source: an entry in ``sources`` for its key or for a table around it. Unknown, missing and wrong keys are errors.
 """
 
 from __future__ import annotations
@@ -22,17 +22,20 @@ from foldcut.core.errors import FileFormatError
 
 Colour = Annotated[str, Field(pattern="^#[0-9a-f]{6}$")]
 Millimetres = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
 Role = Literal["mark", "mountain", "valley", "cut"]
+"""What the lines of a step are: marks, creases of either kind, or the outline of the sheet."""
+
 Treatment = Literal["score", "perforate", "draw"]
-Setup = Literal["mark", "score", "perforate", "cut"]
+"""What is made of a crease: a scored line, a row of cuts, or the dashes of the origami notation."""
 
 
 class _Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
 
 
-class Drawing(_Table):
-    """How a drawing looks: colours as ``#rrggbb``, lengths in mm."""
+class LineStyle(_Table):
+    """How the lines and words of a drawing look: colours as ``#rrggbb``, lengths in mm; the table ``drawing``."""
 
     mountain_colour: Colour
     valley_colour: Colour
@@ -55,7 +58,7 @@ class Drawing(_Table):
 
 
 class Bed(_Table):
-    """What the machine reaches, and the corner where the sheet is put and x and y are 0."""
+    """The area that the machine reaches, and the corner where the sheet is put."""
 
     width_mm: Millimetres
     height_mm: Millimetres
@@ -63,16 +66,16 @@ class Bed(_Table):
 
 
 class Operation(_Table):
-    """What an operation is called, its colour, and the pen or tool that does it."""
+    """What the machine calls the lines of a role, their colour, and the pen or tool that makes them."""
 
-    # what DXF allows
+    # the letters and the length that DXF allows
     layer: Annotated[str, Field(max_length=60, pattern=r'^[^<>/\\":;?*|=`\x00-\x1f]+$')]
     colour: Colour
     pen: Annotated[int, Field(ge=1, le=8)] | None = None
 
 
 class Setting(_Table):
-    """Speed, power in percent of the most, and how often."""
+    """Speed, power in percent of the machine's maximum, and the number of passes."""
 
     speed_mm_s: Millimetres
     power_percent: Annotated[float, Field(ge=0, le=100)]
@@ -80,7 +83,7 @@ class Setting(_Table):
 
 
 class Dash(_Table):
-    """A perforation: cuts and gaps in turn; ``clearance_mm``: how far cuts keep from the ends of a crease."""
+    """A perforation: cuts and gaps in turn; ``clearance_mm``: the distance of cuts from the ends of a crease."""
 
     dash_mm: Millimetres
     gap_mm: Millimetres
@@ -88,7 +91,7 @@ class Dash(_Table):
 
 
 class Material(_Table):
-    """What a sheet is made of: its thickness, the dashes for it, and the machine's settings where it has any."""
+    """What a sheet is made of: its thickness, its perforations, and the machine's settings, if it has any."""
 
     thickness_mm: Millimetres
     mountain: Dash
@@ -100,13 +103,13 @@ class Material(_Table):
 
 
 class Hpgl(_Table):
-    """The size of a plotter's unit."""
+    """The size of a plotter's unit of length."""
 
     unit_mm: Millimetres
 
 
 class Solid(_Table):
-    """The scored sheet as a solid: its thickness, and how wide and deep grooves are."""
+    """The scored sheet as a solid: its thickness, and the width and depth of its grooves."""
 
     thickness_mm: Millimetres
     groove_width_mm: Millimetres
@@ -114,14 +117,14 @@ class Solid(_Table):
 
 
 class Page(_Table):
-    """What a printer leaves white at the edges of the paper, and how far the pages of a large sheet overlap."""
+    """The margin that a printer leaves white, and how far the pages of a large sheet overlap."""
 
     margin_mm: Annotated[float, Field(ge=0, lt=50)]
     overlap_mm: Annotated[float, Field(ge=0, lt=50)]
 
 
 class Gcode(_Table):
-    """How the tool is switched: a laser by its power, a pen by Z in mm, or by a servo's S value."""
+    """How the tool is switched on and off: a laser by its power, a pen by Z in mm or by a servo's S value."""
 
     tool: Literal["laser", "z", "servo"]
     most_power: Annotated[int, Field(gt=0)] = 1000
@@ -132,7 +135,7 @@ class Gcode(_Table):
 
 
 class Profile(_Table):
-    """A machine, and how foldcut's jobs are made for it."""
+    """A machine, and how foldcut makes jobs for it."""
 
     title: str
     kind: Literal["laser", "cutter", "plotter", "printer", "software"]
@@ -142,7 +145,7 @@ class Profile(_Table):
     kerf_mm: Annotated[float, Field(ge=0, lt=5)] = 0.0
     dxf_version: Literal["R12", "R2000"] = "R2000"
     instructions: Annotated[tuple[str, ...], Field(min_length=3, max_length=3)]
-    drawing: Drawing
+    drawing: LineStyle
     bed: Bed | None = None
     operations: dict[Role, Operation] = {}
     materials: dict[str, Material] = {}
@@ -166,17 +169,17 @@ def user_folder() -> Path:
 
 
 def load_profile(name: str = "plain", overrides: Sequence[str] = ()) -> Profile:
-    """Return a profile by its name, or by the path of a TOML file, with ``key=value`` overrides.
+    """Return a profile by its name or by the path of a TOML file, with ``key=value`` overrides.
 
-    Raises FileFormatError: there is no such profile, or it or an override is not valid.
+    Raises FileFormatError: there is no such profile, or the profile or an override is not valid.
     """
     return _parsed(_profile_text(name), name, tuple(overrides))
 
 
 def parse_profile(text: str, name: str, overrides: Sequence[str] = ()) -> Profile:
-    """Read a profile from TOML text; ``name`` is what errors call it.
+    """Read a profile from TOML text; errors call it ``name``.
 
-    Raises FileFormatError: the text is no TOML, a key is missing, unknown or wrong, or a number has no source.
+    Raises FileFormatError: the text is not TOML, a key is missing, unknown or wrong, or a number has no source.
     """
     return _parsed(text, name, tuple(overrides))
 
@@ -191,7 +194,7 @@ def _parsed(text: str, name: str, overrides: tuple[str, ...]) -> Profile:
     folder = resources.files(__package__) / "base"
     for base in bases:
         if base not in (known := _names(folder.iterdir())):
-            raise FileFormatError(f"profile {name}: there is no base {base!r}; choose of {', '.join(sorted(known))}")
+            raise FileFormatError(f"profile {name}: there is no base {base!r}; choose from {', '.join(sorted(known))}")
         values = _merged(values, _toml((folder / f"{base}.toml").read_text("utf-8"), base))
     values = _merged(values, own)
     for override in overrides:
@@ -215,7 +218,7 @@ def _profile_text(name: str) -> str:
         try:
             return own.read_text("utf-8")
         except UnicodeDecodeError as error:
-            raise FileFormatError(f"profile {own} is no UTF-8 text") from error
+            raise FileFormatError(f"profile {own} is not UTF-8 text") from error
     if path.suffix == ".toml":
         raise FileFormatError(f"there is no profile file {name}")
     known = profile_names()
@@ -238,7 +241,7 @@ def _toml(text: str, name: str) -> dict[str, Any]:
 
 
 def _override(text: str) -> dict[str, Any]:
-    """Return the nested table that ``a.b=value`` means; a value that is no TOML is a text."""
+    """Return the nested table that ``a.b=value`` means; a value that is not TOML is taken as text."""
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
         raise FileFormatError(f"--set {text} is no KEY=VALUE; write for example --set bed.width_mm=300")
@@ -254,7 +257,7 @@ def _override(text: str) -> dict[str, Any]:
 
 
 def _split(key: str) -> list[str]:
-    """Split a dotted key; names in quotes keep their dots."""
+    """Split a key at its dots; names in quotes keep theirs."""
     try:
         table: Any = tomllib.loads(f"{key} = 0")
     except tomllib.TOMLDecodeError as error:
@@ -267,7 +270,7 @@ def _split(key: str) -> list[str]:
 
 
 def _merged(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
-    """Return both tables in one; where both have a value, the other's."""
+    """Return both tables merged; where both have a value, that of ``other`` counts."""
     merged = dict(one)
     for key, value in other.items():
         both = isinstance(value, dict) and isinstance(merged.get(key), dict)
@@ -276,7 +279,7 @@ def _merged(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _numbers(values: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
-    """Yield the dotted keys of all numbers."""
+    """Yield the dotted keys of all numbers in a table."""
     for key, value in values.items():
         if isinstance(value, dict):
             yield from _numbers(value, f"{prefix}{key}.")
@@ -285,8 +288,8 @@ def _numbers(values: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
 
 
 def _explained(error: ValidationError) -> str:
-    """Return what is wrong with the first key that is, in a line."""
-    # a key that is missing may be one that is misspelt
+    """Return a line about the first key that is wrong."""
+    # an unknown key before a missing one: the missing one may just be misspelt
     first = min(error.errors(), key=lambda found: found["type"] != "extra_forbidden")
     *around, last = [str(part) for part in first["loc"] if part != "[key]"]
     key = ".".join([*around, last])
@@ -307,10 +310,10 @@ def _explained(error: ValidationError) -> str:
 
 
 def _fields(path: Sequence[str]) -> list[str]:
-    """Return the keys of the table at a path of the schema."""
+    """Return the keys that the schema knows in the table at a path."""
     table: Any = Profile
     tables = {
-        "drawing": Drawing,
+        "drawing": LineStyle,
         "bed": Bed,
         "hpgl": Hpgl,
         "gcode": Gcode,

@@ -1,7 +1,7 @@
-"""The sample drawings that come with foldcut, and where they are.
+"""The sample drawings that come with foldcut, and where their files are.
 
-Each is drawn in mm, by hand, with few corners and no thin parts, since small features cost creases. Most are
-SVG; plus is JSON loops and kite is WKT.
+All are drawn by hand in mm, with few corners and no thin parts, since small features cost creases. Most are SVG; plus
+is JSON loops, and kite is WKT.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ _SUFFIXES = (".svg", ".json", ".wkt")
 
 
 def sample_names() -> tuple[str, ...]:
-    """Return the names of all samples, in alphabetical order, without suffixes."""
+    """Return the names of all samples, without suffixes, in alphabetical order."""
     return tuple(sorted(_paths()))
 
 
 def sample_path(name: str) -> Path:
-    """Return the file of the sample ``name``, as ``sample_names`` spells it; raises ``BadInputError``."""
+    """Return the file of a sample; raise BadInputError if ``sample_names`` does not list it."""
     paths = _paths()
     if name not in paths:
         raise BadInputError(f"there is no sample {name!r}; give one of {', '.join(sorted(paths))}")

@@ -1,1 +1,1 @@
-"""Files of the job that a machine does."""
+"""Exporters of jobs: what a machine does to the sheet."""

@@ -1,8 +1,8 @@
 """DXF: a job for lasers and cutters, one layer for each operation, in mm.
 
-Input: a ``Job`` and a ``Profile``; output: DXF R2000 with its unit, or R12 for programs that read no newer one.
-Lines and polylines only; line types are lost on import, so dashes are pieces. The sheet's lower left corner is at
-(0, 0).
+Input: a ``Job`` and a ``Profile``; output: DXF R2000 that states its unit, or R12, which cannot, for programs that read
+nothing newer. There are only lines and polylines; programs drop line types on import, so each dash is a line. The
+sheet's lower left corner is at (0, 0).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from ezdxf.filemanagement import new
 from foldcut.jobs.job import Job
 from foldcut.profiles import Profile
 
-# it warns of R12's having no units, on standard error if nobody listens
+# ezdxf warns that R12 has no units, on standard error unless there is a handler
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())
 
 
@@ -56,12 +56,12 @@ def export(job: Job, profile: Profile) -> bytes:
 
 
 def _index(rgb: tuple[int, int, int]) -> int:
-    """The nearest of the nine standard colours, for programs that know no others."""
+    """Return the nearest of the nine standard colours, for programs that know no others."""
     return min(range(1, 10), key=lambda n: sum((a - b) ** 2 for a, b in zip(_standard(n), rgb, strict=True)))
 
 
 def _standard(number: int) -> tuple[int, int, int]:
-    if number == 7:  # black on a white ground
+    if number == 7:  # drawn black on a white background
         return 0, 0, 0
     red, green, blue = colors.aci2rgb(number)
     return red, green, blue

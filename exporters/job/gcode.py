@@ -1,14 +1,16 @@
-"""G-code: a job for machines with GRBL, a laser or a pen on a Z axis or a servo.
+"""G-code: a job for machines that run GRBL, with a laser, or with a pen on a Z axis or a servo.
 
-Input: a ``Job`` and a ``Profile``; output: G-code in mm, absolute, one block a line. A laser is in dynamic mode (M4):
-its power follows the speed, and G0 never fires; power is relative to ``$30``. Source: GRBL 1.1, *Laser Mode*.
+Input: a ``Job`` and a ``Profile``; output: G-code in mm, absolute, one block to a line. A laser runs in dynamic mode
+(M4): its power follows the speed, and it is off during G0; power is relative to ``$30``. Source: GRBL 1.1, *Laser
+Mode*.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from foldcut.jobs.job import Job, JobError, Step
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Gcode, Profile
 
 from ..text import number
@@ -66,8 +68,8 @@ def _pen(job: Job, code: Gcode) -> Iterator[str]:
         yield "M5"
 
 
-def _strokes(job: Job, step: Step) -> Iterator[tuple[str, list[str]]]:
-    """Yield where each stroke begins, and its other points."""
+def _strokes(job: Job, step: JobStep) -> Iterator[tuple[str, list[str]]]:
+    """Yield the first point of each stroke, and its other points, on the bed."""
     right, up = job.at
     for stroke in step.strokes:
         first, *rest = (f"X{number(x + right)} Y{number(y + up)}" for x, y in stroke.tolist())
@@ -75,5 +77,5 @@ def _strokes(job: Job, step: Step) -> Iterator[tuple[str, list[str]]]:
 
 
 def _comment(text: str) -> str:
-    """Return a text as a comment may have it: GRBL reads ASCII."""
+    """Return a comment with this text; other letters than ASCII, which GRBL cannot read, become "?"."""
     return "; " + "".join(letter if letter.isascii() and letter.isprintable() else "?" for letter in text)

@@ -1,24 +1,25 @@
 """HPGL: a job for pen plotters and drag-knife cutters, with a pen or tool for each operation.
 
-Input: a ``Job`` and a ``Profile`` with its unit; output: HP-GL, one instruction group a line. The bed's lower left
-corner is at (0, 0). Source: HP 7475A *Interfacing and Programming Manual*, chapters 1 to 4: IN, SP, PU, PD, VS.
+Input: a ``Job`` and a ``Profile`` with its unit; output: HP-GL, one group of instructions to a line. The bed's lower
+left corner is at (0, 0). Source: HP 7475A *Interfacing and Programming Manual*, chapters 1 to 4: IN, SP, PU, PD, VS.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from foldcut.jobs.job import Job, JobError
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job
 from foldcut.profiles import Profile
 
 POINTS_A_LINE = 16
-"""Pairs of coordinates in one instruction: old plotters have small buffers."""
+"""The most pairs of coordinates in one instruction: old plotters have small buffers."""
 
 
 def export(job: Job, profile: Profile) -> bytes:
     """Return a job as an HPGL file.
 
-    Raises JobError: the profile has no unit or an operation has no pen, or the job leaves the bed.
+    Raises JobError: the profile has no unit or bed, an operation has no pen, or a stroke leaves the bed.
     """
     if profile.hpgl is None or profile.bed is None:
         raise JobError(

@@ -1,4 +1,4 @@
-"""lbrn2: a job as a LightBurn project, with a cut setting for each operation: nothing to assign in LightBurn.
+"""lbrn2: a job as a LightBurn project with a cut setting for each step, so that nothing is left to assign there.
 
 Input: a ``Job`` and a ``Profile``; output: XML, lengths in mm on the bed, y up, speeds in mm/s, power in percent.
 Sources: projects written by LightBurn, and meerk40t's reader of them (meerk40t/extra/lbrn.py).
@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from foldcut.jobs.job import Job, JobError, Step
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Profile
 
 PALETTE = {"#000000": 0, "#0000ff": 1, "#ff0000": 2, "#00ff00": 3}
-"""LightBurn's first layers; an index is a colour there."""
+"""The indices of LightBurn's first layers by their colours, which are fixed."""
 
 
 def export(job: Job, profile: Profile) -> bytes:
@@ -26,7 +27,7 @@ def export(job: Job, profile: Profile) -> bytes:
     indices = _indices(job)
     for priority, (step, index) in enumerate(zip(job.steps, indices, strict=True)):
         _cut_setting(root, step, index, priority, profile)
-    # an element for each stroke would take most of the time, and of the memory
+    # an XML element for each stroke would take most of the time and memory
     shapes = [
         _shape(stroke.tolist(), index, job.at)
         for step, index in zip(job.steps, indices, strict=True)
@@ -41,7 +42,7 @@ def export(job: Job, profile: Profile) -> bytes:
 
 
 def _shape(points: list[list[float]], index: int, at: tuple[float, float]) -> str:
-    """Return a stroke as a path."""
+    """Return the text of a stroke as a path."""
     closed = len(points) > 2 and points[0] == points[-1]
     points = points[:-1] if closed else points
     right, up = at
@@ -54,7 +55,7 @@ def _shape(points: list[list[float]], index: int, at: tuple[float, float]) -> st
 
 
 def _indices(job: Job) -> list[int]:
-    """Return a layer for each step, LightBurn's own of the step's colour where it has one."""
+    """Return the index of a layer for each step: LightBurn's own of the same colour where there is one."""
     indices: list[int] = []
     others = iter(range(4, 4 + len(job.steps)))
     for step in job.steps:
@@ -63,7 +64,7 @@ def _indices(job: Job) -> list[int]:
     return indices
 
 
-def _cut_setting(root: ET.Element, step: Step, index: int, priority: int, profile: Profile) -> None:
+def _cut_setting(root: ET.Element, step: JobStep, index: int, priority: int, profile: Profile) -> None:
     setting = step.setting
     if setting is None:
         raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")

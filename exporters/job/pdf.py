@@ -1,9 +1,9 @@
-"""PDF: a job to print in true size, on one page or on as many as the sheet takes, with a layer for each operation.
+"""PDF: a job to print at true size, on one page or on as many as the sheet needs, with a layer for each step.
 
-Input: a ``Job`` and a ``Profile`` with the paper (``bed``) and the printer's ``page``; output: PDF. A sheet larger than
-the paper is cut into tiles that overlap; crosses mark the same places on neighbouring pages. Every page has a ruler
-and, in a layer of its own, a legend. Layers are optional content (ISO 32000-1, 8.11); viewers are asked not to scale
-(12.2, PrintScaling).
+Input: a ``Job`` and a ``Profile`` with the size of the printer's pages (``bed``) and their margins (``page``); output:
+PDF. A sheet larger than a page is divided into tiles that overlap; crosses mark the same places on neighbouring pages.
+Every page has a ruler and, in a layer of its own, a legend. Layers are optional content (ISO 32000-1, 8.11); viewers
+are asked not to scale (12.2, PrintScaling).
 """
 
 from __future__ import annotations
@@ -22,7 +22,9 @@ from reportlab.pdfbase.pdfmetrics import stringWidth
 from reportlab.pdfgen.canvas import Canvas
 
 from foldcut.core.arrays import Floats
-from foldcut.jobs.job import Job, JobError, mountain_pieces, valley_pieces
+from foldcut.jobs.dashes import mountain_pieces, valley_pieces
+from foldcut.jobs.errors import JobError
+from foldcut.jobs.job import Job
 from foldcut.profiles import Profile, Role
 
 from ..legend import BACKING, Ground
@@ -35,16 +37,25 @@ MEANING: dict[Role, str] = {
     "valley": "valley: fold toward you",
     "cut": "the sheet's edge",
 }
+"""What the legend says about a role."""
+
 LEGEND = "Legend"
+"""The name of the legend's layer."""
+
 FONT = "Helvetica"
+"""The font of all words: one that every PDF viewer has."""
+
 RULER_MM = 100.0
+"""The length of the ruler on a page that is wide enough."""
+
 CROSS_MM = 4.0
+"""The size of the crosses where pages overlap."""
 
 
 def export(job: Job, profile: Profile) -> bytes:
     """Return a job as a PDF file; the same job gives the same bytes.
 
-    Raises JobError: the profile does not say how large the paper is, or what its printer leaves white.
+    Raises JobError: the profile does not say how large a page is, or what margins its printer leaves.
     """
     if profile.bed is None or profile.page is None:
         raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; use one for a printer")
@@ -95,7 +106,11 @@ def export(job: Job, profile: Profile) -> bytes:
 
 @dataclass(frozen=True)
 class Tile:
-    """A page: its size, the place of the sheet at its lower left corner, and what is printed of it, in mm."""
+    """A page of a sheet, in mm.
+
+    ``width`` and ``height``: its size; ``x`` and ``y``: the place on the sheet where its lower left corner lies;
+    ``inset``: the margin; ``row`` and ``column``: its place among the ``count`` pages.
+    """
 
     width: float
     height: float
@@ -108,22 +123,22 @@ class Tile:
 
     @property
     def tiled(self) -> bool:
-        """Whether there are more pages."""
+        """Whether the sheet takes more than this page."""
         return self.count > 1
 
     @property
     def clear_width(self) -> float:
-        """The width that is printed on."""
+        """The width between the margins."""
         return self.width - 2 * self.inset
 
     @property
     def clear_height(self) -> float:
-        """The height that is printed on."""
+        """The height between the margins."""
         return self.height - 2 * self.inset
 
 
 def tiles(job: Job, profile: Profile) -> Iterator[Tile]:
-    """Yield the pages that a sheet takes, row by row from the upper left."""
+    """Yield the pages that a sheet needs, row by row from the upper left; turned if that takes fewer."""
     assert profile.bed is not None
     assert profile.page is not None
     width, height = job.size
@@ -154,13 +169,13 @@ def tiles(job: Job, profile: Profile) -> Iterator[Tile]:
 
 
 def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
-    """Draw the title and a line for each operation, in its dashes and colour, where the fewest lines are under them."""
+    """Draw the title and a row for each step, in its dashes and colour, where they cover the fewest lines."""
     look = profile.drawing
     size, indent, row = look.text_mm, look.sample_mm + 2, 1.6 * look.text_mm
     sample = np.array([[0.0, 0.0], [look.sample_mm, 0.0]])
     pieces = {"mountain": mountain_pieces(sample, look), "valley": valley_pieces(sample, look)}
     roles = Counter(step.role for step in job.steps)
-    # on a test card each row has an operation of its own
+    # on a test card the rows are steps of the same role
     words = [MEANING[s.role] if roles[s.role] == 1 else printable(s.operation.layer) for s in job.steps]
     title = shortened(printable(job.title), float(ground.room[0]) / size)
     widths = [*(indent + _width(text, size) for text in words), _width(title, size)]
@@ -187,7 +202,7 @@ def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
 
 
 def _backing(canvas: Canvas, x: float, y: float, width: float, height: float) -> None:
-    """Lay white behind words, through which lines are still seen."""
+    """Lay translucent white behind words, through which lines can still be seen."""
     canvas.saveState()
     canvas.setFillColor("#ffffff", alpha=BACKING)
     canvas.rect(x * mm, y * mm, width * mm, height * mm, stroke=0, fill=1)
@@ -195,12 +210,12 @@ def _backing(canvas: Canvas, x: float, y: float, width: float, height: float) ->
 
 
 def _width(text: str, size: float) -> float:
-    """Return how wide a text is, in mm."""
+    """Return the width of a text in mm."""
     return float(stringWidth(text, FONT, size))
 
 
 def _furniture(canvas: Canvas, tile: Tile, profile: Profile, ground: Ground, crosses: Floats) -> None:
-    """Draw the ruler, the page's name, and crosses where pages overlap."""
+    """Draw the ruler, the page's place among the pages, and the crosses."""
     look = profile.drawing
     canvas.setStrokeColor(look.legend_colour)
     canvas.setLineWidth(look.legend_stroke_mm * mm)
@@ -231,7 +246,7 @@ def _furniture(canvas: Canvas, tile: Tile, profile: Profile, ground: Ground, cro
 
 
 def _crosses(tile: Tile, overlap: float) -> Floats:
-    """Return the lines of the crosses where pages overlap, ``(8, 2, 2)``."""
+    """Return the lines of the four crosses where pages overlap, ``(8, 2, 2)``."""
     lines = []
     for x in (tile.inset + overlap / 2, tile.width - tile.inset - overlap / 2):
         for y in (tile.inset + overlap / 2, tile.height - tile.inset - overlap / 2):
@@ -241,7 +256,7 @@ def _crosses(tile: Tile, overlap: float) -> Floats:
 
 
 def _with_layers(data: bytes, names: list[str]) -> bytes:
-    """Return the file with its marked content as layers, and a wish not to be scaled."""
+    """Return the file with its marked content made into layers, and the request not to scale it."""
     with pikepdf.open(io.BytesIO(data)) as pdf:
         groups = [pdf.make_indirect(Dictionary(Type=Name.OCG, Name=String(name))) for name in names]
         order = Array(groups)

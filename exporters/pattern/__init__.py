@@ -1,1 +1,1 @@
-"""Files of the pattern itself."""
+"""Exporters of the crease pattern itself."""

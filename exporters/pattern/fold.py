@@ -1,13 +1,13 @@
 """FOLD 1.2: the pattern, how it folds and which face lies on which, for other origami programs.
 
-Input: a ``FoldedPattern``; output: JSON, one key per line. Frame 0 is the crease pattern in the sheet's
-millimetres, frame 1 the folded form, which inherits everything but the coordinates. Coordinates are written
-with all digits of a float64, because layer solvers give no verdict on lines that nearly coincide.
+Input: a ``FoldedPattern``; output: JSON, one key per line. Frame 0 is the crease pattern in mm on the sheet; frame 1 is
+the folded form, which inherits everything except the coordinates. Coordinates have all the digits of a float64, because
+layer solvers fail on lines that nearly coincide.
 
-Own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
-drawing's own coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:shape``, the loops on the sheet that
-the cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:faceOrders`` =
-"adjacent" where only faces that share a crease are ordered (see ``face_orders``).
+Our own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
+drawing's coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:shape``, the loops on the sheet that the
+cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:faceOrders`` = "adjacent" if
+only faces that share a crease are ordered (see ``face_orders``).
 """
 
 from __future__ import annotations
@@ -27,16 +27,22 @@ from foldcut.geometry.planar_graph import half_edges, pair_keys
 from foldcut.profiles import Profile
 
 FOLD_ANGLES = {"M": -180, "V": 180}
+"""The fold angle of a crease in degrees; 0 for other edges."""
+
 MOST_FACE_ORDERS = 2_000_000
-"""More pairs make tens of megabytes, which few programs read; then only neighbouring faces are ordered."""
+"""With more pairs only neighbouring faces are ordered: a list of tens of megabytes is read by few programs."""
+
 OVERLAP_TOLERANCE = 1e-9
-"""Folded faces that overlap by less than this part of the sheet's diagonal only touch."""
+"""Folded faces that overlap by less than this fraction of the sheet's diagonal only touch."""
+
 CHUNK = 128
-"""Faces compared with all others at once: few enough for the processor's cache."""
+"""This many faces are compared with all others at once: few enough for the processor's cache."""
+
 PROBES = 16
-"""Places where faces are counted, to see soon that there are too many pairs of them."""
+"""The number of places where faces are counted, to find out early that there are too many pairs."""
+
 ROWS = 8192
-"""Rows of an array written at once: more would take memory, fewer time."""
+"""This many rows of an array are written at once: more would take memory, fewer would take time."""
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
@@ -75,12 +81,11 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
 
 
 def face_orders(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> tuple[Ints, bool]:
-    """Return FOLD's ``faceOrders`` and whether they are cut down to faces that share a crease.
+    """Return FOLD's ``faceOrders``, and whether they are limited to faces that share a crease.
 
-    Rows ``(f, g, s)``, ``(m, 3)`` int32 with f < g, for all faces that overlap when folded: s = 1 when f
-    lies on the side of g that g's normal points to in the folded state, else -1 (FOLD specification 1.2,
-    faceOrders). More than ``most`` overlaps are not listed; then there are only the pairs of faces that
-    share a crease.
+    There is a row ``(f, g, s)``, ``(m, 3)`` int32 with f < g, for each two faces that overlap when folded: s = 1 if f
+    lies on the side of g to which g's normal points in the folded state, otherwise -1 (FOLD specification 1.2,
+    faceOrders). If there are more than ``most`` overlaps, only faces that share a crease are listed.
     """
     pairs = overlapping_faces(pattern, most)
     adjacent_only = pairs is None
@@ -90,7 +95,7 @@ def face_orders(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> tuple[I
     rank = np.empty(len(pattern.folded.layers), dtype=np.int32)
     rank[pattern.folded.layers] = np.arange(len(rank))
     above = rank[f] > rank[g]
-    # The layers' "up" is the normal of face 0, so a face has its normal up when it is turned like face 0.
+    # Layers are counted along the normal of face 0, so a face turned like face 0 has its normal up.
     turned = _doubled_areas(pattern.folded.vertices_coords, pattern.creases.faces_vertices) < 0
     normal_up = turned == turned[0]
     signs = np.where(above == normal_up[g], 1, -1)
@@ -98,10 +103,9 @@ def face_orders(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> tuple[I
 
 
 def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> Ints | None:
-    """Return the pairs of faces that overlap when folded, ``(m, 2)`` with f < g, or None if over ``most``.
+    """Return the pairs of faces that overlap when folded, ``(m, 2)`` with f < g, or None if more than ``most`` do.
 
-    Two convex pieces overlap unless one has a side that the other lies wholly outside of (separating axis
-    theorem).
+    Two convex pieces overlap unless one lies wholly outside some side of the other (separating axis theorem).
     """
     points = pattern.folded.vertices_coords
     tolerance = OVERLAP_TOLERANCE * pattern.sheet.diagonal
@@ -114,8 +118,8 @@ def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> I
     for first in range(0, len(pieces), CHUNK):
         # These pieces against themselves and all later ones.
         these, rest = slice(first, first + CHUNK), slice(first, None)
-        apart = _wholly_outside(points, pieces[rest], sides[:, these], tolerance).T
-        apart |= _wholly_outside(points, pieces[these], sides[:, rest], tolerance)
+        apart = wholly_outside(points, pieces[rest], sides[:, these], tolerance).T
+        apart |= wholly_outside(points, pieces[these], sides[:, rest], tolerance)
         f, g = faces_of_pieces[np.argwhere(np.triu(~apart, k=1)) + first].T
         found.append(_distinct(f[f != g] * len(faces) + g[f != g]))
         if sum(map(len, found)) > most:
@@ -124,7 +128,7 @@ def overlapping_faces(pattern: FoldedPattern, most: int = MOST_FACE_ORDERS) -> I
 
 
 def _surely_more(points: Floats, faces: Ragged, tolerance: float, most: int) -> bool:
-    """Return whether more than ``most`` pairs overlap for sure: of the convex faces well around one place, each two."""
+    """Return True only if more than ``most`` pairs overlap: any two of the convex faces that cover one place do."""
     if len(faces) * (len(faces) - 1) // 2 <= most:
         return False
     starts, following = faces.offsets[:-1], faces.following
@@ -134,7 +138,7 @@ def _surely_more(points: Floats, faces: Ragged, tolerance: float, most: int) -> 
     turned = np.sign(_doubled_areas(points, faces))
     convex = np.ones(len(faces), dtype=bool)
     convex[list(_faces_with_bends(points, faces))] = False
-    # a side without length is no nearer to a place than the others are
+    # a side without length says nothing about whether a place is inside
     normal = side[:, ::-1] * (-1, 1) * (turned[faces.rows] / np.where(length > 0, length, 1.0))[:, None]
     for face in np.flatnonzero(convex)[:: max(1, np.count_nonzero(convex) // PROBES)]:
         place = corner[starts[face] : faces.offsets[face + 1]].mean(axis=0)
@@ -146,12 +150,12 @@ def _surely_more(points: Floats, faces: Ragged, tolerance: float, most: int) -> 
 
 
 def _distinct(keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the keys sorted and each once; ``np.unique`` takes ten times as long for so many."""
+    """Return the keys sorted, without repetitions; ``np.unique`` takes ten times as long for millions."""
     keys = np.sort(keys)
     return keys[np.diff(keys, prepend=-1) > 0]
 
 
-def _wholly_outside(points: Floats, pieces: Ints, sides: Floats, tolerance: float) -> Bools:
+def wholly_outside(points: Floats, pieces: Ints, sides: Floats, tolerance: float) -> Bools:
     """Return whether piece i lies wholly outside some side of piece j, ``(i, j)``."""
     used, corners = np.unique(pieces, return_inverse=True)
     points, pieces = points[used], corners.astype(np.int32).reshape(pieces.shape)
@@ -166,7 +170,7 @@ def _wholly_outside(points: Floats, pieces: Ints, sides: Floats, tolerance: floa
 
 
 def _inward_sides(points: Floats, pieces: Ints) -> Floats:
-    """Return the pieces' sides as (a, b, c), ``(4, n, 3)``: a x + b y + c is the distance inward."""
+    """Return the sides of the pieces as (a, b, c), ``(4, n, 3)``: a x + b y + c is the distance inward."""
     start = points[pieces.T]
     vector = np.roll(start, -1, axis=0) - start
     length = np.hypot(vector[..., 0], vector[..., 1])
@@ -181,17 +185,17 @@ def _inward_sides(points: Floats, pieces: Ints) -> Floats:
 def _convex_pieces(points: Floats, faces: Ragged) -> tuple[Ints, NDArray[np.int64]]:
     """Divide the faces into triangles and convex quadrilaterals.
 
-    Returns their vertices, ``(n, 4)``, the last vertex of a triangle twice, and the face of each.
+    Returns their vertices, ``(n, 4)``, where a triangle has its last vertex twice, and the face of each.
     """
     bent = _faces_with_bends(points, faces)
     rows, owners = [], []
-    for face, ring in enumerate(faces.to_lists()):
+    for face, outline in enumerate(faces.to_lists()):
         if face in bent:
-            ends = np.array([len(ring)], dtype=np.uint32)
-            parts = mapbox_earcut.triangulate_float64(points[ring], ends).reshape(-1, 3).tolist()
-            fan = [[ring[corner] for corner in part] for part in parts]
+            ends = np.array([len(outline)], dtype=np.uint32)
+            parts = mapbox_earcut.triangulate_float64(points[outline], ends).reshape(-1, 3).tolist()
+            fan = [[outline[corner] for corner in part] for part in parts]
         else:
-            fan = [[ring[0], *ring[at : at + 3]] for at in range(1, len(ring) - 1, 2)]
+            fan = [[outline[0], *outline[at : at + 3]] for at in range(1, len(outline) - 1, 2)]
         rows += [[*part, part[-1]] if len(part) == 3 else part for part in fan]
         owners += [face] * len(fan)
     return np.array(rows, dtype=np.int32).reshape(-1, 4), np.array(owners, dtype=np.int64)
@@ -220,7 +224,7 @@ def _faces_across_creases(faces: Ragged) -> Ints:
 
 def _doubled_areas(points: Floats, faces: Ragged) -> Floats:
     """Return twice the signed area of every face; below 0 = clockwise."""
-    # From each face's own first corner, so that small faces far from the origin keep their digits.
+    # Relative to each face's first corner, so that small faces far from the origin keep their digits.
     corner = points[faces.values] - points[faces.values[faces.offsets[:-1]]][faces.rows]
     return np.add.reduceat(_cross(corner, corner[faces.following]), faces.offsets[:-1])
 
@@ -239,7 +243,7 @@ def _fold_angles(assignment: NDArray[np.str_]) -> Ints:
 
 
 def _to_json(fold: dict[str, object]) -> bytes:
-    """Return compact JSON with one top-level key per line; a number that JSON cannot hold is an error."""
+    """Return compact JSON with one top-level key per line; infinity and NaN are errors."""
     lines = []
     for key, value in fold.items():
         lines.append(f"{json.dumps(key)}: ".encode() + b"".join(part.encode() for part in _parts(value)))
@@ -247,7 +251,7 @@ def _to_json(fold: dict[str, object]) -> bytes:
 
 
 def _parts(value: object) -> Iterator[str]:
-    """Yield one value as JSON, in parts; ``json.dumps`` of millions of lists would take time and memory."""
+    """Yield a value as JSON, in parts; ``json.dumps`` of millions of lists would take time and memory."""
     if isinstance(value, np.ndarray | Ragged):
         yield "["
         for low in range(0, len(value), ROWS):

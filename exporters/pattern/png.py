@@ -1,8 +1,8 @@
 """PNG: the drawing of the crease pattern as a picture, for screens.
 
-Input: a ``FoldedPattern`` and a ``Profile``; output: PNG, as the ``svg`` exporter draws it on white, at ``DPI`` pixels
-an inch, which the file says (PNG specification, 11.3.5.3). Words are in reportlab's own font, so that they are there on
-every machine; letters that it does not have are the system's.
+Input: a ``FoldedPattern`` and a ``Profile``; output: PNG of the drawing that ``svg`` makes, on white, at ``DPI`` pixels
+per inch, which the file states (PNG specification, 11.3.5.3). Words are set in a font that comes with reportlab, so
+that they look the same on every machine; letters that it lacks come from the system's fonts.
 """
 
 from __future__ import annotations
@@ -21,10 +21,16 @@ from foldcut.profiles import Profile
 from . import svg
 
 DPI = 200
-MOST_PIXELS = 10_000
-"""The longest side of a picture; larger sheets get fewer pixels an inch."""
+"""Pixels per inch."""
 
-FONT, FONT_NAME = Path(reportlab.__file__).parent / "fonts" / "Vera.ttf", "Bitstream Vera Sans"
+MOST_PIXELS = 10_000
+"""The most pixels along the longer side; larger sheets get fewer pixels per inch."""
+
+FONT = Path(reportlab.__file__).parent / "fonts" / "Vera.ttf"
+"""The font of the words."""
+
+FONT_NAME = "Bitstream Vera Sans"
+"""What that font calls itself."""
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
@@ -33,7 +39,7 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
 
 
 def rendered(drawing: bytes, size: tuple[float, float]) -> bytes:
-    """Return an SVG of ``size`` in mm as a PNG file."""
+    """Return an SVG, whose width and height in mm are ``size``, as a PNG file."""
     dpi = min(DPI, MOST_PIXELS / max(size) * MM_PER_INCH)
     pixels = resvg_py.svg_to_bytes(
         svg_string=drawing.decode(), dpi=dpi, background="#ffffff", font_files=[str(FONT)], sans_serif_family=FONT_NAME

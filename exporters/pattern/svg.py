@@ -1,9 +1,9 @@
-"""SVG: a drawing of the crease pattern in true size, to print, to look at, or to give to a machine.
+"""SVG: a drawing of the crease pattern at true size, to print, to look at, or to give to a machine.
 
-Input: a ``FoldedPattern`` and a ``Profile``; output: SVG 1.1. One user unit is 1 mm, y points down, nothing
-is transformed. Inkscape layers in drawing order: First-fold (if there is one: wide and pale, under the creases),
-Shape, Valley, Mountain, Cut (the sheet's outline), Legend. Dashes are short line pieces and not a line style,
-because most programs that cut or plot drop styles.
+Input: a ``FoldedPattern`` and a ``Profile``; output: SVG 1.1. One user unit is 1 mm, y points down, nothing is
+transformed. The Inkscape layers, in drawing order, are First-fold (if there are first folds: wide and pale, under the
+creases), Shape, Valley, Mountain, Cut (the sheet's outline) and Legend. Each dash is a line of its own and not part of
+a line style (``jobs.dashes``).
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from svgwrite.extensions import Inkscape
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
-from foldcut.jobs.job import mountain_pieces, valley_pieces
+from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.pattern.cut_line import contains
-from foldcut.profiles import Drawing, Profile
+from foldcut.profiles import LineStyle, Profile
 
 from ..legend import BACKING, Corner, Ground, Place
 from ..text import number, printable
@@ -80,9 +80,9 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
 
 
 def with_paths(drawing: Any, paths_of: Mapping[str, Iterable[str]]) -> bytes:
-    """Return the file of an svgwrite drawing whose layers, by id, get paths of this data before what is in them.
+    """Return the file of an svgwrite drawing, with paths put first into its layers: path data by the layer's id.
 
-    An element for each path would take most of the time, and of the memory.
+    Paths are added as text, since an XML element for each would take most of the time and memory.
     """
     root = drawing.get_xml()
     paths = {name: [f'\n  <path d="{data}" />' for data in some] for name, some in paths_of.items()}
@@ -90,7 +90,7 @@ def with_paths(drawing: Any, paths_of: Mapping[str, Iterable[str]]) -> bytes:
     for group in root:
         name = group.get("id")
         if paths.get(name):
-            group.text = f"\x00{name}\x00"  # nothing that is printable
+            group.text = f"\x00{name}\x00"  # a mark that no printable text has
             ends[name] = "\n  " if len(group) else "\n "
     ET.indent(root, " ")
     parts = ET.tostring(root, encoding="unicode").split("\x00")
@@ -99,29 +99,38 @@ def with_paths(drawing: Any, paths_of: Mapping[str, Iterable[str]]) -> bytes:
 
 
 def _flip(points: Floats, sheet: Sheet) -> Floats:
-    """Return the points with y down, as SVG has it."""
+    """Return the points with y pointing down, as in SVG."""
     return np.column_stack([points[:, 0], sheet.height - points[:, 1]])
 
 
-# Text of the legend. Letters of common sans-serif fonts are 0.5 to 0.6 of the size wide on average.
 LETTER_WIDTH = 0.6
+"""The width of a letter, as a multiple of the size of the text: common sans-serif fonts average 0.5 to 0.6."""
+
 LINE_HEIGHT = 1.6
+"""The distance between lines of text, as a multiple of its size."""
+
 DESCENT = 0.3
+"""How far letters reach below the baseline, as a multiple of the size of the text."""
 
-WIDE, PALE = 8.0, 0.25
-"""How many times as wide as a crease the line of the first fold is, and its opacity."""
+WIDE = 8.0
+"""The width of the line of a first fold, as a multiple of the width of a crease."""
 
+PALE = 0.25
+"""The opacity of the line of a first fold."""
 
-AWAY, OUTLINE = 0.5, 4.0
-"""How far a legend keeps from lines, where it can, in sizes of its text; how many creases the outline counts as."""
+AWAY = 0.5
+"""How far the legend keeps from lines, where it can, as a multiple of the size of its text."""
+
+OUTLINE = 4.0
+"""A mm of the shape's outline counts as this many mm of creases when the legend looks for its place."""
 
 
 @dataclass(frozen=True)
 class _Legend:
-    """What a legend draws, y up, (0, 0) its lower left corner.
+    """What a legend draws, in mm, y up, with (0, 0) at its lower left corner.
 
-    Strokes, ``(n, 2, 2)`` each; texts with the left ends of their baselines; ``boxes``, what of it has to be read,
-    ``(x, y, width, height)``.
+    ``size``: that of its text; ``strokes``: lines, ``(n, 2, 2)`` each; ``texts``, each with the left end of its
+    baseline; ``boxes``: the parts that have to stay readable, ``(x, y, width, height)``.
     """
 
     size: float
@@ -130,7 +139,7 @@ class _Legend:
     boxes: list[tuple[float, float, float, float]]
 
     def add(self, text: str, x: float, y: float, strokes: Floats | None = None, indent: float = 0.0) -> float:
-        """Add a text ``indent`` mm right of (x, y), and what stands there before it; returns where it ends."""
+        """Add a text ``indent`` mm right of (x, y), and the strokes in front of it; return where it ends."""
         if strokes is not None:
             self.strokes.append(strokes)
         self.texts.append((text, x + indent, y))
@@ -146,12 +155,12 @@ class _Legend:
 
 
 def _placed_legend(
-    pattern: FoldedPattern, look: Drawing
+    pattern: FoldedPattern, look: LineStyle
 ) -> tuple[list[tuple[_Legend, Corner]], list[tuple[float, ...]]]:
-    """Return the parts of the legend, the places of their lower left corners, and the boxes to back with white.
+    """Return the parts of the legend with the places of their lower left corners, and the boxes to back with white.
 
-    It lies where the fewest lines are under it, in one or, if fewer lines are under it so, in two: what lines mean, and
-    the ruler with the title. What has lines under it all the same gets a backing.
+    The legend is put where it covers the fewest lines. It is divided if that covers fewer still: into the key, which
+    says what lines mean, and the ruler with the title. Boxes that cover lines all the same get a backing.
     """
     sheet, creases = pattern.sheet, pattern.creases
     inset = min(look.inset_mm, 0.05 * sheet.width)
@@ -189,10 +198,10 @@ def _placed_legend(
     return [(legend, (place.x, place.y)) for legend, place in parts], [box for box in boxes if ground.lines_under(*box)]
 
 
-def _legend(pattern: FoldedPattern, look: Drawing, room: float, letters: int, *, key: bool, ruler: bool) -> _Legend:
-    """Set what lines mean, and the ruler with the title below it, in rows that fill ``room`` mm.
+def _legend(pattern: FoldedPattern, look: LineStyle, room: float, letters: int, *, key: bool, ruler: bool) -> _Legend:
+    """Set the key, and below it the ruler with the title, in rows that fill ``room`` mm.
 
-    Texts with more ``letters`` are broken.
+    Texts of more than ``letters`` letters are broken into lines.
     """
     sheet = pattern.sheet
     small = sheet.width < look.small_sheet_mm
@@ -236,18 +245,18 @@ def _legend(pattern: FoldedPattern, look: Drawing, room: float, letters: int, *,
 
 
 def _ruler(length: float, size: float) -> Floats:
-    """Return the lines of a ruler from (0, 0) to the right, ``(n, 2, 2)``: a tick every mm, longer at 5 and 10."""
+    """Return the lines of a ruler from (0, 0) to the right, ``(n, 2, 2)``: a tick every mm, longer ones at 5 and 10."""
     heights = [size * (1.0 if mm % 10 == 0 else 0.7 if mm % 5 == 0 else 0.4) for mm in range(round(length) + 1)]
     return np.array([[(0, 0), (length, 0)], *([(mm, 0), (mm, height)] for mm, height in enumerate(heights))])
 
 
 def _text_width(text: str) -> float:
-    """Estimate how wide a text is, in font sizes."""
+    """Estimate the width of a text, as a multiple of its size."""
     return sum(1.0 if unicodedata.east_asian_width(letter) in "WF" else LETTER_WIDTH for letter in text)
 
 
 def shortened(text: str, room: float) -> str:
-    """Return the text, cut off with an ellipsis if it is wider than ``room`` font sizes."""
+    """Return the text, cut short with an ellipsis if it is wider than ``room`` times its size."""
     if _text_width(text) <= room:
         return text
     while text and _text_width(text + "…") > room:
@@ -256,7 +265,7 @@ def shortened(text: str, room: float) -> str:
 
 
 def _segments(pieces: Floats) -> str:
-    """Return path data of separate line pieces, ``(n, 2, 2)``."""
+    """Return path data of separate lines, ``(n, 2, 2)``."""
     return "".join(f"M{_point(start)}L{_point(end)}" for start, end in pieces.tolist())
 
 

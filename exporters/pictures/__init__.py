@@ -1,1 +1,1 @@
-"""Pictures to look at: panels, guides, contact sheets."""
+"""Pictures to look at: of patterns, of the disk method's construction, folding guides, and contact sheets."""

@@ -1,7 +1,7 @@
-"""Pictures of the paper's construction: disks and gaps, single molecules and their starfish, trees, matching, ribbon.
+"""Pictures of the disk method's construction: disks and gaps, single molecules, trees, matching, ribbon.
 
-Input: what the stages of the paper's method made; output: ``Panel`` for each of ``CONSTRUCTION``. They show what the
-paper's Figures 1 to 5 and 7 show, of any shape.
+Input: what the stages of the method made; output: a ``Panel`` for each of ``CONSTRUCTION``. They show what Figures 1 to
+5 and 7 of the paper show, for any shape. A *starfish* is a folded molecule, seen in space: flaps around a spine.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from foldcut.core.arrays import Bools, Floats, Ints
 from foldcut.core.errors import BadInputError
 from foldcut.geometry.vectors import left_normal
 from foldcut.methods.disks.molecules import Kind, Molecules
-from foldcut.profiles import Drawing
+from foldcut.profiles import LineStyle
 
 from .panels import BOLD, EDGE, EDGE_COLOUR, PANEL_MM, Item, Key, Label, Panel, faces, fine, mountain, valley
 
@@ -25,32 +25,77 @@ if TYPE_CHECKING:
     from foldcut.methods.disks.method import DiskStages
 
 OFF_MM = 0.02
-"""How far circles may be from the polygons that they are drawn as, on a panel."""
+"""How far a circle may be, on a panel, from the polygon that it is drawn as."""
 
 
 def _circle(radius_mm: float) -> Floats:
     """Return a circle of radius 1 as a closed polygon, fine enough for this radius on a panel."""
     count = max(12, math.ceil(math.pi * math.sqrt(radius_mm / (2 * OFF_MM))))
     angle = np.linspace(0, 2 * math.pi, count + 1)
-    ring: Floats = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    ring[-1] = ring[0]
-    return ring
+    circle: Floats = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    circle[-1] = circle[0]
+    return circle
 
 
 DOT = _circle(2.0)
-THREE, FOUR, PLAIN, STRIP, SEA = "#dcebdc", "#f6d9c9", "#ffffff", "#ffe08a", "#e8eef5"
+"""A circle of radius 1, fine enough for a dot."""
+
+THREE = "#dcebdc"
+"""The colour of gaps with three sides."""
+
+FOUR = "#f6d9c9"
+"""The colour of gaps with four sides, and of gussets."""
+
+PLAIN = "#ffffff"
+"""The colour of faces that nothing sets apart."""
+
+STRIP = "#ffe08a"
+"""The colour of the ribbon."""
+
+SEA = "#e8eef5"
+"""The colour of the plane on which a starfish stands."""
+
 ARMS = ("#ffe9b0", "#f3cf7a")
-RED, BLUE, GREEN, GREY, SIDE, OUTLINE = "#b3001b", "#0b4f9e", "#117733", "#888888", "#666666", "#c00000"
-DISK, TANGENT = "#1b5e9e", "#e08a4a"
+"""The colours of a starfish's flaps, in turn."""
+
+RED = "#b3001b"
+"""The colour of bisectors and gussets, and of creases across the ribbon."""
+
+BLUE = "#0b4f9e"
+"""The colour of tangency edges and of the tree of molecules."""
+
+GREEN = "#117733"
+"""The colour of the diagonals of gussets and of inset quadrilaterals."""
+
+GREY = "#888888"
+"""The colour of disks that fill gaps."""
+
+SIDE = "#666666"
+"""The colour of the sides of molecules."""
+
+OUTLINE = "#c00000"
+"""The colour of the shape's outline over disks."""
+
+DISK = "#1b5e9e"
+"""The colour of disks on the boundary."""
+
+TANGENT = "#e08a4a"
+"""The colour of circles through tangency points."""
+
 TREE = "#c00000"
+"""The colour of the tree of corners."""
+
 MARKED = 0.25
-"""What the trees reverse is drawn so wide at least."""
+"""The least width of the lines that the trees reverse, in mm on the panel."""
 
-AROUND, TILT = math.radians(-35), math.radians(28)
-"""From where a starfish is seen: turned about its spine, and from above."""
+AROUND = math.radians(-35)
+"""How far the viewer of a starfish is turned about its spine."""
+
+TILT = math.radians(28)
+"""How far above the horizon the viewer of a starfish is."""
 
 
-def packing(stages: DiskStages, look: Drawing) -> Panel:
+def packing(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the disks, the gaps between them, and circles through the tangency points: paper section 2, Figure 1."""
     made = stages.packing
     gaps = [(made.centres[gap], made.radii[gap]) for gap in made.gaps]
@@ -88,22 +133,22 @@ def _extent(points: Floats) -> float:
 
 
 def _segments(lines: Sequence[Floats]) -> Floats:
-    """Return how far polylines reach as lines."""
+    """Return a line for each polyline, ``(n, 2, 2)``: the diagonal of its bounding box."""
     return np.array([[line.min(axis=0), line.max(axis=0)] for line in lines]).reshape(-1, 2, 2)
 
 
 def _arcs(centre: Floats, radius: float, area: shapely.Polygon) -> list[Floats]:
-    """Return what of a circle is in an area; one polyline if that hangs together."""
+    """Return the parts of a circle that lie in an area; a single polyline if they are connected."""
     x, y, to_x, to_y = area.bounds
-    ring = centre + radius * _circle(radius * PANEL_MM / max(to_x - x, to_y - y))
-    arcs = shapely.intersection(shapely.LineString(ring), area.buffer(1e-9 * radius))
+    circle = centre + radius * _circle(radius * PANEL_MM / max(to_x - x, to_y - y))
+    arcs = shapely.intersection(shapely.LineString(circle), area.buffer(1e-9 * radius))
     if isinstance(arcs, shapely.MultiLineString):
         arcs = shapely.line_merge(arcs)
     return [shapely.get_coordinates(arc) for arc in shapely.get_parts(arcs) if isinstance(arc, shapely.LineString)]
 
 
 def _circle_of_tangency(centres: Floats, radii: Floats) -> tuple[Floats, float]:
-    """Return the circle through the tangency points of disks that touch in a ring."""
+    """Return the circle through the tangency points of disks that touch in a cycle."""
     following = np.roll(centres, -1, axis=0)
     points = centres + (following - centres) * (radii / (radii + np.roll(radii, -1)))[:, None]
     equations = np.hstack([2 * points, np.ones((len(points), 1))])
@@ -113,7 +158,7 @@ def _circle_of_tangency(centres: Floats, radii: Floats) -> tuple[Floats, float]:
 
 
 def _loops(stages: DiskStages) -> list[Floats]:
-    """The boundary of the shape: the middle between the disks of a node on either side of the ribbon."""
+    """Return the loops of the shape: halfway between the disks of each node on either side of the ribbon."""
     made = stages.packing
     on_loop = made.node >= 0
     count = np.bincount(made.node[on_loop])
@@ -122,7 +167,7 @@ def _loops(stages: DiskStages) -> list[Floats]:
     return [centre[[*loop, loop[0]]] for loop in made.loop_nodes.to_lists()[1:]]
 
 
-def molecules(stages: DiskStages, look: Drawing) -> Panel:
+def molecules(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw all molecules with their bisectors, tangency edges and gussets: paper section 3."""
     made = stages.molecules
     lines = made.vertices[made.creases]
@@ -140,7 +185,10 @@ def molecules(stages: DiskStages, look: Drawing) -> Panel:
 
 
 class _Molecule:
-    """One molecule: its own creases, and where they go."""
+    """The molecule with this many sides that is best to draw: its creases and corners.
+
+    That is the one whose shortest crease is longest; inside the shape, lengths count ten times.
+    """
 
     def __init__(self, stages: DiskStages, sides: int) -> None:
         made = stages.molecules
@@ -168,11 +216,11 @@ class _Molecule:
         self.radii = np.hypot(*(feet - self.corners).T)
 
     def lines(self, *kinds: Kind) -> list[Floats]:
-        """Return the creases of these kinds."""
+        """Return the creases of these kinds, ``(2, 2)`` each."""
         return [self.made.vertices[p] for p, kind in zip(self.pairs, self.kinds, strict=True) if kind in kinds]
 
-    def flat(self, look: Drawing, fill: str) -> list[Item]:
-        """Return the molecule on the sheet: mountains along bisectors, all other creases valleys."""
+    def flat(self, look: LineStyle, fill: str) -> list[Item]:
+        """Return the molecule unfolded: bisectors are mountains, all other creases valleys."""
         polygon = shapely.Polygon(self.corners)
         arcs = [
             arc
@@ -189,7 +237,7 @@ class _Molecule:
         return [item for item in items if item.lines]
 
     def starfish(self) -> list[Item]:
-        """Return the molecule folded, to its right: flaps around the spine, standing on the plane of the paper."""
+        """Return the molecule folded, to the right of the unfolded one: flaps around the spine, standing on a plane."""
         made = self.made
         mine = np.flatnonzero(made.facet_molecule == self.number).tolist()
         away = self.corners - made.vertices[made.feet[self.number]].mean(axis=0)
@@ -213,21 +261,21 @@ class _Molecule:
             )
         sea = Item([at + reach * _circle(PANEL_MM) * (1, math.sin(TILT))], fill=SEA, closed=True)
         flaps.sort(key=lambda flap: -flap[0])
-        return [sea, *(faces([at + ring], ARMS[corner % 2]) for _, corner, ring in flaps)]
+        return [sea, *(faces([at + outline], ARMS[corner % 2]) for _, corner, outline in flaps)]
 
 
-def _sides(ring: Ints) -> Ints:
-    return np.column_stack([ring, np.roll(ring, -1)])
+def _sides(outline: Ints) -> Ints:
+    return np.column_stack([outline, np.roll(outline, -1)])
 
 
-def _keys(look: Drawing) -> list[Key]:
+def _keys(look: LineStyle) -> list[Key]:
     return [
         Key("mountain", stroke=look.mountain_colour, dash=mountain(look)),
         Key("valley", stroke=look.valley_colour, dash=valley(look)),
     ]
 
 
-def rabbit_ear(stages: DiskStages, look: Drawing) -> Panel:
+def rabbit_ear(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the largest rabbit ear, flat and as a starfish of three arms: paper section 3, Figure 2."""
     ear = _Molecule(stages, 3)
     items = [*ear.flat(look, THREE), *ear.starfish()]
@@ -235,7 +283,7 @@ def rabbit_ear(stages: DiskStages, look: Drawing) -> Panel:
 
 
 class _Gusset(_Molecule):
-    """A gusset molecule, and its points as the paper names them."""
+    """A gusset molecule, with its points named as in the paper."""
 
     def __init__(self, stages: DiskStages) -> None:
         super().__init__(stages, 4)
@@ -254,7 +302,7 @@ class _Gusset(_Molecule):
         def over(end: int) -> int:
             return next(corner for pair in bisectors if end in pair for corner in range(4) if row[corner] in pair)
 
-        self.first = over(ends[0])  # a: the diagonal runs from p, over a, to r, over c
+        self.first = over(ends[0])  # a: the diagonal runs from p, on the bisector of a, to r, on that of c
         opposite = (self.first + 1) % 4
         if over(centres[0]) != opposite:
             centres.reverse()
@@ -263,14 +311,14 @@ class _Gusset(_Molecule):
         self.diamond = np.array([self.p, self.u, self.r, self.v])
 
     def inset(self) -> Floats:
-        """Return the inset quadrilateral p q r s, ``(4, 2)``: the sides of a b c d, moved in as far as p is."""
+        """Return the inset quadrilateral p q r s, ``(4, 2)``: the sides of a b c d moved inwards until they meet p."""
         a, b = self.corners[self.order[0]], self.corners[self.order[1]]
         along = (b - a) / math.dist(a, b)
         height = float((self.p - a) @ left_normal(along))
-        ring = self.corners[self.order]
+        outline = self.corners[self.order]
         moved = []
         for k in range(4):
-            before, here, after = ring[k - 1], ring[k], ring[(k + 1) % 4]
+            before, here, after = outline[k - 1], outline[k], outline[(k + 1) % 4]
             one, two = (here - before) / math.dist(here, before), (after - here) / math.dist(after, here)
             normals = np.stack([left_normal(one), left_normal(two)])
             moved.append(np.linalg.solve(normals, normals @ here + height))
@@ -281,7 +329,7 @@ def _dot(at: Floats, size: float) -> Item:
     return Item([at + 0.012 * size * DOT], fill="#1a1a1a", closed=True)
 
 
-def gusset(stages: DiskStages, look: Drawing) -> Panel:
+def gusset(stages: DiskStages, look: LineStyle) -> Panel:
     """Draw the largest gusset molecule, flat and as a starfish of four arms: paper section 3, Figure 3."""
     made = _Gusset(stages)
     sheet, *lines = made.flat(look, PLAIN)
@@ -299,14 +347,14 @@ def gusset(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([sheet, shaded, *lines, *dots, *star], keys)
 
 
-def inset(stages: DiskStages, look: Drawing) -> Panel:
-    """Draw the inset quadrilateral, and the rabbit ears that it is folded with: paper section 3, Figure 4."""
+def inset(stages: DiskStages, look: LineStyle) -> Panel:
+    """Draw the inset quadrilateral and the two rabbit ears that it is folded as: paper section 3, Figure 4."""
     made = _Gusset(stages)
-    ring, inner = made.corners[made.order], made.inset()
-    size = _extent(ring)
+    outline, inner = made.corners[made.order], made.inset()
+    size = _extent(outline)
     low, extent = inner.min(axis=0), np.ptp(inner, axis=0)
     scale = 0.9 * size / float(extent.max())
-    at = np.array([ring[:, 0].max() + 0.22 * size, ring[:, 1].mean() - scale * extent[1] / 2])
+    at = np.array([outline[:, 0].max() + 0.22 * size, outline[:, 1].mean() - scale * extent[1] / 2])
 
     def larger(points: Floats) -> Floats:
         moved: Floats = (points - low) * scale + at
@@ -321,9 +369,11 @@ def inset(stages: DiskStages, look: Drawing) -> Panel:
     ]
     across = np.array([p, r])
     items = [
-        faces([ring], PLAIN),
+        faces([outline], PLAIN),
         Item([made.diamond], fill=FOUR, closed=True),
-        Item([np.stack([corner, point]) for corner, point in zip(ring, inner, strict=True)], stroke=GREY, width=EDGE),
+        Item(
+            [np.stack([corner, point]) for corner, point in zip(outline, inner, strict=True)], stroke=GREY, width=EDGE
+        ),
         Item([np.vstack([inner, inner[:1]]), across], stroke=GREEN),
         *(_dot(point, size) for point in (made.u, made.v, p, r)),
         faces([larger(inner)], PLAIN),
@@ -333,7 +383,7 @@ def inset(stages: DiskStages, look: Drawing) -> Panel:
     ]
     labels = []
     for points, names, moved, away in (
-        (ring, "abcd", None, 0.9),
+        (outline, "abcd", None, 0.9),
         (inner, "pqrs", larger, 0.9),
         (inner, "pqrs", None, -1.1),
     ):
@@ -365,8 +415,8 @@ def _middles(made: Molecules) -> Floats:
     return np.array([made.vertices[row].mean(axis=0) for row in made.feet])
 
 
-def trees(stages: DiskStages, look: Drawing) -> Panel:
-    """Draw T_C over the corners and T_M over the molecules: paper section 4, Figure 5(a)."""
+def trees(stages: DiskStages, look: LineStyle) -> Panel:
+    """Draw T_C, the tree of corners, and T_M, the tree of molecules: paper section 4, Figure 5(a)."""
     made, assignment = stages.molecules, stages.assignment
     gaps = faces([made.vertices[row] for row in made.corners], PLAIN)
     middles = _middles(made)
@@ -393,8 +443,8 @@ def trees(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-def matching(stages: DiskStages, look: Drawing) -> Panel:
-    """Draw the edges that the trees reverse, which are mountains then: paper section 4, Figure 5(b)."""
+def matching(stages: DiskStages, look: LineStyle) -> Panel:
+    """Draw the edges that the trees reverse, which makes them mountains: paper section 4, Figure 5(b)."""
     made, kinds = stages.molecules, stages.assignment.crease_assignment
     lines = made.vertices[made.creases]
     of_trees = np.isin(made.crease_kind, (Kind.SIDE, Kind.TANGENCY))
@@ -420,8 +470,8 @@ def matching(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-def ribbon(stages: DiskStages, look: Drawing) -> Panel:
-    """Draw the strip along the boundary that stays unfolded: paper section 5, Figure 7."""
+def ribbon(stages: DiskStages, look: LineStyle) -> Panel:
+    """Draw the strip along the boundary without creases along it: paper section 5, Figure 7."""
     made = stages.molecules
     strip = [
         made.vertices[row] for row, owner in zip(made.facets, made.facet_molecule.tolist(), strict=True) if owner < 0
@@ -441,7 +491,7 @@ def ribbon(stages: DiskStages, look: Drawing) -> Panel:
     return Panel([item for item in items if item.lines], keys)
 
 
-CONSTRUCTION: dict[str, Callable[[DiskStages, Drawing], Panel]] = {
+CONSTRUCTION: dict[str, Callable[[DiskStages, LineStyle], Panel]] = {
     "packing": packing,
     "molecules": molecules,
     "rabbit-ear": rabbit_ear,
@@ -451,3 +501,4 @@ CONSTRUCTION: dict[str, Callable[[DiskStages, Drawing], Panel]] = {
     "matching": matching,
     "ribbon": ribbon,
 }
+"""The pictures of the construction, by name."""

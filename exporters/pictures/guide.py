@@ -1,8 +1,8 @@
-"""A folding guide: what to fold, press and collapse in which order, where to cut, with a picture of each step.
+"""A folding guide: what to fold, press and collapse, in which order, and where to cut, with a picture of each step.
 
 Input: a ``FoldedPattern``; output: one HTML file that loads nothing, or a PDF on A4. The order is that of
-``foldcut.folding_steps``: straight folds are given one by one; what closes at once is pressed first in numbered
-groups, both ways, so that it goes either way, and then shown as it must come out.
+``foldcut.folding_steps``. Straight folds are given one by one. Creases that have to close together, in a *collapse*,
+are first pressed in numbered groups, both ways so that they fold easily either way; then the result is shown.
 """
 
 from __future__ import annotations
@@ -26,23 +26,43 @@ from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
 from foldcut.pattern.foldability import foldability, most_layers
 from foldcut.pattern.straight_lines import straight_lines
-from foldcut.profiles import Drawing, Profile, load_profile
+from foldcut.profiles import LineStyle, Profile, load_profile
 
 from ..text import printable
 from . import panels, pictures
 from .panels import BOLD, EDGE, EDGE_COLOUR, PANEL_MM, Item, Key, Label, Panel
 
-NOW, DONE, LATER = "#d35400", "#888888", "#dddddd"
-FRONT, BACK, MOVED, MOVED_BACK = "#ffffff", "#cfd8e3", "#fde0c8", "#eeb58a"
+NOW = "#d35400"
+"""The colour of what to fold or press in this step."""
+
+DONE = "#888888"
+"""The colour of lines pressed in earlier steps."""
+
+LATER = "#dddddd"
+"""The colour of lines to press in later steps."""
+
+FRONT = "#ffffff"
+"""The colour of the sheet's printed side."""
+
+BACK = "#cfd8e3"
+"""The colour of the sheet's back."""
+
+MOVED = "#fde0c8"
+"""The colour of the printed side of the part that moves."""
+
+MOVED_BACK = "#eeb58a"
+"""The colour of the back of the part that moves."""
+
 LABELLED_MM = 7.0
-"""Lines that are so long on the picture have the number of their group."""
+"""Lines at least this long on the picture have the number of their group beside them."""
 
 PICTURE_MM = 90
+"""The longer side of a picture on the PDF's page."""
 
 
 @dataclass(frozen=True)
 class Instruction:
-    """What to do, in words and as a picture."""
+    """What to do next, in words and as a picture."""
 
     title: str
     text: str
@@ -54,8 +74,8 @@ class Instruction:
         return panels.laid_out([("", self.panel)], "")[0]
 
 
-def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
-    """Return what to do from the flat sheet to the shape cut out."""
+def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
+    """Return all instructions, from the flat sheet to the shape cut out."""
     numbers = foldability(pattern, method=fewer_creases())
     advice = [f"{numbers.layers_at_cut} layers will lie on the cut, {numbers.layers} at the thickest place"]
     told = any(warning.startswith("the shortest crease") for warning in numbers.warnings)
@@ -69,8 +89,8 @@ def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
     for step in folding_steps(pattern):
         made += [sheet.fold(step, look)] if step.line is not None else sheet.collapse(step)
         sheet.advance(step)
-    ring = pattern.creases.faces_vertices[0]
-    over = np.prod([signed_area(state.vertices_coords[ring]) for state in (sheet.state, pattern.folded)]) < 0
+    outline = pattern.creases.faces_vertices[0]
+    over = np.prod([signed_area(state.vertices_coords[outline]) for state in (sheet.state, pattern.folded)]) < 0
     heights = pattern.folded.vertices_coords[:, 1]
     made += [
         Instruction(
@@ -92,14 +112,14 @@ def instructions(pattern: FoldedPattern, look: Drawing) -> list[Instruction]:
 
 
 class _Sheet:
-    """The sheet as it lies before a step, and its pictures."""
+    """The sheet as it lies before a step, and the pictures of it."""
 
     def __init__(self, pattern: FoldedPattern) -> None:
         self.pattern, creases = pattern, pattern.creases
-        self.rings = creases.faces_vertices
+        self.faces = creases.faces_vertices
         self.ends = creases.edges_vertices
         self.beside = edge_faces(creases)
-        self.state = FoldedState(creases.vertices_coords, index_array(np.arange(len(self.rings))))
+        self.state = FoldedState(creases.vertices_coords, index_array(np.arange(len(self.faces))))
         self.folded = np.zeros(len(self.ends), dtype=np.bool_)
         self.count = 0
 
@@ -108,12 +128,12 @@ class _Sheet:
         self.folded[step.edges] = True
         self.state = step.state
 
-    def paper(self, state: FoldedState, folded: Bools, moved: Ints | None = None) -> list[Item]:
-        """Return the paper from the lowest layer to the highest, with its borders and what is folded as edges."""
+    def drawn(self, state: FoldedState, folded: Bools, moved: Ints | None = None) -> list[Item]:
+        """Return the sheet from the lowest layer to the highest; its border and folded creases are drawn as edges."""
         if not folded.any() and moved is None:
             return [panels.faces([self.pattern.sheet.corners], FRONT)]
         seen: Bools = folded | (self.beside < 0).any(axis=1)
-        edges: list[list[int]] = [[] for _ in range(len(self.rings))]
+        edges: list[list[int]] = [[] for _ in range(len(self.faces))]
         for edge in np.flatnonzero(seen).tolist():
             for face in self.beside[edge].tolist():
                 if face >= 0:
@@ -121,21 +141,21 @@ class _Sheet:
         moving = set([] if moved is None else moved.tolist())
         items = []
         for face in state.layers.tolist():
-            ring = state.vertices_coords[self.rings[face]]
-            front = signed_area(ring) > 0
+            outline = state.vertices_coords[self.faces[face]]
+            front = signed_area(outline) > 0
             fill = (MOVED if front else MOVED_BACK) if face in moving else FRONT if front else BACK
-            items.append(Item([ring], fill=fill, stroke=fill, width=EDGE / 2, closed=True))
+            items.append(Item([outline], fill=fill, stroke=fill, width=EDGE / 2, closed=True))
             lines = [state.vertices_coords[self.ends[edge]] for edge in edges[face]]
             items += [Item(lines, stroke=EDGE_COLOUR, width=EDGE)] if lines else []
         return items
 
     def back(self, state: FoldedState) -> list[Key]:
-        """Return the key of the sheet's back if it can be seen."""
-        turned = [signed_area(state.vertices_coords[ring]) < 0 for ring in self.rings]
+        """Return a key for the sheet's back, if it can be seen."""
+        turned = [signed_area(state.vertices_coords[outline]) < 0 for outline in self.faces]
         return [Key("the back", fill=BACK)] if any(turned) else []
 
-    def fold(self, step: FoldingStep, look: Drawing) -> Instruction:
-        """Return how a part is turned over a line."""
+    def fold(self, step: FoldingStep, look: LineStyle) -> Instruction:
+        """Return the instruction to fold a part of the sheet over a line."""
         assert step.line is not None
         assert step.moved is not None
         self.count += 1
@@ -143,7 +163,7 @@ class _Sheet:
         along = (step.line[1] - step.line[0]) / math.dist(*step.line)
         off = (at - step.line[0]) @ left_normal(along)
         tie = 1e-6 * self.pattern.sheet.diagonal
-        straddled = any(off[ring].min() < -tie and off[ring].max() > tie for ring in self.rings)
+        straddled = any(off[outline].min() < -tie and off[outline].max() > tie for outline in self.faces)
         layers = _most_on(at[self.ends[step.edges]], along, tie)
         which = "the layer" if layers == 1 else f"the {layers} layers"
         if straddled:
@@ -153,10 +173,10 @@ class _Sheet:
         else:
             which = "both layers together" if layers == 2 else f"all {layers} layers together"
         valley = panels.valley(look) if step.over else panels.mountain(look)
-        arrow = _arrow(at[np.unique(np.concatenate([self.rings[face] for face in step.moved]))], step.line)
+        arrow = _arrow(at[np.unique(np.concatenate([self.faces[face] for face in step.moved]))], step.line)
         panel = Panel(
             [
-                *self.paper(self.state, self.folded, step.moved),
+                *self.drawn(self.state, self.folded, step.moved),
                 Item([step.line], stroke=NOW, width=BOLD, dash=valley),
                 Item(arrow, stroke=NOW, width=BOLD / 2),
             ],
@@ -174,35 +194,38 @@ class _Sheet:
         )
 
     def collapse(self, step: FoldingStep) -> list[Instruction]:
-        """Return how creases are pressed in groups, and how they close."""
-        at = self.state.vertices_coords
+        """Return the instructions to press creases in groups and to close them all."""
         groups = [self._lines(group) for group in step.groups]
-        layers = most_layers(self.rings, self.state) if self.folded.any() else 1
+        layers = most_layers(self.faces, self.state) if self.folded.any() else 1
         through = "" if layers == 1 else " through both layers" if layers == 2 else f" through all {layers} layers"
-        paper = self.paper(self.state, self.folded)
-        made = []
-        if len(groups) > 1:
-            labels = [
-                Label(str(number), line.mean(axis=0), colour="#a03000")
-                for number, lines in enumerate(groups, start=1)
-                for line in lines
-                if math.dist(*line) * PANEL_MM / float(np.ptp(at, axis=0).max()) > LABELLED_MM
-            ]
-            lines = [line for lines in groups for line in lines]
-            order = (
-                "what is inside other parts of the pattern comes first" if self.pattern.regions else "long lines first"
-            )
-            made.append(
-                Instruction(
-                    "The groups",
-                    f"The creases that come next are pressed in {len(groups)} groups: {order}. "
-                    "The picture has the numbers of the groups on the longer lines.",
-                    Panel([*paper, Item(lines, stroke=DONE, width=EDGE)], labels=labels),
-                )
-            )
+        sheet = self.drawn(self.state, self.folded)
+        overview = [self._overview(groups, sheet)] if len(groups) > 1 else []
+        return [*overview, *self._press(groups, sheet, through), self._close(step, through)]
+
+    def _overview(self, groups: list[list[Floats]], sheet: list[Item]) -> Instruction:
+        """Return the instruction that shows which creases are in which group."""
+        extent = float(np.ptp(self.state.vertices_coords, axis=0).max())
+        labels = [
+            Label(str(number), line.mean(axis=0), colour="#a03000")
+            for number, lines in enumerate(groups, start=1)
+            for line in lines
+            if math.dist(*line) * PANEL_MM / extent > LABELLED_MM
+        ]
+        lines = [line for lines in groups for line in lines]
+        order = "what is inside other parts of the pattern comes first" if self.pattern.regions else "long lines first"
+        return Instruction(
+            "The groups",
+            f"The creases that come next are pressed in {len(groups)} groups: {order}. "
+            "The picture has the numbers of the groups on the longer lines.",
+            Panel([*sheet, Item(lines, stroke=DONE, width=EDGE)], labels=labels),
+        )
+
+    def _press(self, groups: list[list[Floats]], sheet: list[Item], through: str) -> list[Instruction]:
+        """Return an instruction to press the creases of each group."""
         every = np.array([line for lines in groups for line in lines])
-        thin = panels.fine(every, float(np.ptp(at, axis=0).max()), EDGE * 1.5)
+        thin = panels.fine(every, float(np.ptp(self.state.vertices_coords, axis=0).max()), EDGE * 1.5)
         bold = BOLD / 1.5 * max(0.5, thin / (EDGE * 1.5))
+        made = []
         for number, lines in enumerate(groups):
             done = [line for some in groups[:number] for line in some]
             later = [line for some in groups[number + 1 :] for line in some]
@@ -218,7 +241,11 @@ class _Sheet:
                 f"Crease the {what}{through}, sharply and both ways, and open {them} again. "
                 f"The shortest is {shortest:.1f} mm long."
             )
-            made.append(Instruction(title, text, Panel([*paper, *items], keys)))
+            made.append(Instruction(title, text, Panel([*sheet, *items], keys)))
+        return made
+
+    def _close(self, step: FoldingStep, through: str) -> Instruction:
+        """Return the instruction to close all creases of a step at once."""
         folded = self.folded.copy()
         folded[step.edges] = True
         ends = "lies flat like this" if not self.folded.any() else "lies flat again, like this"
@@ -227,16 +254,15 @@ class _Sheet:
             "every mountain (dash-dotted on the pattern) away from you and every valley (dashed) toward you, a little "
             f"everywhere, then more, until the sheet {ends}."
         )
-        if len(groups) > 1 and self.pattern.regions:
+        if len(step.groups) > 1 and self.pattern.regions:
             text += (
                 " Shape group 1 first, then 2, and so on; the flaps come to lie on each other like the pages of a book."
             )
         keys = [Key("the printed side", fill=FRONT), *self.back(step.state)]
-        made.append(Instruction("Collapse", text, Panel(self.paper(step.state, folded), keys)))
-        return made
+        return Instruction("Collapse", text, Panel(self.drawn(step.state, folded), keys))
 
     def _lines(self, edges: Ints) -> list[Floats]:
-        """Return the lines of creases as they lie now, those of several layers once."""
+        """Return the lines of creases as they lie now; creases of several layers that coincide are one line."""
         at = self.state.vertices_coords
         lines = [at[list(ends)] for ends in straight_lines(at, self.ends[edges].tolist())]
         tie = 1e-6 * self.pattern.sheet.diagonal
@@ -248,7 +274,7 @@ class _Sheet:
 
 
 def _most_on(lines: Floats, along: Floats, tie: float) -> int:
-    """Return how many of some segments on one line, ``(n, 2, 2)``, lie on each other at most."""
+    """Return the largest number of segments, all on one line, ``(n, 2, 2)``, that lie on each other."""
     x = np.sort(lines @ along, axis=1)
     starts, ends = np.sort(x[:, 0]), np.sort(x[:, 1])
     return max(
@@ -257,7 +283,7 @@ def _most_on(lines: Floats, along: Floats, tie: float) -> int:
 
 
 def _arrow(points: Floats, line: Floats) -> list[Floats]:
-    """Return an arc from the middle of what moves to where that goes, with a head."""
+    """Return an arrow: an arc from the middle of the part that moves to its new place, and the arrow's head."""
     along = (line[1] - line[0]) / math.dist(*line)
     middle = points.mean(axis=0)
     foot = line[0] + along * float((middle - line[0]) @ along)
@@ -292,7 +318,7 @@ def export_html(pattern: FoldedPattern, profile: Profile | None = None) -> bytes
 
 
 def _bare(picture: bytes) -> str:
-    """Return a picture without the declaration that only a file of its own has."""
+    """Return a picture without the XML declaration, which belongs only at the start of a file."""
     return picture.decode().partition("?>\n")[2].strip()
 
 
@@ -315,7 +341,7 @@ def export_pdf(pattern: FoldedPattern, profile: Profile | None = None) -> bytes:
 
 
 class _Picture(Flowable):  # type: ignore[misc]
-    """A panel as reportlab puts it on a page."""
+    """A panel that reportlab can put on a page."""
 
     def __init__(self, panel: Panel) -> None:
         super().__init__()
@@ -351,3 +377,4 @@ class _Picture(Flowable):  # type: ignore[misc]
 
 
 GUIDES = {".html": export_html, ".pdf": export_pdf}
+"""The exporters of guides, by the ending of their files."""

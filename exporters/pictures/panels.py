@@ -1,8 +1,8 @@
-"""Panels: pictures that are fitted into a frame, with letters and a legend, and laid out in rows; SVG.
+"""Panels: pictures fitted into a frame, with labels and a legend, and laid out in rows as SVG.
 
-Input: what a panel shows, in its own coordinates with y up; output: SVG 1.1, one user unit is 1 mm. A panel is
-``PANEL_MM`` wide, or high where it is higher than wide. Strokes, dashes and letters are in mm on the panel, whatever
-the size of what is shown, so that a panel can be read at 100 mm; all grows with a larger print.
+Input: what a panel shows, in its own coordinates with y up; output: SVG 1.1, one user unit is 1 mm. The longer side of
+a panel is ``PANEL_MM``. Strokes, dashes and letters have sizes in mm on the panel, whatever the size of what is shown,
+so that a panel can be read when it is 100 mm wide; everything grows in a larger print.
 """
 
 from __future__ import annotations
@@ -16,31 +16,55 @@ import numpy as np
 import svgwrite
 
 from foldcut.core.arrays import Floats
-from foldcut.jobs.job import mountain_pieces, valley_pieces
-from foldcut.profiles import Drawing
+from foldcut.jobs.dashes import mountain_pieces, valley_pieces
+from foldcut.profiles import LineStyle
 
 from ..pattern.svg import path_data
 from ..text import number, printable
 
-PANEL_MM, GAP_MM = 100.0, 8.0
-TEXT_MM = 2.8
-LETTER, LINE = 0.53, 1.7
-"""How wide a letter is, and how far lines are apart, in sizes of the text."""
+PANEL_MM = 100.0
+"""The longer side of a panel."""
 
-EDGE, STROKE, BOLD = 0.12, 0.3, 0.6
+GAP_MM = 8.0
+"""The distance between panels."""
+
+TEXT_MM = 2.8
+"""The size of the text."""
+
+LETTER = 0.53
+"""The width of a letter, as a multiple of the size of the text."""
+
+LINE = 1.7
+"""The distance between lines of text, as a multiple of its size."""
+
+EDGE = 0.12
+"""The width of the edges of faces, in mm."""
+
+STROKE = 0.3
+"""The width of strokes, in mm."""
+
+BOLD = 0.6
+"""The width of bold strokes, in mm."""
+
 EDGE_COLOUR = "#444444"
-LIGHTEST, SHARE = 0.06, 0.07
-"""Strokes get no thinner than this, and where lines are short, this part of their length."""
+"""The colour of the edges of faces."""
+
+LIGHTEST = 0.06
+"""The least width of strokes, in mm."""
+
+SHARE = 0.07
+"""The width of strokes where lines are short, as a fraction of the lines' length."""
 
 DASHES = 0.45
-"""How long dashes are on a panel, as a part of what they are on a sheet in true size."""
+"""The length of dashes on a panel, as a fraction of their length on a sheet at true size."""
 
 Dash = Callable[[Floats], Floats]
+"""Divides a line, ``(2, 2)``, into pieces, ``(n, 2, 2)``."""
 
 
 @dataclass(frozen=True, eq=False)
 class Item:
-    """Polylines or, closed, polygons: ``(n, 2)`` each, all of one look. ``dash`` divides a line of two points."""
+    """Polylines, or polygons if ``closed``, ``(n, 2)`` each, that look the same; ``dash`` needs lines of two points."""
 
     lines: Sequence[Floats]
     fill: str = ""
@@ -52,7 +76,7 @@ class Item:
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """Letters around a place, in the middle of it, moved by ``aside`` sizes of the text."""
+    """A text centred on a place, then moved by ``aside`` times the size of the text."""
 
     text: str
     at: Floats
@@ -62,7 +86,7 @@ class Label:
 
 @dataclass(frozen=True)
 class Key:
-    """A line of the legend: what a stroke, or a fill, means. Without a colour it is words only."""
+    """An entry of the legend: what a stroke or a fill means. Without a colour it is words only."""
 
     text: str
     stroke: str = ""
@@ -80,23 +104,23 @@ class Panel:
     labels: list[Label] = field(default_factory=list)
 
 
-def mountain(look: Drawing) -> Dash:
+def mountain(look: LineStyle) -> Dash:
     """Return what divides a line on a panel into dashes and dots."""
     return lambda line: mountain_pieces(line / DASHES, look) * DASHES
 
 
-def valley(look: Drawing) -> Dash:
+def valley(look: LineStyle) -> Dash:
     """Return what divides a line on a panel into dashes."""
     return lambda line: valley_pieces(line / DASHES, look) * DASHES
 
 
-def faces(rings: Sequence[Floats], fill: str) -> Item:
-    """Return filled polygons with a fine edge."""
-    return Item(rings, fill=fill, stroke=EDGE_COLOUR, width=EDGE, closed=True)
+def faces(outlines: Sequence[Floats], fill: str) -> Item:
+    """Return filled polygons with thin edges."""
+    return Item(outlines, fill=fill, stroke=EDGE_COLOUR, width=EDGE, closed=True)
 
 
 def fine(lines: Floats, extent: float, most: float = STROKE) -> float:
-    """Return how wide strokes may be so that short lines, ``(n, 2, 2)``, can be told apart; ``extent`` of all."""
+    """Return the width of strokes at which short lines, ``(n, 2, 2)``, can be told apart; ``extent``: the panel's."""
     if not len(lines):
         return most
     lengths = np.hypot(*(lines[:, 1] - lines[:, 0]).T) * PANEL_MM / extent
@@ -105,7 +129,7 @@ def fine(lines: Floats, extent: float, most: float = STROKE) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """A polyline, or closed, a polygon, of a laid-out drawing: ``(n, 2)`` mm, y down."""
+    """A polyline of a laid-out drawing, or a polygon if ``closed``: ``(n, 2)`` mm, y down."""
 
     points: Floats
     closed: bool
@@ -116,7 +140,7 @@ class Outline:
 
 @dataclass(frozen=True)
 class Text:
-    """Words of a laid-out drawing: where their baseline begins, or its middle is, mm, y down."""
+    """Words of a laid-out drawing: the start of their baseline, or its middle if ``centred``, in mm, y down."""
 
     words: str
     x: float
@@ -126,7 +150,7 @@ class Text:
 
 
 def laid_out(panels: Sequence[tuple[str, Panel]], title: str) -> tuple[bytes, tuple[float, float]]:
-    """Return panels with their names side by side, in rows of two, as SVG, and its size in mm."""
+    """Return named panels in rows of two, as SVG, and its width and height in mm."""
     columns = min(2, len(panels))
     width = columns * (PANEL_MM + GAP_MM) + GAP_MM
     places, y = [], GAP_MM
@@ -149,7 +173,7 @@ def laid_out(panels: Sequence[tuple[str, Panel]], title: str) -> tuple[bytes, tu
 
 
 def flat(panel: Panel) -> tuple[list[Outline | Text], tuple[float, float]]:
-    """Return all that one panel is drawn with, in drawing order, and its width and height in mm."""
+    """Return everything that a panel is drawn with, in drawing order, and its width and height in mm."""
     height = _Frame(panel).height
     drawn = [*_drawn(panel, 0.0, 0.0, height), *_legend(panel, 0.0, height)]
     marks = [mark for some in drawn for mark in some]
@@ -157,7 +181,7 @@ def flat(panel: Panel) -> tuple[list[Outline | Text], tuple[float, float]]:
 
 
 def _add(drawing: svgwrite.Drawing, group: Any, marks: Sequence[Outline | Text]) -> None:
-    """Add marks of one look to an SVG, all polylines as one path."""
+    """Add marks that look the same to an SVG, all polylines as one path."""
     lines = [mark for mark in marks if isinstance(mark, Outline)]
     if lines:
         first = lines[0]
@@ -175,7 +199,7 @@ def _add(drawing: svgwrite.Drawing, group: Any, marks: Sequence[Outline | Text])
 
 
 class _Frame:
-    """Where what a panel shows is put: as large as there is room for."""
+    """The scale and place at which a panel shows its items: as large as they fit."""
 
     def __init__(self, panel: Panel) -> None:
         every = np.concatenate([line for item in panel.items for line in item.lines])
@@ -184,14 +208,14 @@ class _Frame:
         self.height = float(self.extent[1]) * self.scale
 
     def place(self, points: Floats, left: float, top: float, height: float) -> Floats:
-        """Return points on the drawing, in the middle of a row of this height."""
+        """Return points moved to the drawing, centred in a row of this height."""
         margin = (PANEL_MM - self.scale * self.extent[0]) / 2, (height - self.height) / 2
         placed: Floats = (points - self.low) * self.scale * (1, -1) + (left + margin[0], top + height - margin[1])
         return placed
 
 
 def _drawn(panel: Panel, left: float, top: float, height: float) -> Iterator[list[Outline | Text]]:
-    """Yield what a panel is drawn with, marks of one look together; filled polygons one by one."""
+    """Yield what a panel is drawn with: marks that look the same together, but filled polygons one by one."""
     frame = _Frame(panel)
     for item in panel.items:
         lines = [frame.place(line, left, top, height) for line in item.lines]
@@ -225,15 +249,16 @@ def _key_sample(key: Key, x: float, y: float) -> Iterator[Outline]:
 
 
 SAMPLE = 4.5
+"""The length of a key's stroke, as a multiple of the size of the text."""
 
 
 def _sample(key: Key) -> float:
-    """Return how much room the sample before a key's words takes, in mm."""
+    """Return the room that the sample before a key's words takes, in mm."""
     return TEXT_MM * (2.6 if key.fill else SAMPLE + 0.6 if key.stroke else 0.0)
 
 
 def _legend_rows(panel: Panel) -> list[tuple[Key, float, float]]:
-    """Return the keys with their places under the picture, mm."""
+    """Return the keys with their places, in mm from the lower left corner of the picture, y down."""
     rows = []
     x, y = 0.0, LINE * TEXT_MM + 1 + (TEXT_MM if panel.labels else 0.0)
     for key in panel.keys:

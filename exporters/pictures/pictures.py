@@ -1,7 +1,7 @@
 """Pictures of a pattern: the creases, the sheet folded flat, its layers drawn apart, and what the cut leaves.
 
-Input: a ``FoldedPattern`` and the names of panels; output: SVG, see ``panels``. Mountains are dash-dotted and red,
-valleys dashed and blue, what is inside the shape is yellow.
+Input: a ``FoldedPattern`` and the names of panels; output: SVG (see ``panels``). Mountains are dash-dotted and red,
+valleys dashed and blue; the inside of the shape is yellow.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
 from foldcut.geometry.vectors import signed_area
-from foldcut.profiles import Drawing, Profile
+from foldcut.profiles import LineStyle, Profile
 
 from .construction import CONSTRUCTION
 from .panels import BOLD, EDGE, EDGE_COLOUR, Item, Key, Panel, faces, fine, laid_out, mountain, valley
@@ -23,17 +23,33 @@ from .panels import BOLD, EDGE, EDGE_COLOUR, Item, Key, Panel, faces, fine, laid
 if TYPE_CHECKING:
     from foldcut.methods.disks.method import DiskStages
 
-INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK = "#ffe08a", "#e6b93f", "#ffffff", "#cfd8e3"
+INSIDE = "#ffe08a"
+"""The colour of the shape's front."""
+
+INSIDE_BACK = "#e6b93f"
+"""The colour of the shape's back."""
+
+OUTSIDE = "#ffffff"
+"""The colour of the front of the sheet around the shape."""
+
+OUTSIDE_BACK = "#cfd8e3"
+"""The colour of the back of the sheet around the shape."""
+
 CUT = "#c00000"
-SIDEWAYS, UPWARD = 0.45, 0.2
-"""Layers apart are seen from the side: how much of the way along the cut line is left, and how far it climbs."""
+"""The colour of the cut."""
+
+SIDEWAYS = 0.45
+"""How much layers drawn apart are foreshortened along the cut line, since they are seen from the side."""
+
+UPWARD = 0.2
+"""How far the cut line of layers drawn apart climbs, as a fraction of its length."""
 
 
 def check(show: Sequence[str], *, construction: bool = False) -> None:
-    """Raise BadInputError unless all these are names of panels, of ``CONSTRUCTION`` only if there is one."""
+    """Raise BadInputError unless these are names of panels; those of ``CONSTRUCTION`` need a construction."""
     for name in show:
         if name not in {**PANELS, **CONSTRUCTION}:
-            raise BadInputError(f"there is no picture {name!r}; choose of {', '.join([*PANELS, *CONSTRUCTION])}")
+            raise BadInputError(f"there is no picture {name!r}; choose from {', '.join([*PANELS, *CONSTRUCTION])}")
         if name in CONSTRUCTION and not construction:
             raise BadInputError(f"the picture {name} is of the paper's construction: it goes with --method paper")
 
@@ -43,8 +59,8 @@ def draw(
 ) -> tuple[bytes, tuple[float, float]]:
     """Return an SVG with a panel for each name in ``show``, and its width and height in mm.
 
-    Raises BadInputError for a name that is not in ``PANELS``, nor, where the paper's ``stages`` are given, in
-    ``CONSTRUCTION``.
+    ``stages``: those of the disk method, if it made the pattern. Raises BadInputError for a name that is neither in
+    ``PANELS`` nor, given ``stages``, in ``CONSTRUCTION``.
     """
     check(show, construction=stages is not None)
     panels = []
@@ -58,10 +74,10 @@ def draw(
 
 
 def _pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]]:
-    """Yield the faces' parts on either side of the cut line: face, whether inside, its corners flat and folded."""
+    """Yield the parts of faces on either side of the cut: face, whether inside the shape, corners flat and folded."""
     flat, folded = pattern.creases.vertices_coords, pattern.folded.vertices_coords
-    for face, ring in enumerate(pattern.creases.faces_vertices.to_lists()):
-        both = np.hstack([flat[ring], folded[ring]])
+    for face, outline in enumerate(pattern.creases.faces_vertices.to_lists()):
+        both = np.hstack([flat[outline], folded[outline]])
         for side in (1.0, -1.0):
             heights = side * both[:, 3]
             if heights.max() < 1e-9:
@@ -83,7 +99,7 @@ def _colour(inside: bool, folded: Floats) -> str:
     return (INSIDE if front else INSIDE_BACK) if inside else (OUTSIDE if front else OUTSIDE_BACK)
 
 
-def creases(pattern: FoldedPattern, look: Drawing) -> Panel:
+def creases(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the crease pattern."""
     kinds = pattern.creases.edges_assignment
     lines = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
@@ -113,7 +129,7 @@ SIDES = [
 ]
 
 
-def front(pattern: FoldedPattern, look: Drawing) -> Panel:
+def front(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the folded sheet from the front, and where to cut."""
     rank = np.argsort(pattern.folded.layers)
     parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
@@ -125,8 +141,8 @@ def front(pattern: FoldedPattern, look: Drawing) -> Panel:
     return Panel([*drawn, cut], [Key("folded flat: the cut", stroke=CUT, width=BOLD), *SIDES])
 
 
-def apart(pattern: FoldedPattern, look: Drawing) -> Panel:
-    """Draw the layers apart along the spine, seen from the side."""
+def apart(pattern: FoldedPattern, look: LineStyle) -> Panel:
+    """Draw the layers apart, along the cut line, seen from the side."""
     rank = np.argsort(pattern.folded.layers)
     size = float(np.ptp(pattern.folded.vertices_coords, axis=0).max())
     step = 1.6 * size / len(rank)
@@ -147,7 +163,7 @@ def apart(pattern: FoldedPattern, look: Drawing) -> Panel:
     )
 
 
-def after(pattern: FoldedPattern, look: Drawing) -> Panel:
+def after(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw what unfolds after the cut."""
     aside = np.array([1.06 * pattern.sheet.width, 0.0])
     if pattern.sheet.width > pattern.sheet.height:
@@ -162,9 +178,10 @@ def after(pattern: FoldedPattern, look: Drawing) -> Panel:
     return Panel(drawn, keys)
 
 
-PANELS: dict[str, Callable[[FoldedPattern, Drawing], Panel]] = {
+PANELS: dict[str, Callable[[FoldedPattern, LineStyle], Panel]] = {
     "pattern": creases,
     "folded": front,
     "layers": apart,
     "pieces": after,
 }
+"""The pictures of a pattern, by name."""

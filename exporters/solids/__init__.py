@@ -1,1 +1,1 @@
-"""The scored sheet as a solid."""
+"""Exporters of the scored sheet as a solid."""

@@ -1,8 +1,8 @@
 """STEP: the scored sheet as one solid with plane faces, for CAD.
 
-Input: a ``FoldedPattern`` and a ``Profile`` with ``solid``; output: STEP AP214, mm. The mesh of ``solid`` has the
-geometry already, exact to rounding; its triangles in one plane become one face, and faces share edges and corners, so
-that nothing has to be cut or sewn. Needs the extra ``solids``.
+Input: a ``FoldedPattern`` and a ``Profile`` with ``solid``; output: STEP AP214, mm. The mesh of
+``scored_sheet`` has the geometry already, exact to rounding; its triangles in one plane become one face, and faces
+share edges and corners, so that nothing has to be cut or sewn. Needs the extra ``solids``.
 """
 
 from __future__ import annotations
@@ -18,15 +18,16 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern
 from foldcut.profiles import Profile
 
-from .solid import corners_and_triangles, needs, sheet_solid
+from .scored_sheet import corners_and_triangles, needs, sheet_solid
 
 FLAT_MM = (1e-6, 1e-8)
-"""Triangles are in one plane when their corners are this near to it; the finer is tried if the coarser will not do."""
+"""Triangles whose corners are this near to a plane lie in it; the second is tried if the first gives no valid solid."""
 
 NEAR_MM = 1e-7
-"""Corners further off are not on their face's plane, as Open CASCADE sees it (``Precision::Confusion``)."""
+"""Open CASCADE takes corners further away for off their face's plane (``Precision::Confusion``)."""
 
 Half = tuple[int, int]
+"""A half-edge: the corners from which and to which it goes."""
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
@@ -36,7 +37,7 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
 
     solid = step_solid(pattern, profile)
     out = io.BytesIO()
-    # curves on planes say nothing that the planes do not, and are two thirds of a file
+    # curves on planes repeat what the planes say, and would be two thirds of the file
     export_step(solid, out, write_pcurves=False, timestamp="2000-01-01T00:00:00")
     return out.getvalue()
 
@@ -50,14 +51,14 @@ def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
         if solid is not None:
             return solid
     points, triangles = corners_and_triangles(mesh)
-    solid = _valid_solid(points, triangles, np.arange(len(triangles)))  # these are plane in any case
+    solid = _valid_solid(points, triangles, np.arange(len(triangles)))  # a single triangle is always plane
     if solid is None:
         raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
     return solid
 
 
 def _valid_solid(points: Floats, triangles: Numbers, plane: Numbers) -> Any:
-    """Return the solid of faces in planes, or None: a face has no area, or Open CASCADE finds something wrong."""
+    """Return the solid, or None if a face has no area or Open CASCADE finds the solid invalid."""
     from build123d import Solid
 
     faces = plane_faces(triangles, plane)
@@ -69,7 +70,7 @@ def _valid_solid(points: Floats, triangles: Numbers, plane: Numbers) -> Any:
 
 
 def plane_faces(triangles: Numbers, plane: Numbers) -> list[list[list[int]]]:
-    """Return the outlines of triangles, ``(t, 3)``, in common planes, ``(t,)``: for each face its loops of corners."""
+    """Join triangles, ``(t, 3)``, that are in the same plane, ``(t,)``; return the loops of corners of each face."""
     triangle: dict[Half, int] = {}
     opposite: dict[Half, int] = {}
     for at, (a, b, c) in enumerate(triangles.tolist()):
@@ -92,7 +93,7 @@ def plane_faces(triangles: Numbers, plane: Numbers) -> list[list[list[int]]]:
             while half in left:
                 del left[half]
                 loop.append(half[0])
-                # around the end, through the face's triangles, to its next side
+                # turn about the end, through the face's triangles, to the next side
                 end, third = half[1], opposite[half]
                 while within((third, end)) == number:
                     third = opposite[third, end]
@@ -103,9 +104,9 @@ def plane_faces(triangles: Numbers, plane: Numbers) -> list[list[list[int]]]:
 
 
 def planes(points: Floats, faces: list[list[list[int]]]) -> tuple[Floats, Floats]:
-    """Return a place in the plane of every face, ``(f, 3)``, and its normal of length 1, or 0 for a face of no area.
+    """Return a place in the plane of each face, ``(f, 3)``, and its unit normal, or 0 for a face without area.
 
-    The first loop of a face becomes its outer one.
+    The loops of each face are reordered in place so that its outer one comes first.
     """
     loops = [loop for face in faces for loop in face]
     counts = np.array([len(loop) for loop in loops])
@@ -113,7 +114,7 @@ def planes(points: Floats, faces: list[list[list[int]]]) -> tuple[Floats, Floats
     corners = points[np.concatenate(loops)]
     centres = np.add.reduceat(corners, starts) / counts[:, None]
     spokes = corners - np.repeat(corners[starts], counts, axis=0)
-    # a loop's last spoke meets the next loop's first, which is 0, and so adds nothing
+    # the last spoke of a loop is paired with the first of the next, which is 0, and so adds nothing
     turns = np.append(np.cross(spokes[:-1], spokes[1:]), np.zeros((1, 3)), axis=0)
     normals = np.add.reduceat(turns, starts)
     sizes = np.linalg.norm(normals, axis=1)
@@ -129,7 +130,7 @@ def planes(points: Floats, faces: list[list[list[int]]]) -> tuple[Floats, Floats
 
 
 def max_off(points: Floats, faces: list[list[list[int]]], places: Floats, normals: Floats) -> float:
-    """Return how far, in mm, the corner that is furthest off its face's plane is."""
+    """Return the largest distance in mm between a corner and the plane of its face."""
     counts = [sum(map(len, face)) for face in faces]
     corners = points[[corner for face in faces for loop in face for corner in loop]]
     away = corners - np.repeat(places, counts, axis=0)
@@ -137,7 +138,7 @@ def max_off(points: Floats, faces: list[list[list[int]]], places: Floats, normal
 
 
 class _Builder:
-    """Makes plane faces that share edges and corners into a solid, by Open CASCADE itself: build123d would sew."""
+    """Makes a solid of plane faces that share edges and corners, with Open CASCADE itself: build123d would sew them."""
 
     def __init__(self, points: Floats) -> None:
         self.points = points.tolist()
@@ -145,7 +146,7 @@ class _Builder:
         self.edges: dict[Half, Any] = {}
 
     def solid(self, faces: list[list[list[int]]], places: Floats, normals: Floats) -> Any:
-        """Return the solid that faces enclose; their outer loops come first."""
+        """Return the solid that the faces enclose; the first loop of each is its outer one."""
         from OCP.BRep import BRep_Builder
         from OCP.TopoDS import TopoDS_Shell, TopoDS_Solid
 

@@ -10,7 +10,7 @@ import numpy as np
 from foldcut.core.model import FoldedPattern
 from foldcut.profiles import Profile
 
-from .solid import corners_and_triangles, sheet_solid
+from .scored_sheet import corners_and_triangles, sheet_solid
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:

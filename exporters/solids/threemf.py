@@ -13,7 +13,7 @@ from foldcut.profiles import Profile
 
 from ..bundle import zipped
 from ..text import number, printable
-from .solid import corners_and_triangles, sheet_solid
+from .scored_sheet import corners_and_triangles, sheet_solid
 
 CONTENT_TYPES = (
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
@@ -29,6 +29,7 @@ RELATIONSHIPS = (
 )
 CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 DECIMALS = 6
+"""Digits of a length in mm after the point."""
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:

@@ -1,8 +1,8 @@
 """One drawing of a batch, folded in a process of its own.
 
-A ``Task``, the bytes of a drawing, and a ``Recipe`` -> an ``Outcome``: the bytes of files, numbers about the pattern,
-or why there is none. ``work`` does it here; a ``Process`` has another interpreter do it, so that a drawing
-that takes too long, or takes the interpreter down, costs no more than itself. Nothing is written to files.
+A ``Task``, the bytes of a drawing, and a ``Recipe`` -> an ``Outcome``: the bytes of files and numbers about the
+pattern, or the reason why there is none. ``work`` does it in this process; a ``Process`` has another interpreter do it,
+so that a drawing that takes too long or crashes the interpreter spoils nothing else. No file is written here.
 """
 
 from __future__ import annotations
@@ -22,29 +22,37 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from foldcut.core.errors import BadInputError, FoldcutError, UnfoldableError
-from foldcut.exporters.pictures.contact import Thumbnail, thumbnail
+from foldcut.exporters.pictures.contact_sheet import Thumbnail, thumbnail
 from foldcut.output.render import JobOptions, Maker
 from foldcut.profiles import Profile
 from foldcut.readers import ReadOptions, read_shape
 
-__all__ = ["Outcome", "Process", "Recipe", "Task", "WorkerError", "work", "work_apart"]
+MADE = "made"
+"""The pattern is verified, and its files are there."""
 
-MADE, UNFOLDABLE, BAD_INPUT, TIMED_OUT, CRASHED, ERROR = (
-    "made",
-    "unfoldable",
-    "bad-input",
-    "timed-out",
-    "crashed",
-    "error",
-)
+UNFOLDABLE = "unfoldable"
+"""No method has a pattern for the drawing, or its creases are too short."""
+
+BAD_INPUT = "bad-input"
+"""The drawing cannot be read, or its name is too long for its files."""
+
+TIMED_OUT = "timed-out"
+"""The drawing took longer than the timeout, and its process was killed."""
+
+CRASHED = "crashed"
+"""The drawing's process died each time it was tried."""
+
+ERROR = "error"
+"""A mistake in foldcut: an exception that no stage raises on purpose."""
+
 ATTEMPTS = 2
-"""How often a drawing is tried whose process dies: the first time something else may have been the reason."""
+"""A drawing whose process dies is tried this often: the first time, something else may have been the reason."""
 
 START = "from foldcut.batch.worker import main; main()"
-"""Not ``-m``: classes of a module that is ``__main__`` do not unpickle elsewhere."""
+"""What a process runs. Not ``-m``: classes of a module that runs as ``__main__`` cannot be unpickled elsewhere."""
 
 ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""Linear algebra gets one thread in each process: the cores have work already, and sums keep their order."""
+"""Each process uses one thread for linear algebra: the cores are busy already, and sums keep their order."""
 
 
 class WorkerError(FoldcutError, RuntimeError):
@@ -55,8 +63,8 @@ class WorkerError(FoldcutError, RuntimeError):
 class Recipe:
     """What is done to every drawing of a batch.
 
-    ``fold``: keyword arguments of ``pipeline.fold``; ``endings`` of the files to make, such as ``(".dxf",)``, by
-    ``profile`` and ``job`` where it is for a machine.
+    ``fold``: keyword arguments of ``pipeline.fold``; ``endings``: those of the files to make, such as ``(".dxf",)``;
+    ``profile`` and ``job``: the machine they are for, if any, and the options of its job.
     """
 
     fold: Mapping[str, Any] = field(default_factory=dict)
@@ -67,14 +75,14 @@ class Recipe:
 
     @property
     def fingerprint(self) -> str:
-        """The same for equal recipes, in every process."""
+        """A hash that is the same for equal recipes, in every process."""
         parts = (sorted(self.fold.items()), self.reading, self.endings, self.profile, self.job)
         return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
 @dataclass(frozen=True)
 class Task:
-    """A drawing: its file's ``name``, with the suffix, its bytes, and ``stem``, what its files are called."""
+    """A drawing: the path of its file, its bytes, and the ``stem`` of the files made of it."""
 
     name: str
     stem: str
@@ -83,7 +91,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a drawing: ``status`` is "made", or says why ``files``, by name, are empty; lengths are in mm."""
+    """What came of a drawing: the ``files`` by name, or a ``status`` and an ``error`` that say why there are none."""
 
     status: str
     error: str = ""
@@ -97,7 +105,7 @@ class Outcome:
 
 
 def work(recipe: Recipe, task: Task) -> Outcome:
-    """Fold a drawing and make its files; whatever is wrong with it becomes the outcome's error."""
+    """Fold a drawing and make its files; whatever goes wrong becomes the outcome's error."""
     from foldcut import pipeline
 
     started = time.perf_counter()
@@ -132,14 +140,14 @@ def _failed(status: str, error: object, started: float) -> Outcome:
 
 
 class Process:
-    """A process that folds one drawing after the other; it is started when needed and ends with this one."""
+    """A process that folds one drawing after another; it starts when it is needed and ends with this one."""
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._cancelled = False
 
     def run(self, recipe: Recipe, task: Task, timeout: float) -> Outcome:
-        """Return what comes of a drawing; after ``timeout`` seconds that it takes too long, and its process is killed.
+        """Return the outcome of a drawing; after ``timeout`` seconds its process is killed.
 
         Raises WorkerError: no process starts.
         """
@@ -171,7 +179,7 @@ class Process:
         return _failed(CRASHED, f"{died}, {ATTEMPTS} times: a lack of memory, or a mistake in a library", started)
 
     def _started(self) -> subprocess.Popen[bytes]:
-        """Return a process that is ready."""
+        """Return the process, started and ready."""
         if self._process is None or self._process.poll() is not None:
             self.stop()
             places = [place or os.getcwd() for place in sys.path]
@@ -196,16 +204,16 @@ class Process:
         return self._process
 
     def cancel(self) -> None:
-        """End the process at once, whatever it does: for another thread than the one in ``run``."""
+        """End the process at once; called by another thread than the one that is in ``run``."""
         self._cancelled = True
         if self._process is not None:
             self._process.kill()
 
     def stop(self) -> None:
-        """End the process and leave nothing of it."""
+        """End the process, wait for its end, and close its pipes."""
         if self._process is not None:
             self._process.kill()
-            with self._process, suppress(OSError):  # which waits, and closes the pipes
+            with self._process, suppress(OSError):
                 pass
 
 
@@ -218,7 +226,7 @@ _here = threading.local()
 
 
 def work_apart(recipe: Recipe, task: Task, timeout: float) -> Outcome:
-    """Do ``work`` in a process that this thread keeps: what a cluster's workers run."""
+    """Do ``work`` in a process that this thread keeps; a cluster's workers run this."""
     if not hasattr(_here, "process"):
         _here.process = Process()
     process: Process = _here.process
@@ -226,14 +234,14 @@ def work_apart(recipe: Recipe, task: Task, timeout: float) -> Outcome:
 
 
 def main() -> None:
-    """Answer tasks on standard input with outcomes on standard output, until there are no more.
+    """Answer tasks from standard input with outcomes on standard output, until there are no more.
 
-    Standard input is read in a thread, which ends this process as soon as the other end is gone.
+    A thread reads standard input and ends this process as soon as the other end is gone.
     """
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints is no answer
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a library prints must not mix with answers
     tasks: queue.SimpleQueue[tuple[Recipe, Task]] = queue.SimpleQueue()
-    from foldcut import pipeline  # noqa: F401  # its second of imports is not the first drawing's
+    from foldcut import pipeline  # noqa: F401  # so that its second of imports does not count for the first drawing
 
     threading.Thread(target=_read_tasks, args=(sys.stdin.buffer, tasks), daemon=True).start()
     _answer(answers, None)

@@ -575,7 +575,7 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
 
 def _marks(text: str | None) -> tuple[str, ...]:
     """Return the names of marks; raises JobError for an unknown one."""
-    from foldcut.jobs.job import JobError
+    from foldcut.jobs.errors import JobError
     from foldcut.jobs.marks import DEFAULT_MARKS, MARKS
 
     if text is None:

@@ -1,1 +1,1 @@
-"""What a machine does with a pattern: operations, each with its polylines."""
+"""What a machine does to a sheet: ``job`` makes the steps, each with its polylines, for any machine and format."""

@@ -1,9 +1,8 @@
 """The test card of a machine: one sheet with scores and perforations in many settings, to fold and compare.
 
-``Profile`` -> ``Job``. Each row is a strip that hangs on the card by its left end and has a fold line across it, so
-that it can be folded by itself. The first rows are scores of more and more power, then come perforations with longer
-and longer dashes. A row's number is told by the ticks beside it. Each row is an operation of its own, with its own
-layer, colour and setting.
+``Profile`` -> ``Job``. Each row is a strip, free except at its left end, with a fold line across it, so that it can be
+folded by itself. First come scores of increasing power, then perforations with longer and longer dashes. The number of
+ticks at its left end is the row's number. Each row is a step of its own, with its own layer, colour and setting.
 """
 
 from __future__ import annotations
@@ -15,22 +14,38 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Sheet
-from foldcut.jobs.job import Job, Lay, Step, check_job, perforation, travel
+from foldcut.jobs.bed import Lay
+from foldcut.jobs.dashes import perforation
+from foldcut.jobs.job import Job, JobStep, check_job
+from foldcut.jobs.pen_path import travel
 from foldcut.profiles import Dash, Operation, Profile, Setting
 
-WIDTH_MM, ROW_MM, EDGE_MM, TICK_MM = 60.0, 14.0, 8.0, 2.0
+WIDTH_MM = 60.0
+"""The width of the card."""
+
+ROW_MM = 14.0
+"""The height of a row."""
+
+EDGE_MM = 8.0
+"""The margin above and below the rows; strips end this far from the right edge."""
+
+TICK_MM = 2.0
+"""The length of a tick."""
+
 POWERS = (0.5, 0.7, 0.85, 1.0, 1.2, 1.5)
-"""Parts of the profile's power for scores."""
+"""The power of each scored row, as a multiple of the profile's power for scores."""
+
 DASHES = ((0.5, 1.5), (0.5, 1.0), (1.0, 1.0), (1.0, 0.5), (2.0, 1.0), (2.0, 0.5))
-"""Dash and gap, as parts of the profile's for mountains."""
+"""Dash and gap of each perforated row, as multiples of the profile's for mountains."""
 
 Row = tuple[str, Setting | None, Dash | None]
+"""What a row is called, its setting, and its dashes; None: a score."""
 
 
 def make_coupon(profile: Profile, material: str | None = None) -> tuple[Job, list[str]]:
-    """Return the job of the test card for a material, the profile's first unless given, and what each row is.
+    """Return the job of the test card for a material, by default the profile's first, and what each row is.
 
-    Raises JobError: the card does not fit the bed, or the profile has no such material or is for drawings only.
+    Raises JobError: the card does not fit the bed, or the profile has no such material or is only for drawings.
     """
     height = 2 * EDGE_MM + ROW_MM * (len(POWERS) + len(DASHES))
     sheet = Sheet(WIDTH_MM, height, "test card")
@@ -51,7 +66,7 @@ def make_coupon(profile: Profile, material: str | None = None) -> tuple[Job, lis
         pen = profile.operations["mountain"].pen
         layer = f"{number:02d} {text}"
         steps.append(
-            Step(
+            JobStep(
                 "mountain",
                 Operation(layer=layer, colour=f"#{red:02x}{green:02x}{blue:02x}", pen=pen),
                 setting,
@@ -64,14 +79,14 @@ def make_coupon(profile: Profile, material: str | None = None) -> tuple[Job, lis
             np.array([[left, y - ROW_MM / 3 + n * 0.7], [left + TICK_MM, y - ROW_MM / 3 + n * 0.7]])
             for n in range(number)
         ]
-    steps.insert(0, Step("mark", profile.operations["mark"], stuff.mark, tuple(marks)))
+    steps.insert(0, JobStep("mark", profile.operations["mark"], stuff.mark, tuple(marks)))
     cuts = [
         np.array([[1.5 * EDGE_MM, y], [WIDTH_MM - EDGE_MM, y]])
         for y in height - EDGE_MM - ROW_MM * np.arange(len(rows) + 1)
     ]
     slit = np.array([[WIDTH_MM - EDGE_MM, EDGE_MM], [WIDTH_MM - EDGE_MM, height - EDGE_MM]])
     outline = np.concatenate([sheet.corners, sheet.corners[:1]])
-    steps.append(Step("cut", profile.operations["cut"], stuff.cut, (*cuts, slit, outline)))
+    steps.append(JobStep("cut", profile.operations["cut"], stuff.cut, (*cuts, slit, outline)))
     lay = Lay.on(sheet, profile.bed)
     laid = tuple(replace(step, strokes=tuple(map(lay.place, step.strokes))) for step in steps)
     way = travel([step.strokes for step in laid], np.zeros(2))

@@ -1,7 +1,7 @@
-"""Marks that a job may have besides its creases: what they are called, and the lines that they are drawn with.
+"""Marks that a job may have besides its creases: their names, and the lines they are drawn with.
 
-``FoldedPattern`` -> polylines in mm on the pattern's sheet. Text is in the single strokes of Hershey's fonts, so that a
-pen or a laser can follow it.
+``FoldedPattern`` -> polylines, ``(n, 2)`` mm, on the pattern's sheet. Text is made of the single strokes of Hershey's
+fonts, so that a pen or a laser can follow it.
 """
 
 from __future__ import annotations
@@ -23,35 +23,46 @@ from foldcut.pattern.face_maps import fold_faces, folded_edges
 from foldcut.pattern.straight_lines import straight_lines
 
 TOUCHING = 1e-9
-"""Places this near, relative to the sheet's diagonal, are one."""
+"""Places this close together, relative to the sheet's diagonal, are one."""
 
-TEXT_MM, NUMBER_MM = 4.0, 2.5
-"""How high titles and numbers are."""
+TEXT_MM = 4.0
+"""The height of titles."""
+
+NUMBER_MM = 2.5
+"""The height of numbers."""
 
 INSET_MM = 6.0
-"""How far from the sheet's edges titles and rulers are."""
+"""The distance of titles and rulers from the sheet's edges."""
 
 RULER_MM = 100.0
+"""The length of the ruler on a sheet that is wide enough."""
+
 CORNER_MARK_MM = 5.0
 """The length of the corner marks that line the back up with the front."""
 
 ARROW_MM = 4.0
+"""The length of the arrowheads at the ends of first folds."""
+
 SHORTEST_NUMBERED_MM = 8.0
+"""Shorter lines of creases have no number beside them."""
 
 HOLES_MM = {"holes": 3.0, "pins": 1.0}
-"""The diameter of registration holes: for pegs, and for needles."""
+"""The diameter of registration holes: for pegs, and for pins."""
 
 HOLE_INSET_MM = 8.0
+"""The distance of the centres of registration holes from the sheet's edges."""
+
 HOLE_CORNERS = 24
+"""The number of corners of the polygon that is cut for a round hole."""
 
 
 def outline(pattern: FoldedPattern) -> list[Floats]:
-    """Where the cut will be on the flat sheet: the shape's loops."""
+    """Return the loops of the shape: where the cut will be on the flat sheet."""
     return [np.concatenate([loop, loop[:1]]) for loop in pattern.shape.loops]
 
 
 def first_folds(pattern: FoldedPattern) -> list[Floats]:
-    """Arrowheads at the ends of the lines that are folded first, pointing at the sheet's edge."""
+    """Return arrowheads at both ends of each line that is folded first, pointing at the sheet's edge."""
     arrows = []
     for line in pattern.first_folds:
         for end, other in (line, line[::-1]):
@@ -63,20 +74,20 @@ def first_folds(pattern: FoldedPattern) -> list[Floats]:
 
 
 def cut_line(pattern: FoldedPattern) -> list[Floats]:
-    """The parts of the outline that are seen on the folded sheet, from the front or the back: where to cut there."""
+    """Return the parts of the outline that can be seen on the folded sheet, from front or back: where to cut."""
     creases = pattern.creases
     tolerance = TOUCHING * pattern.sheet.diagonal
     maps = fold_faces(creases, edge_faces(creases))
     pieces, faces, landed = fold_boundary(creases, maps, pattern.shape, tolerance)
     longest = int(np.hypot(*(landed[:, 1] - landed[:, 0]).T).argmax())
     line = landed[longest, 1] - landed[longest, 0]
-    x = (landed - landed[longest, 0]) @ line / math.hypot(*line)  # all of them land on one line
+    x = (landed - landed[longest, 0]) @ line / math.hypot(*line)  # all land on one line
     places = np.unique(np.round(x / tolerance)) * tolerance
     low, high = (np.searchsorted(places, ends - tolerance / 2) for ends in (x.min(axis=1), x.max(axis=1)))
     rank = np.argsort(pattern.folded.layers)[faces]
     seen: list[Floats] = []
     for order in (np.argsort(rank), np.argsort(-rank)):
-        shown = np.full(len(places) - 1, -1)  # between places, the piece that covers all before it
+        shown = np.full(len(places) - 1, -1)  # by interval between places: the topmost piece so far
         for piece in order.tolist():
             shown[low[piece] : high[piece]] = piece
         edges = np.flatnonzero(np.diff(shown, prepend=-2, append=-2))
@@ -89,9 +100,10 @@ def cut_line(pattern: FoldedPattern) -> list[Floats]:
 
 
 def pressing_order(pattern: FoldedPattern) -> tuple[list[Floats], list[Floats]]:
-    """Return the first folds, and the lines of creases to press after them, the longest first; ``(2, 2)`` mm each.
+    """Return the first folds, and the lines of creases to press after them, longest first; ``(2, 2)`` mm each.
 
-    Of what is folded through several layers only the line to the right of, or above, the first folds is there.
+    A crease pressed through several layers is several lines on the flat sheet; only the one to the right of the first
+    folds, or above them, is listed.
     """
     creases = pattern.creases
     edges = creases.edges_vertices[folded_edges(creases)].tolist()
@@ -103,9 +115,9 @@ def pressing_order(pattern: FoldedPattern) -> tuple[list[Floats], list[Floats]]:
 
 
 def numbers(pattern: FoldedPattern) -> list[Floats]:
-    """A number beside each line of creases, in the order to press them: first folds, then the longest.
+    """Return a number beside each line of creases, in ``pressing_order``.
 
-    What is folded through several layers has its number on the one to the right of, or above, the first folds.
+    Lines shorter than ``SHORTEST_NUMBERED_MM`` count but have no number.
     """
     firsts, rest = pressing_order(pattern)
     strokes = []
@@ -120,7 +132,7 @@ def numbers(pattern: FoldedPattern) -> list[Floats]:
 
 
 def title(pattern: FoldedPattern) -> list[Floats]:
-    """The title in the sheet's upper left corner, as much of it as has room."""
+    """Return as much of the title as fits into the upper left corner of the sheet."""
     words = pattern.title
     while words:
         strokes = text(words, TEXT_MM, (INSET_MM, pattern.sheet.height - INSET_MM - TEXT_MM))
@@ -131,7 +143,7 @@ def title(pattern: FoldedPattern) -> list[Floats]:
 
 
 def ruler(pattern: FoldedPattern) -> list[Floats]:
-    """A ruler of 100 mm, or what there is room for, along the sheet's lower edge, to see that the size is true."""
+    """Return a ruler along the sheet's lower edge, to check the size: 100 mm, or as much as fits."""
     length = min(RULER_MM, 10 * math.floor((pattern.sheet.width - 2 * INSET_MM - 20) / 10))
     if length <= 0:
         return []
@@ -150,11 +162,14 @@ MARKS: dict[str, Callable[[FoldedPattern], list[Floats]]] = {
     "title": title,
     "ruler": ruler,
 }
+"""The marks that can be asked for, by name."""
+
 DEFAULT_MARKS = ("outline", "first-folds")
+"""The marks of a job unless others are asked for."""
 
 
 def corner_marks(sheet: Sheet) -> list[Floats]:
-    """An L in each corner of the sheet but the upper right, which shows how the sheet lies."""
+    """Return an L in each corner of the sheet except the upper right, which shows how the sheet lies."""
     inset, size = CORNER_MARK_MM / 2, CORNER_MARK_MM
     marks = []
     for x, y, right, up in ((0.0, 0.0, 1, 1), (sheet.width, 0.0, -1, 1), (0.0, sheet.height, 1, -1)):
@@ -164,7 +179,7 @@ def corner_marks(sheet: Sheet) -> list[Floats]:
 
 
 def holes(sheet: Sheet, diameter: float) -> list[Floats]:
-    """Three round holes, closed, in all corners of the sheet but the upper right."""
+    """Return a round hole, closed, in each corner of the sheet except the upper right."""
     angle = np.linspace(0.0, 2 * np.pi, HOLE_CORNERS + 1)
     circle = diameter / 2 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     circle[-1] = circle[0]
@@ -174,7 +189,7 @@ def holes(sheet: Sheet, diameter: float) -> list[Floats]:
 
 
 def crosses(sheet: Sheet, size: float) -> list[Floats]:
-    """Crosses where ``holes`` are."""
+    """Return crosses at the centres of ``holes``."""
     lines = []
     for hole in holes(sheet, size):
         centre = hole[:-1].mean(axis=0)
@@ -183,13 +198,13 @@ def crosses(sheet: Sheet, size: float) -> list[Floats]:
 
 
 def text(words: str, height: float, at: tuple[float, float] = (0.0, 0.0)) -> list[Floats]:
-    """Text as polylines, ``height`` mm high, from a place on to the right; what has no strokes is left out."""
+    """Return text as polylines, ``height`` mm high, to the right of a place; letters the font lacks are left out."""
     return [np.array(stroke, dtype=np.float64) + np.array(at) for stroke in _font(height).strokes_for_text(words)]
 
 
 @cache
 def _font(height: float) -> Any:
-    """Return Hershey's plain font in a size; reading it takes longer than most texts."""
+    """Return Hershey's plain font at a height; cached, since reading it takes longer than setting most texts."""
     from HersheyFonts import HersheyFonts
 
     font = HersheyFonts()
@@ -204,11 +219,11 @@ def _turned(stroke: Floats, along: Floats) -> Floats:
 
 
 def _on_sheet(strokes: Iterable[Floats], sheet: Sheet) -> list[Floats]:
-    """Leave out strokes that reach over the sheet's edge."""
+    """Return the strokes that lie wholly on the sheet."""
     return [s for s in strokes if s.min() >= 0 and s[:, 0].max() <= sheet.width and s[:, 1].max() <= sheet.height]
 
 
 def _in_front(line: Floats, first: Floats) -> bool:
-    """Whether a line is, at least partly, to the right of or above a line that is folded first."""
+    """Return whether a line is, at least in part, to the right of a vertical first fold or above a horizontal one."""
     across = 0 if first[0, 0] == first[1, 0] else 1
     return bool(line[:, across].max() > first[0, across] + 1e-6)

@@ -1,1 +1,1 @@
-"""The files of a finished pattern: their bytes, and how they are written."""
+"""The files of a finished pattern: ``render`` makes their bytes, ``atomic`` writes them."""

@@ -1,9 +1,9 @@
-"""Write files so that each is either complete or untouched.
+"""Writes files so that each is either complete or untouched.
 
-Every file first goes to a temporary name in its own folder, is flushed to the disk, and only when all are
-there are they moved into place. Whatever happens before that, an interrupt included, leaves nothing behind; signals
-wait while files are moved, so that all are new or all are old. Only SIGKILL or a crash can leave a temporary file,
-``.foldcut-*.tmp``; whoever writes into that folder an hour later removes it.
+Every file is first written under a temporary name in its own folder and flushed to the disk; only when all are there
+are they moved into place. Whatever goes wrong before that, an interrupt included, leaves nothing behind. Signals wait
+while files are moved, so that all are new or all are old. Only SIGKILL or a crash can leave a temporary file,
+``.foldcut-*.tmp``; the next write into that folder removes it once it is an hour old.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ import os
 import secrets
 import signal
 import stat
+import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -23,17 +24,18 @@ from foldcut.core.errors import FileFormatError
 
 
 class OutputError(FileFormatError):
-    """A file cannot be written where it was asked for."""
+    """A file cannot be written to the place that was asked for."""
 
 
 STALE_S = 3600.0
-"""A temporary file older than this was left behind by a process that was killed."""
+"""A temporary file older than this, in seconds, was left behind by a process that was killed."""
 
 _HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name)]
+"""The signals that wait while files are moved."""
 
 _REMEDIES = {
     errno.ENOENT: "its folder does not exist; create it first",
-    errno.ENOTDIR: "part of its path is no folder; choose another place",
+    errno.ENOTDIR: "part of its path is not a folder; choose another place",
     errno.EACCES: "the folder is not writable; change its permissions or choose another place",
     errno.EPERM: "the folder is not writable; change its permissions or choose another place",
     errno.EROFS: "the folder is not writable; choose another place",
@@ -41,13 +43,14 @@ _REMEDIES = {
     errno.EDQUOT: "the disk quota is used up; make room and try again",
     errno.ENAMETOOLONG: "its name is too long; choose a shorter one",
 }
+"""What a message says about an error of the system, and what to do."""
 
 
 def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
-    """Raise where a file could not be written, before any long work; only the disk may still be full.
+    """Check, before any long work, that files can be written; a full disk is found out only later.
 
-    Raises OutputError: a folder is missing or not writable, a path is a folder, two are the same, or, without
-    ``replace``, one is there already.
+    Raises OutputError: a folder is missing or not writable, a path is a folder, two paths are the same, or, without
+    ``replace``, a file exists already.
     """
     seen = set()
     for path in paths:
@@ -57,10 +60,11 @@ def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
         seen.add(target)
         with _explained(path):
             if target.exists() and not target.is_file():
-                what = "a folder" if target.is_dir() else "no regular file"
+                what = "a folder" if target.is_dir() else "not a regular file"
                 raise OutputError(f"cannot write {path}: it is {what}; give a file name")
             if target.exists() and not replace:
-                raise OutputError(f"cannot write {path}: it is there already; replace it with --force, or rename one")
+                remedy = "replace it with --force, or choose another name"
+                raise OutputError(f"cannot write {path}: it is there already; {remedy}")
             folder = os.stat(target.parent)
             if not stat.S_ISDIR(folder.st_mode):
                 raise OSError(errno.ENOTDIR, "")
@@ -69,19 +73,19 @@ def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
 
 
 def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> None:
-    """Write all files; with ``replace`` also over what is there. If one cannot be written, none is.
+    """Write all files, or none if one cannot be written; ``replace`` allows existing files to be replaced.
 
-    A replaced file keeps its permissions, and a link is followed. Only a failure while the finished files
-    are moved into place, one after the other, can leave some new and some old; each one is whole even then.
+    A replaced file keeps its permissions, and links are followed. Only a failure while the finished files are moved
+    into place, one after the other, can leave some new and some old; even then each of them is whole.
 
-    Raises OutputError: a file cannot be written; the message says which, why and what to do.
+    Raises OutputError: a file cannot be written; the message says which one, why, and what to do.
     """
     check_targets(contents, replace=replace)
     moves: list[tuple[Path, Path, Path]] = []
     try:
         for path, data in contents.items():
             target = _resolved(path)
-            # A short name of its own: one as long as the target's plus an ending might be too long.
+            # A short name: the target's own plus an ending might be too long.
             temporary = target.with_name(f".foldcut-{secrets.token_hex(8)}.tmp")
             moves.append((path, temporary, target))
             with _explained(path):
@@ -99,7 +103,7 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> Non
 
 
 def _remove_stale(folder: Path) -> None:
-    """Remove what a killed process left behind; what cannot be removed stays."""
+    """Remove what killed processes left behind; what cannot be removed stays."""
     for left in folder.glob(".foldcut-" + "[0-9a-f]" * 16 + ".tmp"):
         with suppress(OSError):
             if time.time() - left.stat().st_mtime > STALE_S:
@@ -108,7 +112,7 @@ def _remove_stale(folder: Path) -> None:
 
 @contextmanager
 def _signals_wait() -> Iterator[None]:
-    """Let signals wait until the block is done, where they can be caught at all; then their handlers run."""
+    """Let signals wait until the block is done, and then run their handlers; only the main thread can."""
     came: list[int] = []
 
     def remember(number: int, frame: FrameType | None) -> None:
@@ -116,7 +120,7 @@ def _signals_wait() -> Iterator[None]:
 
     before = {}
     try:
-        with suppress(ValueError):  # not the main thread, where no signal is handled
+        if threading.current_thread() is threading.main_thread():  # no other is interrupted by signals
             for number in _HELD:
                 before[number] = signal.signal(number, remember)
         yield
@@ -128,7 +132,7 @@ def _signals_wait() -> Iterator[None]:
 
 
 def _write_flushed(path: Path, data: bytes, like: Path) -> None:
-    """Create ``path`` with ``data`` on the disk, with the permissions of ``like`` if that exists."""
+    """Create ``path`` with ``data``, flushed to the disk, and with the permissions of ``like`` if that exists."""
     with path.open("xb") as file:
         if like.exists():
             os.chmod(path, stat.S_IMODE(like.stat().st_mode))
@@ -138,7 +142,7 @@ def _write_flushed(path: Path, data: bytes, like: Path) -> None:
 
 
 def _resolved(path: Path) -> Path:
-    """Return where ``path`` leads, links followed."""
+    """Return where ``path`` leads when links are followed."""
     return Path(os.path.realpath(path))
 
 

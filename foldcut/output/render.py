@@ -1,4 +1,4 @@
-"""The files of a finished pattern: of the pattern itself, and of the job that a machine does.
+"""Renders the files of a finished pattern: those of the pattern itself, and those of jobs for machines.
 
 A ``FoldedPattern``, a profile and ``JobOptions`` -> the names and bytes of files. Nothing is written here.
 """
@@ -10,7 +10,8 @@ from pathlib import Path
 
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import JOB_EXPORTERS, export, export_job
-from foldcut.jobs.job import Job, Registration, Side, make_jobs
+from foldcut.jobs.bed import Side
+from foldcut.jobs.job import Job, Registration, make_jobs
 from foldcut.jobs.marks import DEFAULT_MARKS
 from foldcut.profiles import Profile, Treatment
 
@@ -19,7 +20,7 @@ __all__ = ["JobOptions", "Maker"]
 
 @dataclass(frozen=True)
 class JobOptions:
-    """What ``make_jobs`` is told beside the pattern and the profile."""
+    """The options of ``make_jobs`` beside the pattern and the profile."""
 
     material: str | None = None
     treatment: Treatment | None = None
@@ -29,21 +30,21 @@ class JobOptions:
     tile: bool = False
 
     def sides(self, path: Path) -> dict[Side, Path]:
-        """Return the files that ``path`` becomes: one, or one for the front and one for the back."""
+        """Return the files that ``path`` stands for: one, or one for the front and one for the back."""
         if not self.two_sided or path.suffix.lower() not in JOB_EXPORTERS:
             return {"both": path}
         return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
 
 
 class Maker:
-    """Makes files of a pattern; ``jobs`` are those that were needed so far, by side."""
+    """Makes the files of a pattern; ``jobs``: those needed so far, by side."""
 
     def __init__(self, pattern: FoldedPattern, profile: Profile | None, options: JobOptions) -> None:
         self.pattern, self.profile, self.options = pattern, profile, options
         self.jobs: dict[Side, Job] = {}
 
     def files(self, path: Path) -> dict[Path, bytes]:
-        """Return the bytes of each file that ``path`` becomes; its ending is the format.
+        """Return the bytes of each file that ``path`` stands for; its ending says the format.
 
         Raises FileFormatError and JobError, as exporters do.
         """

@@ -21,12 +21,15 @@ from PIL import Image
 
 from foldcut import pipeline
 from foldcut.batch import run as batches
-from foldcut.batch.run import JOURNAL, RESULTS, Batch, find_drawings, run_batch
+from foldcut.batch.drawings import find_drawings
+from foldcut.batch.journal import JOURNAL
+from foldcut.batch.results import RESULTS
+from foldcut.batch.run import Batch, run_batch
 from foldcut.batch.worker import Outcome, Process, Recipe, Task, WorkerError, work
 from foldcut.cli.main import main
 from foldcut.core.errors import BadInputError
 from foldcut.exporters.pattern.png import rendered
-from foldcut.exporters.pictures.contact import Thumbnail, contact_sheet
+from foldcut.exporters.pictures.contact_sheet import Thumbnail, contact_sheet
 from foldcut.output.atomic import OutputError
 from foldcut.output.render import JobOptions
 from foldcut.profiles import load_profile

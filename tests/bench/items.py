@@ -16,7 +16,8 @@ import numpy as np
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS, export, export_job
-from foldcut.jobs.job import Job, Lay, make_jobs, steps_of
+from foldcut.jobs.bed import Lay
+from foldcut.jobs.job import Job, make_jobs, steps_of
 from foldcut.profiles import load_profile
 from foldcut.proof.verify import verify
 

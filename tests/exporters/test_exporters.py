@@ -28,7 +28,6 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
 from foldcut.exporters.pattern.fold import face_orders, overlapping_faces
-from foldcut.jobs.job import mountain_pieces, valley_pieces
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_names, sample_path
@@ -252,7 +251,7 @@ def test_faces_at_a_glance_are_never_more_than_there_are(seed: int) -> None:
 
 
 def test_too_many_overlaps_are_seen_without_comparing_faces(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("foldcut.exporters.pattern.fold._wholly_outside", None)
+    monkeypatch.setattr("foldcut.exporters.pattern.fold.wholly_outside", None)
     assert overlapping_faces(letter_fold(), 2) is None
 
 
@@ -321,32 +320,6 @@ def test_svg_has_no_styles_that_machines_drop() -> None:
     data = export(letter_fold(), ".svg")
     for word in (b"stroke-dasharray", b"transform", b"<style", b"class="):
         assert word not in data
-
-
-@pytest.mark.parametrize("length", [0.01, 1.0, 2.9, 3.1, 5.0, 7.3, 12.0, 100.0, 297.0])
-@pytest.mark.parametrize("pieces_of", [valley_pieces, mountain_pieces])
-def test_dashes_have_ink_at_both_ends_and_run_along_the_crease(pieces_of: object, length: float) -> None:
-    line = np.array([[10.0, 20.0], [10.0 + 0.6 * length, 20.0 + 0.8 * length]])
-    pieces = pieces_of(line, PLAIN)
-    assert pieces[0, 0].tolist() == line[0].tolist()
-    assert pieces[-1, 1].tolist() == line[1].tolist()
-    along = (pieces - line[0]) @ [0.6, 0.8]
-    assert (np.diff(along.ravel()) > 0).all()
-    assert_allclose((pieces - line[0]) @ [-0.8, 0.6], 0, atol=1e-12)
-
-
-def test_dashes_are_stretched_by_less_than_the_eye_sees() -> None:
-    for length in np.linspace(20, 60, 41):
-        line = np.array([[0.0, 0.0], [length, 0.0]])
-        dashes = np.diff(valley_pieces(line, PLAIN)[..., 0], axis=1)
-        assert_allclose(dashes, PLAIN.dash_mm, rtol=0.15)
-
-
-def test_mountains_alternate_dash_and_dot() -> None:
-    line = np.array([[0.0, 0.0], [40.0, 0.0]])
-    lengths = np.diff(mountain_pieces(line, PLAIN)[..., 0], axis=1).ravel()
-    assert (lengths[0::2] > 5 * lengths[1]).all()
-    assert_allclose(lengths[1::2], lengths[1])
 
 
 @pytest.mark.parametrize("size", [(15, 15), (40, 40), (59, 80), (60, 60), (61, 500), (210, 297), (2000, 100)])

@@ -17,8 +17,9 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters.pictures.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
-from foldcut.methods.disks.method import DiskStages, fold
+from foldcut.methods.disks.method import DiskStages
 from foldcut.methods.disks.molecules import Kind
+from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
 
@@ -93,7 +94,7 @@ def test_all_panels_are_on_one_picture_and_png_has_its_size(tmp_path: Path) -> N
 
 
 def test_unknown_pictures_and_formats_are_errors(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(BadInputError, match=r"no picture 'x'; choose of pattern, folded, layers, pieces, "):
+    with pytest.raises(BadInputError, match=r"no picture 'x'; choose from pattern, folded, layers, pieces, "):
         draw(folded("ring"), ["x"], load_profile())
     assert main(["draw", "ring", "--show", "x"]) == 2
     assert main(["draw", "ring", "-o", str(tmp_path / "a.dxf")]) == 2

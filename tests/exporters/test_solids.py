@@ -17,8 +17,8 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import check_suffix, export
 from foldcut.exporters.solids import step
-from foldcut.exporters.solids.solid import sheet_solid
-from foldcut.jobs.job import JobError
+from foldcut.exporters.solids.scored_sheet import sheet_solid
+from foldcut.jobs.errors import JobError
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path

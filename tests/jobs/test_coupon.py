@@ -9,7 +9,7 @@ import shapely
 
 from foldcut.exporters import export_job
 from foldcut.jobs.coupon import DASHES, POWERS, make_coupon
-from foldcut.jobs.job import JobError
+from foldcut.jobs.errors import JobError
 from foldcut.profiles import load_profile, profile_names
 
 

@@ -155,9 +155,9 @@ def test_targets_that_cannot_be_written_are_named_with_the_remedy(tmp_path: Path
     (tmp_path / "link").symlink_to("file")
     cases = {
         "its folder does not exist; create it first": [tmp_path / "missing" / "a"],
-        "part of its path is no folder": [tmp_path / "file" / "a"],
+        "part of its path is not a folder": [tmp_path / "file" / "a"],
         "it is a folder; give a file name": [tmp_path],
-        "it is no regular file": [Path(os.devnull)],
+        "it is not a regular file": [Path(os.devnull)],
         "its name is too long": [tmp_path / ("a" * 300)],
         "is named twice": [tmp_path / "file", tmp_path / "link"],
     }

@@ -132,7 +132,7 @@ def failures(made: Batch) -> Sequence[dict[str, str]]:
 
 def lines(made: Batch, out: Path) -> list[str]:
     """Return the report as text: counts, the first failures, and what was written."""
-    from foldcut.batch.run import RESULTS
+    from foldcut.batch.results import RESULTS
 
     failed = failures(made)
     counts = ", ".join(f"{count} {status}" for status, count in made.counts.items())

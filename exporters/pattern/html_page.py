@@ -1,7 +1,7 @@
-"""HTML: one page to look at a pattern, to fold it and to cut it, with nothing loaded from anywhere.
+"""HTML: a page on which to look at a pattern, fold it and cut it; it loads nothing from anywhere.
 
-Input: a ``FoldedPattern``; output: ``page.html`` with the pattern as JSON in it. Both ends of its fold slider are the
-verified states; what is shown in between is an approximation, and the page says how far lengths are off.
+Input: a ``FoldedPattern``; output: ``page.html`` with the pattern in it as JSON. At both ends of its fold slider it
+shows the verified states; in between it shows an approximation, and says how far lengths are off.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from importlib.resources import files
 from foldcut.core.model import FoldedPattern
 from foldcut.profiles import Profile
 
-DIGITS = 6  # of a millimetre: a nanometre
+DIGITS = 6
+"""Digits of a length in mm after the point: nanometres."""
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
-    """Return a page that shows ``pattern``; nothing in it depends on the profile."""
+    """Return a page that shows ``pattern``; nothing on it depends on the profile."""
     creases, folded = pattern.creases, pattern.folded
     data = {
         "title": pattern.title,

@@ -1,8 +1,8 @@
 """The contact sheet: one picture with a thumbnail and the name of every pattern of a batch.
 
-``thumbnail``: a ``FoldedPattern`` -> a few hundred numbers at most, which a batch keeps until all patterns are made.
-``contact_sheet``: names and thumbnails -> SVG 1.1, one user unit is 1 mm. Mountains are dash-dotted and red, valleys
-dashed and blue, the shape is yellow, as in ``pictures``; a line below says so.
+``thumbnail``: a ``FoldedPattern`` -> a few hundred numbers, small enough for a batch to keep until all patterns are
+made. ``contact_sheet``: names and thumbnails -> SVG 1.1, one user unit is 1 mm. Mountains are dash-dotted and red,
+valleys dashed and blue, the shape is yellow, as in ``pictures``; a line at the bottom says so.
 """
 
 from __future__ import annotations
@@ -17,31 +17,48 @@ import svgwrite
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
-from foldcut.profiles import Drawing
+from foldcut.profiles import LineStyle
 
 from ..pattern.svg import path_data, shortened
 from ..text import number, printable
 
 GRID = 1000
-"""A thumbnail's longer side has so many steps: all of its coordinates are whole numbers."""
+"""A thumbnail's coordinates are whole numbers, from 0 to this along its longer side."""
 
-MOST_CREASES, MOST_POINTS = 300, 600
-"""A thumbnail has the longest creases only, and of an outline evenly chosen corners; there is no room for more."""
+MOST_CREASES = 300
+"""A thumbnail shows only the longest creases, at most this many: there is no room for more."""
 
-THUMBNAIL_MM, CELL_MM, CAPTION_MM = 40.0, 46.0, 2.4
+MOST_POINTS = 600
+"""A thumbnail's outlines have at most this many corners, chosen evenly."""
+
+THUMBNAIL_MM = 40.0
+"""The length of a thumbnail's longer side."""
+
+CELL_MM = 46.0
+"""The width of the cell around a thumbnail; it is higher by the caption."""
+
+CAPTION_MM = 2.4
+"""The size of captions."""
 
 DASHES = 0.3
-"""How long dashes are on a thumbnail, as a part of what they are on a sheet in true size."""
+"""The length of dashes on a thumbnail, as a fraction of their length on a sheet at true size."""
 
-STROKE_MM, SAMPLE_MM, KEY_MM = 0.12, 5.0, 20.0
-"""How wide creases are; how long a sample of the legend is, and the room for it and its word."""
+STROKE_MM = 0.12
+"""The width of creases."""
+
+SAMPLE_MM = 5.0
+"""The length of a sample line in the legend."""
+
+KEY_MM = 20.0
+"""The room for a sample line and its word."""
 
 TEXT = {"font_size": number(CAPTION_MM), "font_family": "sans-serif", "fill": "#222222"}
+"""The attributes of words."""
 
 
 @dataclass(frozen=True)
 class Thumbnail:
-    """A pattern on a grid, y down: ``width`` and ``height`` of its sheet, and path data."""
+    """A pattern on a grid of whole numbers, y down: ``width`` and ``height`` of its sheet, and path data."""
 
     width: int
     height: int
@@ -51,7 +68,7 @@ class Thumbnail:
 
 
 def thumbnail(pattern: FoldedPattern) -> Thumbnail:
-    """Return what is seen of a pattern at the size of a stamp."""
+    """Return what can be seen of a pattern at the size of a stamp."""
     sheet, creases = pattern.sheet, pattern.creases
     scale = GRID / max(sheet.width, sheet.height)
 
@@ -74,11 +91,11 @@ def thumbnail(pattern: FoldedPattern) -> Thumbnail:
 
 
 def contact_sheet(
-    thumbnails: Sequence[tuple[str, Thumbnail]], title: str, look: Drawing
+    thumbnails: Sequence[tuple[str, Thumbnail]], title: str, look: LineStyle
 ) -> tuple[bytes, tuple[float, float]]:
-    """Return the SVG of all thumbnails in rows, each over its name, and its width and height in mm.
+    """Return an SVG of all thumbnails in rows, each above its name, and its width and height in mm.
 
-    ``look`` has the colours of creases, and their dashes in true size.
+    ``look``: the colours of creases, and their dashes at true size.
     """
     columns = max(1, math.ceil(math.sqrt(len(thumbnails))))
     rows = max(1, math.ceil(len(thumbnails) / columns))
@@ -120,8 +137,8 @@ def contact_sheet(
     return f'<?xml version="1.0" encoding="utf-8"?>\n{text}\n'.encode(), size
 
 
-def _styles(look: Drawing, scale: float) -> tuple[dict[str, str], dict[str, str]]:
-    """Return the attributes of mountains and of valleys in a picture that is drawn at a scale."""
+def _styles(look: LineStyle, scale: float) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the attributes of mountains and of valleys in a group that is drawn at a scale."""
     dash, gap, dot = (number(DASHES * length / scale) for length in (look.dash_mm, look.gap_mm, look.dot_mm))
     return (
         {"stroke": look.mountain_colour, "stroke_dasharray": f"{dash} {gap} {dot} {gap}"},

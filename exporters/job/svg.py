@@ -1,8 +1,8 @@
-"""SVG of a job, for lasers, cutters and plotters: one layer and one colour for each operation, in true size.
+"""SVG of a job, for lasers, cutters and plotters: one layer and one colour for each step, at true size.
 
 Input: a ``Job`` and a ``Profile``; output: SVG 1.1. One user unit is 1 mm, y points down, nothing is transformed; the
-drawing is as large as the sheet. Layers are Inkscape's, in the order of the job; AxiDraw reads order and pauses off
-their names, LightBurn, Glowforge, xTool and Cricut go by the colours.
+drawing is as large as the sheet. Layers are Inkscape's, in the order of the job; AxiDraw reads the order and pauses
+from their names, and LightBurn, Glowforge, xTool and Cricut tell steps by their colours.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator
 import svgwrite
 from svgwrite.extensions import Inkscape
 
-from foldcut.jobs.job import Job, Step
+from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Profile
 
 from ..pattern.svg import path_data, with_paths
@@ -45,8 +45,8 @@ def export(job: Job, profile: Profile) -> bytes:
     return with_paths(drawing, paths_of)
 
 
-def _paths(step: Step, height: float) -> Iterator[str]:
-    """Yield the path data of a step's strokes."""
+def _paths(step: JobStep, height: float) -> Iterator[str]:
+    """Yield the path data of each stroke of a step."""
     for stroke in step.strokes:
         closed = len(stroke) > 2 and bool((stroke[0] == stroke[-1]).all())
         points = [(x, height - y) for x, y in (stroke[:-1] if closed else stroke).tolist()]

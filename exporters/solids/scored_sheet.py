@@ -1,7 +1,8 @@
 """The scored sheet as a solid, with a V-shaped groove for each crease, mountains on top and valleys below.
 
 ``FoldedPattern`` and a ``Profile`` with ``solid`` -> a mesh in mm, z up, the sheet's lower left corner at (0, 0, 0).
-Grooves end in cones, so that those of a vertex meet without slivers; where grooves of both sides cross, a web is left.
+Grooves end in cones, so that those at a vertex meet without slivers. Where grooves of both sides cross, a web of
+material is left between them.
 Needs the extra ``solids``.
 """
 
@@ -15,22 +16,22 @@ import numpy as np
 from foldcut.core.arrays import Floats, Numbers
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern
-from foldcut.jobs.job import JobError
+from foldcut.jobs.errors import JobError
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.profiles import Profile, Solid
 
 CORNERS = 12
-"""Corners of the circle that stands for a cone."""
+"""The number of corners of the polygon that stands for the base of a cone."""
 
 
 def needs(package: str) -> None:
-    """Raise FileFormatError, naming the extra, unless ``package`` is installed."""
+    """Raise FileFormatError, which names the extra, unless ``package`` is installed."""
     if find_spec(package) is None:
         raise FileFormatError(f"solids need {package}: pip install 'foldcut[solids]'")
 
 
 def check_solid(profile: Profile) -> None:
-    """Raise what ``sheet_solid`` would for any pattern, before there is one."""
+    """Raise, before there is a pattern, what ``sheet_solid`` would for any."""
     needs("manifold3d")
     solid = profile.solid
     if solid is None:
@@ -46,7 +47,7 @@ def sheet_solid(pattern: FoldedPattern, profile: Profile) -> Any:
     """Return the scored sheet as a ``manifold3d.Manifold``.
 
     Raises JobError: the profile has no ``solid``, or its grooves leave no web. Raises FileFormatError: the extra is
-    missing, or what came out is not one solid.
+    missing, or the grooves cut the sheet into parts.
     """
     check_solid(profile)
     from manifold3d import Manifold, OpType
@@ -68,9 +69,9 @@ def sheet_solid(pattern: FoldedPattern, profile: Profile) -> Any:
 
 
 def _groove(line: Floats, solid: Solid, top: bool) -> Floats:
-    """Return the corners of a groove, ``(n, 3)``: two cones that stand on their tips, to be joined by their hull."""
+    """Return the corners of two cones that stand on their tips, ``(n, 3)``; the groove is their convex hull."""
     angle = np.arange(CORNERS) * 2 * np.pi / CORNERS
-    # as much above the sheet as it is deep: the surface itself must not lie in the sheet's
+    # as high above the sheet as it is deep, so that no face of the groove lies in the sheet's surface
     radius, depth = solid.groove_width_mm, solid.groove_depth_mm
     circle = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     surface, inwards = (solid.thickness_mm, -1.0) if top else (0.0, 1.0)
@@ -80,5 +81,5 @@ def _groove(line: Floats, solid: Solid, top: bool) -> Floats:
 
 
 def corners_and_triangles(mesh: Any) -> tuple[Floats, Numbers]:
-    """Return a ``manifold3d`` mesh's corners, ``(v, 3)`` mm, and its triangles, ``(t, 3)``, outwards."""
+    """Return the corners of a ``manifold3d`` mesh, ``(v, 3)`` mm, and its triangles, ``(t, 3)``, facing outwards."""
     return np.asarray(mesh.vert_properties, dtype=np.float64)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)

@@ -1,0 +1,104 @@
+"""The drawings of a batch: which files its inputs name, and what the files made of them are called.
+
+Folders, glob patterns and files -> an ``Item`` for each drawing, sorted, no two with the same stem.
+"""
+
+from __future__ import annotations
+
+import glob
+import hashlib
+import os
+import unicodedata
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from foldcut.batch.journal import JOURNAL
+from foldcut.batch.results import CONTACT_SHEET, RESULTS
+from foldcut.batch.worker import Task
+from foldcut.core.errors import BadInputError
+from foldcut.readers import READERS
+
+
+@dataclass(frozen=True)
+class Item:
+    """A drawing: its file, and its ``stem``, the name of the files made of it without an ending."""
+
+    path: Path
+    stem: str
+
+    def read(self, most: int) -> tuple[Task | None, str, str]:
+        """Return the drawing's task and the hash of its bytes, or None and what went wrong.
+
+        No more is read than it takes to see that the file has more than ``most`` bytes.
+        """
+        try:
+            with self.path.open("rb") as file:
+                data = file.read(most + 1)
+        except OSError as error:
+            return None, "", f"{self.path}: {error.strerror}; check the path and its permissions"
+        return Task(str(self.path), self.stem, data), hashlib.sha256(data).hexdigest(), ""
+
+
+def find_drawings(inputs: Sequence[str | Path], out: Path) -> list[Item]:
+    """Return the drawings that ``inputs`` name, sorted, without those in ``out``.
+
+    A stem is the file's name without its ending, in the folders below the input's. Where two files would share one, as
+    ``a.svg`` and ``a.dxf`` do, or ``A.svg`` and ``a.svg`` on a system that ignores case, both keep their endings, and
+    where even these are the same a number follows.
+
+    Raises BadInputError: an input does not exist, or there are no drawings.
+    """
+    found: dict[str, tuple[Path, Path]] = {}
+    ours = Path(os.path.abspath(out))
+    for text in map(str, inputs):
+        for path, relative in _matches(text):
+            absolute = Path(os.path.abspath(path))
+            if ours not in absolute.parents:
+                found.setdefault(str(absolute), (path, relative))
+    if not found:
+        raise BadInputError(f"{', '.join(map(str, inputs))}: there are no drawings; they end in {', '.join(READERS)}")
+    order = [found[absolute] for absolute in sorted(found, key=lambda absolute: (found[absolute][1], absolute))]
+    shared = Counter(_same_name(relative.with_suffix("").as_posix()) for _, relative in order)
+    taken = {_same_name(name) for name in (CONTACT_SHEET, Path(RESULTS).stem, Path(JOURNAL).stem)}
+    items = []
+    for path, relative in order:
+        stem = relative.with_suffix("").as_posix()
+        if shared[_same_name(stem)] > 1 or _same_name(stem) in taken:
+            stem = relative.as_posix()
+        unique, number = stem, 1
+        while _same_name(unique) in taken:
+            number += 1
+            unique = f"{stem}-{number}"
+        taken.add(_same_name(unique))
+        items.append(Item(path, unique))
+    return items
+
+
+def _matches(text: str) -> Iterator[tuple[Path, Path]]:
+    """Yield the drawings that one input names, and their paths relative to its folder."""
+    place = Path(text)
+    if place.is_dir():
+        for path in place.rglob("*"):
+            relative = path.relative_to(place)
+            if path.suffix.lower() in READERS and path.is_file() and not any(p.startswith(".") for p in relative.parts):
+                yield path, relative
+    elif place.exists():
+        yield place, Path(place.name)
+    elif glob.has_magic(text):
+        fixed = []
+        for part in place.parts[:-1]:
+            if glob.has_magic(part):
+                break
+            fixed.append(part)
+        for name in glob.iglob(text, recursive=True):
+            if (path := Path(name)).is_file():
+                yield path, path.relative_to(Path(*fixed))
+    else:
+        raise BadInputError(f"{text}: there is no such file or folder; give a folder, a file, or a pattern of names")
+
+
+def _same_name(text: str) -> str:
+    """Return a key that is equal for names that some system takes for the same file."""
+    return unicodedata.normalize("NFC", text).casefold()
