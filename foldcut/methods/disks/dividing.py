@@ -16,7 +16,6 @@ from foldcut.core.arrays import Floats, Ints, Numbers
 from foldcut.geometry.planar_graph import pair_keys
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import contains_point, signed_area
-from foldcut.methods.disks.boundary import touching_disks
 from foldcut.methods.disks.chains import (
     TURN,
     Chain,
@@ -30,6 +29,7 @@ from foldcut.methods.disks.chains import (
     places_of_disks,
     walk_from,
 )
+from foldcut.methods.disks.disk_pairs import touching_disks
 from foldcut.methods.disks.rolling import Candidate, GrowingDisks, RolledDisks, largest_first
 
 __all__ = ["NEARLY", "Divider"]

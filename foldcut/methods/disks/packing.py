@@ -24,8 +24,9 @@ from foldcut.core.compiled import COMPILED
 from foldcut.core.errors import UnfoldableError
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import signed_area
-from foldcut.methods.disks.boundary import BoundaryDisks, overlapping_disks
+from foldcut.methods.disks.boundary import BoundaryDisks
 from foldcut.methods.disks.chains import Chain, StuckError, flat
+from foldcut.methods.disks.disk_pairs import overlapping_disks
 from foldcut.methods.disks.dividing import NEARLY, Divider
 from foldcut.methods.disks.rolling import EQUAL, GrowingDisks, RolledOneByOne, RolledTogether
 

@@ -24,7 +24,8 @@ from foldcut.core.arrays import Floats, Ints, Ragged, index_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.geometry.tolerance import Tolerance
-from foldcut.methods.disks.boundary import boundary_disks, overlapping_disks
+from foldcut.methods.disks.boundary import boundary_disks
+from foldcut.methods.disks.disk_pairs import overlapping_disks
 from foldcut.methods.disks.layers import (
     face_outlines,
     facets_at_places,

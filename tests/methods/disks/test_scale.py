@@ -30,12 +30,13 @@ from foldcut.geometry import planar_graph as planar
 from foldcut.geometry.box_tree import LayerTree
 from foldcut.geometry.planar_graph import edge_faces, edge_lengths, edge_sides, half_edges
 from foldcut.geometry.tolerance import Tolerance
-from foldcut.methods.disks import boundary as boundary_module
 from foldcut.methods.disks import packing
-from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks, near_disks
+from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks
 from foldcut.methods.disks.chains import StuckError
+from foldcut.methods.disks.disk_pairs import near_disks
 from foldcut.methods.disks.dividing import NEARLY
 from foldcut.methods.disks.layers import fold_layers
+from foldcut.methods.disks.loops import distances_to_edges as nearest_edges
 from foldcut.methods.disks.molecules import build_molecules
 from foldcut.methods.disks.packing import Packing, fill_gaps
 from foldcut.methods.disks.rolling import EQUAL
@@ -227,7 +228,7 @@ def test_nearest_edges_are_those_of_all_pairs(seed: int) -> None:
     rng = np.random.default_rng(seed)
     starts = [np.array(star_shaped(rng, 20)), 0.1 * np.array(star_shaped(rng, 3))]
     ends = [np.roll(points, -1, axis=0) for points in starts]
-    quick = boundary_module._distances_to_edges(starts, ends)
+    quick = nearest_edges(starts, ends)
     assert all(np.array_equal(a, b) for a, b in zip(quick, distances_to_edges(starts, ends), strict=True))
 
 

@@ -21,8 +21,9 @@ from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.tolerance import Tolerance
-from foldcut.methods.disks.boundary import BoundaryDisks, default_ribbon
+from foldcut.methods.disks.boundary import BoundaryDisks
 from foldcut.methods.disks.packing import packing_faults
+from foldcut.methods.disks.ribbon import default_ribbon
 from foldcut.methods.gate.joining import MOST_DISKS, ROOMS, build_gated, fold_gated
 from foldcut.methods.gate.rings import MOST, Parts, Ring, divide_faces, plan_rings
 from foldcut.pattern.face_maps import fold_faces
