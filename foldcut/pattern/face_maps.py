@@ -20,7 +20,7 @@ from foldcut.core.arrays import Bools, Floats, Ints, Numbers
 from foldcut.core.model import CreasePattern
 from foldcut.geometry.planar_graph import edge_lengths
 
-__all__ = ["FaceMaps", "fold_faces", "folded_edges"]
+__all__ = ["FaceMaps", "compiled_fold", "fold_faces", "folded_edges", "short_paths"]
 
 FEW_FACES = 3000
 """Up to this many faces, finding the paths takes less time than importing scipy."""
@@ -67,8 +67,8 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     ``faces_of_edges`` is ``planar_graph.edge_faces(pattern)``. Faces that no path joins to face 0 stay, too.
     """
     count = len(pattern.faces_vertices)
-    if count >= MANY_FACES and (compiled := _compiled_fold()):
-        return _fold_compiled(compiled, pattern, faces_of_edges, count)
+    if count >= MANY_FACES and (compiled := compiled_fold()):
+        return _fold_with(compiled, pattern, faces_of_edges, count)
     parent, via = _steady_tree(pattern, faces_of_edges, count)
     ends = pattern.vertices_coords[pattern.edges_vertices]
     tail = ends[:, 0, 0] + 1j * ends[:, 0, 1]
@@ -96,7 +96,7 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     return FaceMaps(turn, shift, up)
 
 
-def _compiled_fold() -> Callable[..., None] | None:
+def compiled_fold() -> Callable[..., None] | None:
     """Return the function that folds faces in compiled code, or None without numba (extra ``fast``)."""
     try:
         from foldcut.pattern.face_maps_compiled import fold
@@ -106,7 +106,7 @@ def _compiled_fold() -> Callable[..., None] | None:
     return found
 
 
-def _fold_compiled(fold: Callable[..., None], pattern: CreasePattern, faces_of_edges: Ints, count: int) -> FaceMaps:
+def _fold_with(fold: Callable[..., None], pattern: CreasePattern, faces_of_edges: Ints, count: int) -> FaceMaps:
     """Fold faces with compiled code."""
     turn, shift = np.ones(count, dtype=np.complex128), np.zeros(count, dtype=np.complex128)
     up = np.ones(count, dtype=np.bool_)
@@ -146,7 +146,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     if (np.diff(pair[order]) == 0).any():
         order = np.lexsort((cost, pair))
     best = order[np.diff(pair[order], prepend=-1) != 0]  # the longest edge of two faces
-    paths = _short_paths if count <= FEW_FACES else _paths
+    paths = short_paths if count <= FEW_FACES else _paths
     distance, before = paths(low[best], high[best], cost[best], count)
     face = np.argsort(distance, kind="stable").astype(np.int32)
     face = face[before[face] >= 0]
@@ -157,7 +157,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     return (face, before[face].astype(np.int32)), via[face].astype(np.int32)
 
 
-def _short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
+def short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
     """Return how far each of ``count`` nodes is from node 0, and its predecessor, -1 for none (Dijkstra's algorithm).
 
     Node ``low[k]`` is joined to ``high[k]`` at ``cost[k]``.

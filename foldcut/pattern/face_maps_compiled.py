@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["fold"]
+__all__ = ["fold", "tree_of_faces"]
 
 FINENESS = 2.0
 """Faces whose distances differ by less than a factor of two to the power of 1 / FINENESS are reached in any order."""
@@ -23,7 +23,7 @@ def fold(left, right, edges, coords, folds, turn, shift, up, tiny):
     Edge e lies between the faces ``left[e]`` and ``right[e]`` (-1 for none) and is folded if ``folds[e]``; no edge
     counts as shorter than ``tiny``.
     """
-    via = _tree(left, right, edges, coords, len(up), tiny)
+    via = tree_of_faces(left, right, edges, coords, len(up), tiny)
     done = np.zeros(len(up), dtype=np.bool_)
     waiting = np.empty(len(up), dtype=np.int32)
     for face in range(len(up)):
@@ -41,7 +41,7 @@ def fold(left, right, edges, coords, folds, turn, shift, up, tiny):
 
 
 @njit(cache=True, nogil=True)
-def _tree(left, right, edges, coords, faces, tiny):
+def tree_of_faces(left, right, edges, coords, faces, tiny):
     """Return the edge that leads from each face toward face 0, -1 for none: nearly the least sum of 1 / length.
 
     This is Dijkstra's algorithm with buckets: faces at about the same distance are not sorted.

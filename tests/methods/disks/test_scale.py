@@ -289,7 +289,7 @@ def test_compiled_code_folds_faces_to_where_array_code_folds_them(seed: int, mon
     faces = edge_faces(pattern)
     simple = fold_faces(pattern, faces)
     monkeypatch.setattr(flatfold, "MANY_FACES", 0)
-    assert flatfold._compiled_fold() is not None
+    assert flatfold.compiled_fold() is not None
     quick = fold_faces(pattern, faces)
     assert np.array_equal(simple.up, quick.up)
     assert np.allclose(simple.turn, quick.turn, rtol=0, atol=1e-11)
@@ -301,13 +301,13 @@ def test_compiled_code_folds_over_the_longer_of_two_edges() -> None:
     rng = np.random.default_rng(1)
     pattern, _ = random_paper(rng, folds=6, lines=3).pattern()
     faces = edge_faces(pattern)
-    from foldcut.pattern.face_maps_compiled import _tree
+    from foldcut.pattern.face_maps_compiled import tree_of_faces
 
     ends = np.ascontiguousarray(pattern.edges_vertices), pattern.vertices_coords.copy()
-    via = _tree(*np.ascontiguousarray(faces.T), *ends, len(pattern.faces_vertices), 1e-300)
+    via = tree_of_faces(*np.ascontiguousarray(faces.T), *ends, len(pattern.faces_vertices), 1e-300)
     inner = np.flatnonzero((faces >= 0).all(axis=1))
     cost = 1 / edge_lengths(pattern)
-    least, _ = flatfold._short_paths(*faces[inner].T, cost[inner], len(via))
+    least, _ = flatfold.short_paths(*faces[inner].T, cost[inner], len(via))
     for face in range(len(via)):
         here, far, steps = face, 0.0, 0
         while here:
