@@ -157,7 +157,7 @@ class RolledDisks(Protocol):
     """The disk that rolls in from each leaf, remembered until a new disk is in its way."""
 
     def largest_first(self, gap: list[Chain], disks: Ints, without: set[Leaf]) -> Iterator[tuple[Candidate, Leaf]]:
-        """Yield the disks of the gap's leaves, the largest first, but for some leaves.
+        """Yield the disks of the gap's leaves, the largest first, except the leaves in ``without``.
 
         ``disks``: the disks that the gap's chains visit, each once, in ascending order.
         """
