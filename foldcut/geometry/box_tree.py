@@ -1,20 +1,20 @@
-"""Which of many boxes in a row meet a query's box, when only a run of the row counts.
+"""A tree of boxes that stand in a row: which of them meet a query's box, among a run of the row.
 
-The row is the layer order: what could lie between two layers is a run of it. Boxes are joined eight by eight into
-a tree over the row, so a run that stays on one side of a fold is dismissed at a glance, however many
-layers it has; on flat-folded patterns, where nearly everything overlaps nearly everything, this is what keeps
-the layer checks fast. A query begins where its run takes a few nodes, so that short runs never see the tree.
+The row is the layer order, and what could lie between two layers is a run of it. Eight neighbouring boxes, or nodes,
+are joined into one node of the next level, so a run that stays on one side of a fold is dismissed after one comparison,
+however many layers it has. In flat-folded patterns nearly everything overlaps nearly everything, and this keeps the
+layer checks fast. A query begins on the level where a few nodes cover its run, so short runs never use the tree.
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from foldcut.core.arrays import Bools, Floats, Numbers
+from foldcut.core.compiled import COMPILED
 from foldcut.geometry.polygons import runs
 
 __all__ = ["LayerTree"]
@@ -22,13 +22,16 @@ __all__ = ["LayerTree"]
 Indices = NDArray[np.intp]
 
 BATCH = 1 << 17
-"""Pairs looked at together; bounds the memory, not the result."""
+"""How many pairs are compared together; it bounds the memory and does not change the result."""
 
 MANY_BOXES = 100_000
-"""With more, loading compiled code takes less time than it saves; once loaded, it is used for a tenth of them."""
+"""From this many boxes on, compiled code saves more time than loading it takes."""
+
+MANY_BOXES_ONCE_LOADED = 10_000
+"""From this many boxes on, compiled code is faster, loading aside."""
 
 SHIFT = 3
-"""The power of two of boxes that are joined."""
+"""Each node joins 2 ** SHIFT boxes, or nodes of the level below."""
 
 
 def _compiled_search() -> Callable[..., tuple[int, int]] | None:
@@ -42,24 +45,32 @@ def _compiled_search() -> Callable[..., tuple[int, int]] | None:
 
 
 class LayerTree:
-    """Boxes in a row: their least and greatest coordinates ``low`` and ``high``, ``(n, k)`` each, which are kept."""
+    """Boxes in a row, given by their least and greatest coordinates ``low`` and ``high``, ``(n, k)`` each.
+
+    Both arrays are kept, not copied.
+    """
 
     def __init__(self, low: Floats, high: Floats) -> None:
-        self._levels = [(low, high)]  # boxes by themselves first
+        self._levels = [(low, high)]  # level 0: the boxes themselves
         while len(low) > 1 << SHIFT:
             low, high = _joined(low, np.minimum), _joined(high, np.maximum)
             self._levels.append((low, high))
-        few = MANY_BOXES // 10 if "foldcut.geometry.box_tree_compiled" in sys.modules else MANY_BOXES
-        self._compiled = _compiled_search() if len(self._levels[0][0]) >= few else None
+        pays = COMPILED.pays(len(self._levels[0][0]), MANY_BOXES, MANY_BOXES_ONCE_LOADED)
+        self._compiled = _compiled_search() if pays else None
         if self._compiled:
             joined = self._levels[1:] or self._levels
             self._starts = np.cumsum([0] + [len(low) for low, _ in joined])
             self._lows, self._highs = (np.concatenate(boxes) for boxes in zip(*joined, strict=True))
 
-    def meetings(self, low: Floats, high: Floats, first: Numbers, last: Numbers) -> Iterator[tuple[Indices, Indices]]:
-        """Yield (query, item) index arrays for the boxes ``first <= item < last`` that meet a query's box.
+    @property
+    def is_compiled(self) -> bool:
+        """Whether compiled code searches this tree."""
+        return self._compiled is not None
 
-        ``low``, ``high`` are ``(q, k)``; boxes meet when no column keeps them apart.
+    def meetings(self, low: Floats, high: Floats, first: Numbers, last: Numbers) -> Iterator[tuple[Indices, Indices]]:
+        """Yield (query, item) index arrays: the boxes ``first <= item < last`` that meet a query's box.
+
+        ``low`` and ``high`` are ``(q, k)``. Boxes meet unless some column keeps them apart.
         """
         queries = np.flatnonzero(first < last)
         first, last = first.astype(np.intp), last.astype(np.intp)
@@ -86,7 +97,7 @@ class LayerTree:
                 todo.append((level - 1, np.repeat(query, count), runs(start, count)))
 
     def _begin(self, queries: Indices, first: Indices, last: Indices) -> list[tuple[int, Indices, Indices]]:
-        """Return (level, queries, nodes): the nodes of each query's run, on the lowest level where they are few."""
+        """Return (level, queries, nodes): each query's run, covered on the lowest level where few nodes suffice."""
         todo = []
         begin, end = first[queries], last[queries] - 1
         for level in range(len(self._levels)):
@@ -105,7 +116,7 @@ class LayerTree:
         last: Indices,
         queries: Indices,
     ) -> Iterator[tuple[Indices, Indices]]:
-        """Do the same with compiled code."""
+        """Find the meetings with compiled code."""
         out = np.empty((max(BATCH, int((last - first).max(initial=0))), 2), dtype=np.intp)
         at = 0
         low, high = np.ascontiguousarray(low), np.ascontiguousarray(high)
@@ -124,7 +135,7 @@ class LayerTree:
 
 
 def _joined(boxes: Floats, least: np.ufunc) -> Floats:
-    """Return the least (or greatest) of every eight rows."""
+    """Return the least, or greatest, of every eight rows."""
     whole = len(boxes) >> SHIFT << SHIFT
     joined = least.reduce(boxes[:whole].reshape(-1, 1 << SHIFT, boxes.shape[1]), axis=1)
     if whole < len(boxes):

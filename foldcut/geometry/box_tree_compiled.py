@@ -1,6 +1,6 @@
-"""The search of a ``LayerTree``, compiled: each query walks down the tree by itself.
+"""The search of ``box_tree.LayerTree``, compiled: each query walks down the tree on its own.
 
-Needs numba (extra ``fast``); imported only for many boxes.
+It needs numba (extra ``fast``) and is imported only for many boxes.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ from numba import njit
 __all__ = ["search"]
 
 SHIFT = 3
-"""As ``layertree.SHIFT``."""
+"""The same as ``box_tree.SHIFT``: each node joins 2 ** SHIFT of the level below."""
 
 
 @njit(cache=True, nogil=True)
 def search(own_low, own_high, lows, highs, starts, low, high, first, last, queries, at, out):
-    """Write (query, item) pairs to ``out``, ``(n, 2)``, until it is full; return how many, and which query is next.
+    """Write (query, item) pairs to ``out``, ``(n, 2)``, until it is full; return how many, and the next query.
 
-    ``own_low`` and ``own_high`` are the boxes themselves, ``lows`` and ``highs`` the joined ones, level by level, level
-    l from ``starts[l - 1]`` on. A query is only begun where there is room for all items it could meet, or ``out`` is
-    empty: then it must be larger.
+    ``own_low`` and ``own_high`` are the boxes themselves; ``lows`` and ``highs`` are the nodes, level by level, with
+    level l starting at ``starts[l - 1]``. A query begins only if ``out`` still has room for every item it could meet:
+    ``out`` must have room for the longest run.
     """
     columns = low.shape[1]
     top = len(starts) - 1 if len(own_low) > (1 << SHIFT) else 0
@@ -38,7 +38,7 @@ def search(own_low, own_high, lows, highs, starts, low, high, first, last, queri
             begin, end, level = begin >> SHIFT, end >> SHIFT, level + 1
         depth = 0
         while True:
-            # the nodes begin to end on this level, the last first, so that they come off the stack in order
+            # visit this level's nodes from last to first, so that they come off the stack in order
             for node in range(end, begin - 1, -1) if level > 0 else range(begin, end + 1):
                 meets = True
                 if level > 0:

@@ -1,4 +1,4 @@
-"""Who borders whom: half-edges, the two faces of every edge, and faces traced from edges alone.
+"""Plane graphs: half-edges, the two faces of every edge, and faces traced from the edges alone.
 
 A half-edge is one side of one face, walked with the face on its left. In a proper crease pattern the two
 half-edges of a crease point in opposite directions and each appears once.
@@ -26,10 +26,10 @@ __all__ = [
 Keys = NDArray[np.int64]
 
 BATCH = 1 << 13
-"""Edges looked at together; bounds the memory, not the result."""
+"""How many edges are measured together; it bounds the memory and does not change the result."""
 
 MANY_EDGES = 6000
-"""With more, importing scipy takes less time than its sparse matrix saves."""
+"""With more edges, scipy's sparse matrix saves more time than importing scipy takes."""
 
 
 def half_edges(faces: Ragged) -> tuple[Ints, Ints]:
@@ -67,7 +67,7 @@ def edge_faces(pattern: CreasePattern) -> Ints:
 def edge_sides(pattern: CreasePattern) -> Numbers:
     """Return the half-edges on the left and on the right of every edge, ``(e, 2)``, -1 where there is none.
 
-    Half-edges are places in ``half_edges(faces_vertices)``; of several alike any may be named.
+    Half-edges are places in ``half_edges(faces_vertices)``; if several are equal, any of them may be returned.
     """
     start, end = half_edges(pattern.faces_vertices)
     if len(pattern.edges_vertices) > MANY_EDGES and min(start.min(), pattern.edges_vertices.min()) >= 0:
@@ -76,7 +76,7 @@ def edge_sides(pattern: CreasePattern) -> Numbers:
         size = max(start.max(), pattern.edges_vertices.max()) + 1
         number = np.arange(1, len(start) + 1, dtype=np.int32)
         matrix = coo_array((number, (start, end)), shape=(size, size)).tocsr()
-        if matrix.nnz == len(start):  # else some are alike and have been added up
+        if matrix.nnz == len(start):  # otherwise equal half-edges have been added up
             tail, head = pattern.edges_vertices.T
             return np.stack([matrix[tail, head], matrix[head, tail]], axis=1) - np.int32(1)
     keys = pair_keys(start, end)
@@ -85,7 +85,7 @@ def edge_sides(pattern: CreasePattern) -> Numbers:
     sides = np.empty((len(pattern.edges_vertices), 2), dtype=np.int64)
     for column, (tail, head) in enumerate((pattern.edges_vertices.T, pattern.edges_vertices.T[::-1])):
         wanted = pair_keys(tail, head)
-        by = np.argsort(wanted)  # in order they are found much faster
+        by = np.argsort(wanted)  # searching in ascending order is much faster
         at = np.minimum(np.searchsorted(keys, wanted[by]), len(keys) - 1)
         sides[by, column] = np.where(keys[at] == wanted[by], order[at], -1)
     return sides
@@ -100,7 +100,7 @@ def faces_of_sides(pattern: CreasePattern, sides: Numbers) -> Ints:
 def signed_areas(vertices_coords: Floats, faces: Ragged) -> Floats:
     """Return the area of every face, ``(f,)``, positive where it runs counter-clockwise."""
     start, end = half_edges(faces)
-    # Taken about each face's own first vertex: small faces far from the origin keep their digits.
+    # measured from each face's own first vertex, so that small faces far from the origin keep their digits
     base = np.repeat(vertices_coords[faces.values[faces.offsets[:-1]]], faces.lengths, axis=0)
     (ax, ay), (bx, by) = (vertices_coords[start] - base).T, (vertices_coords[end] - base).T
     return np.bincount(faces.rows, weights=ax * by - ay * bx, minlength=len(faces)) / 2
@@ -109,8 +109,8 @@ def signed_areas(vertices_coords: Floats, faces: Ragged) -> Floats:
 def trace_faces(vertices_coords: Floats, edges_vertices: Ints) -> Ragged:
     """Return the bounded faces of a plane graph, counter-clockwise.
 
-    The edges must not cross. The ring that runs clockwise around each connected part is left out, and so are
-    rings without area.
+    The edges must not cross. The outline that runs clockwise around each connected part is left out, and so are
+    outlines without area.
     """
     tail = edges_vertices.reshape(-1)
     head = edges_vertices[:, ::-1].reshape(-1)  # half-edge h and its opposite h ^ 1 lie side by side
@@ -120,21 +120,21 @@ def trace_faces(vertices_coords: Floats, edges_vertices: Ints) -> Ragged:
     place[order] = np.arange(len(order))
     first = np.searchsorted(tail[order], np.arange(len(vertices_coords)))
     degree = np.bincount(tail, minlength=len(vertices_coords))
-    # Arriving at a vertex, the face on the left goes on along the next edge clockwise from the last one.
+    # at its end, the face on the left of a half-edge continues along the next edge in clockwise order
     opposite = np.arange(len(tail)) ^ 1
     clockwise = first[head] + (place[opposite] - first[head] - 1) % degree[head]
     following: list[int] = order[clockwise].tolist()
 
-    rings, seen = [], [False] * len(following)
+    outlines, seen = [], [False] * len(following)
     for start in range(len(following)):
-        ring = []
+        outline = []
         here = start
         while not seen[here]:
             seen[here] = True
-            ring.append(here)
+            outline.append(here)
             here = following[here]
-        if len(ring) > 2:
-            rings.append(tail[ring].tolist())
-    faces = Ragged.from_rows(rings)
+        if len(outline) > 2:
+            outlines.append(tail[outline].tolist())
+    faces = Ragged.from_rows(outlines)
     bounded = signed_areas(vertices_coords, faces) > 0
-    return Ragged.from_rows(ring for ring, keep in zip(rings, bounded, strict=True) if keep)
+    return Ragged.from_rows(outline for outline, keep in zip(outlines, bounded, strict=True) if keep)

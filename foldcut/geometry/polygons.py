@@ -1,8 +1,8 @@
-"""Many polygons at once: which segments run through the inside of which, by more than a tolerance.
+"""Many polygons at once: which segments pass through the inside of which, by more than a tolerance.
 
-Nearly every face of a flat-foldable pattern is convex: every other angle around an inner vertex adds up to a
-half turn, so none is larger, and sheets are convex. Convex faces are clipped all together, as half-planes;
-shapely does the others.
+Nearly every face of a flat-foldable pattern is convex: alternate angles around an inner vertex add up to a half turn,
+so none is larger, and sheets are convex. Segments are clipped by all convex faces together, as intersections of
+half-planes; shapely does the other faces.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ Indices = NDArray[np.intp]
 Integers = NDArray[np.integer[Any]]
 
 MANY_CORNERS = 64
-"""Polygons with more go to shapely; every side is compared with every corner of the others."""
+"""Polygons with more corners go to shapely; of the others every side is compared with every corner."""
 
 
 def runs(first: Integers, count: Integers) -> Indices:
-    """Return ``first[i], first[i] + 1, ...``, ``count[i]`` numbers of each, in one array."""
+    """Return ``first[i], first[i] + 1, ...`` for every i, ``count[i]`` numbers each, in one array."""
     start = np.cumsum(count) - count
     numbers: Indices = np.arange(int(count.sum())) + np.repeat(first - start, count)
     return numbers
 
 
 class Outlines:
-    """Simple polygons, whose insides begin ``inset`` within their sides.
+    """Simple polygons; only what lies more than ``inset`` within their sides counts as inside.
 
     ``corners`` ``(m, 2)``, of all polygons; ``offsets`` ``(p + 1,)``. Polygons may run either way around.
     """
@@ -56,10 +56,10 @@ class Outlines:
         normal = normals[side]
         depth = (segments[pair, 0] * normal).sum(axis=1) - levels[side]
         rise = ((segments[pair, 1] - segments[pair, 0]) * normal).sum(axis=1)
-        # Along the segment, t from 0 to 1, each side asks for depth + t * rise >= 0.
+        # along the segment, t from 0 to 1, each side requires depth + t * rise >= 0
         with np.errstate(divide="ignore", invalid="ignore"):
             t = -depth / rise
-        never = np.where(depth < 0, np.inf, -np.inf)  # runs parallel to the side
+        never = np.where(depth < 0, np.inf, -np.inf)  # if the segment is parallel to the side
         enter = np.where(rise > 0, t, np.where(rise < 0, -np.inf, never))
         leave = np.where(rise < 0, t, np.inf)
         starts = np.cumsum(count) - count
@@ -71,12 +71,15 @@ class Outlines:
 
     @cached_property
     def _insides(self) -> tuple[Floats, Floats, dict[int, shapely.Geometry]]:
-        """What ``crossed`` needs: boxes alone often tell that nothing is."""
+        """What ``crossed`` needs; it is made on first use, because boxes alone often show that nothing is crossed."""
         normals, levels, special = self._half_planes()
         return normals, levels, self._inset_others(special)
 
     def _half_planes(self) -> tuple[Floats, Floats, Indices]:
-        """Return every side's inward unit normal, the level that the inside lies above, and what is not convex."""
+        """Return every side's inward unit normal, the level above which the inside lies, and the special polygons.
+
+        Special polygons are not convex, or have many corners.
+        """
         offsets = self._first
         following = np.arange(1, len(self.corners) + 1)
         following[offsets + self._count - 1] = offsets
@@ -86,8 +89,8 @@ class Outlines:
         area = np.add.reduceat(spoke[:, 0] * across[:, 1] - spoke[:, 1] * across[:, 0], offsets)
         turn = np.repeat(np.sign(area), self._count) / np.hypot(*along.T)
         normals = np.stack([-along[:, 1] * turn, along[:, 0] * turn], axis=1)
-        # A short side's own line is a poor half-plane far away; the one that just holds all corners is safe,
-        # and the same where the polygon is convex.
+        # the line through a short side is inaccurate far away; the parallel line that just contains all corners is
+        # safe, and the same if the polygon is convex
         many = self._count > MANY_CORNERS
         reach = np.repeat(np.where(many, 1, self._count), self._count)
         corner = runs(np.where(reach > 1, np.repeat(offsets, self._count), np.arange(len(reach))), reach)
@@ -98,7 +101,7 @@ class Outlines:
         return normals, lowest + self.inset, special
 
     def _inset_others(self, special: Indices) -> dict[int, shapely.Geometry]:
-        """Return the polygons that are not convex (or have many corners), drawn in."""
+        """Return the special polygons, each shrunk by the inset."""
         others = {}
         for index in special.tolist():
             first = self._first[index]

@@ -1,4 +1,4 @@
-"""Small vector helpers shared by the stages: everything works on ``(..., 2)`` arrays."""
+"""Vectors in the plane: everything works on arrays ``(..., 2)``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def signed_area(polygon: Floats) -> float:
 
 
 def contains_point(polygon: Floats, point: Floats) -> bool:
-    """Tell whether ``point`` is inside ``polygon`` by the even-odd rule; slits in the polygon do no harm."""
+    """Tell whether ``point`` is inside ``polygon`` by the even-odd rule; the polygon may touch itself."""
     a, b = polygon, np.roll(polygon, -1, axis=0)
     spans = (a[:, 1] > point[1]) != (b[:, 1] > point[1])
     a, b = a[spans], b[spans]

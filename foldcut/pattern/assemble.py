@@ -1,9 +1,9 @@
-"""From stacked facets to the finished crease pattern: what every method does last.
+"""From stacked faces to the finished crease pattern: the last step of every method.
 
-Rings of vertices in layer order, and creases -> ``CreasePattern``, ``FoldedState``.
+Outlines of faces in layer order, and creases -> ``CreasePattern``, ``FoldedState``.
 
-Invariants: no vertex lies on a straight crease or border but for the sheet's corners; face 0 looks up; each edge is
-beside one face on the border and beside two inside.
+Invariants: no vertex lies in the middle of a straight crease or border, except the sheet's corners; face 0 looks up;
+each edge has one face beside it on the border and two inside.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class NoFaceUpError(UnfoldableError):
 
 
 def outlines(rings: Sequence[Ring]) -> list[Ring]:
-    """Return the outlines of counter-clockwise rings joined side to side: one for each piece that hangs together."""
+    """Join counter-clockwise polygons side to side; return the outline of each connected piece."""
     if len(rings) == 1:
         return [*rings]
     sides = {pair for ring in rings for pair in zip(ring, ring[1:] + ring[:1], strict=True)}
@@ -43,7 +43,7 @@ def outlines(rings: Sequence[Ring]) -> list[Ring]:
 
 
 def merge_stacks(inside: Sequence[int], outside: Sequence[int], shared: set[int]) -> list[int]:
-    """Merge two stacks that have the shared faces in the same order; before each, first what ``outside`` has."""
+    """Merge two stacks that have the shared faces in the same order; between these ``inside``'s faces come first."""
     order: list[int] = []
     rest = iter(outside)
     for face in inside:
@@ -58,7 +58,7 @@ def merge_stacks(inside: Sequence[int], outside: Sequence[int], shared: set[int]
 
 
 def creases_of_stack(folded: Floats, rings: Sequence[Ring] | Ragged) -> tuple[Ints, Chars]:
-    """Read edges, ``(e, 2)``, and their assignment, ``(e,)``, off a stack of faces, bottom to top.
+    """Read the edges, ``(e, 2)``, and their assignment, ``(e,)``, off a stack of faces, bottom to top.
 
     A crease is a valley exactly when the face that looks up has its neighbour above it. ``folded`` ``(v, 2)``.
     """
@@ -84,9 +84,10 @@ def assemble(
 ) -> tuple[CreasePattern, FoldedState]:
     """Return the pattern and its folded state.
 
-    ``flat`` and ``folded`` ``(v, 2)`` mm; ``rings`` the faces from bottom to top, counter-clockwise on the sheet;
-    ``edges`` with their ``kinds`` "M", "V", "B". Vertices on which nothing turns are left out, the rest numbered anew;
-    face 0 is the lowest that looks up, the others follow the layer order. Raises ``NoFaceUpError`` if none looks up.
+    ``flat`` and ``folded`` ``(v, 2)`` mm; ``rings``: the faces' outlines from bottom to top, counter-clockwise on the
+    sheet; ``edges`` with their ``kinds`` "M", "V", "B"; ``sheet_corners``: vertices that stay. Other vertices in the
+    middle of a straight line are left out and the rest is renumbered. Face 0 is the lowest one that looks up; the
+    others are in layer order. Raises ``NoFaceUpError`` if none looks up.
     """
     rings = rings if isinstance(rings, Ragged) else Ragged.from_rows(rings)
     joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners, len(flat))
@@ -94,7 +95,7 @@ def assemble(
     used[joined[:, 0]] = used[joined[:, 1]] = True
     renumber = np.where(used, np.cumsum(used, dtype=np.int32) - 1, -1).astype(np.int32)
     faces = _without(straight, rings)
-    del rings, edges, kinds  # that may be all that holds them
+    del rings, edges, kinds  # these may be the last references: frees the memory
     _look_up(renumber, joined.reshape(-1))
     _look_up(renumber, faces.values)
     landed = folded[used]
@@ -111,7 +112,7 @@ def assemble(
 
 
 def _without(gone: Bools, rings: Ragged) -> Ragged:
-    """The rings without some of the vertices; of each ring something is left."""
+    """The outlines without some of their vertices; some vertices of each remain."""
     kept = np.empty(len(rings.values), dtype=np.bool_)
     for low in range(0, len(kept), BLOCK):
         kept[low : low + BLOCK] = ~gone[rings.values[low : low + BLOCK]]
@@ -121,16 +122,16 @@ def _without(gone: Bools, rings: Ragged) -> Ragged:
 
 
 def _look_up(numbers: Ints, places: Ints) -> None:
-    """Put in place of each place, ``(n,)``, the number there."""
+    """Replace each place, ``(n,)``, by the number at this place."""
     for low in range(0, len(places), BLOCK):
         places[low : low + BLOCK] = numbers[places[low : low + BLOCK]]
 
 
 def _dissolve_straight(edges: Ints, kinds: Chars, sheet_corners: set[int], count: int) -> tuple[Ints, Chars, Bools]:
-    """Join the two edges at every vertex where nothing turns: by Kawasaki's theorem two creases alone are one line.
+    """Join the two edges at every vertex that has only two: by Kawasaki's theorem they are one straight line.
 
-    Returns the edges, each in place of the first of its parts that ends where something turns, their kinds, and which
-    of ``count`` vertices are straight.
+    Returns the edges, each in place of the first of its parts that ends at a vertex that stays, their kinds, and which
+    of ``count`` vertices are left out.
     """
     start, end = edges.T
     straight = np.bincount(start, minlength=count) + np.bincount(end, minlength=count) == 2
@@ -138,13 +139,13 @@ def _dissolve_straight(edges: Ints, kinds: Chars, sheet_corners: set[int], count
     start_turns, end_turns = ~straight[start], ~straight[end]
     whole = start_turns & end_turns
     parts = np.flatnonzero(~whole)
-    # 2 k + e: part k, walked toward its end e; at a straight vertex the walk goes on along the other part there
+    # 2 k + e stands for part k, walked toward its end e; at a straight vertex the walk continues along the other part
     toward = edges[parts].ravel()
     following = np.arange(len(toward))
     goes_on = np.flatnonzero(straight[toward])
     one, other = goes_on[np.argsort(toward[goes_on], kind="stable")].reshape(-1, 2).T
     following[one], following[other] = other ^ 1, one ^ 1
-    for _ in range(len(toward).bit_length()):  # twice as far each time, until all are where something turns
+    for _ in range(len(toward).bit_length()):  # twice as far each time, until all walks end at a vertex that stays
         farther = following[following]
         if np.array_equal(farther, following):
             break
@@ -152,7 +153,7 @@ def _dissolve_straight(edges: Ints, kinds: Chars, sheet_corners: set[int], count
     from_start, from_end = (np.flatnonzero(turns[parts]) for turns in (start_turns, end_turns))
     first = np.concatenate([2 * from_start + 1, 2 * from_end])
     last = following[first]
-    first, last = first[first < last], last[first < last]  # of the two ends of a line the one at the lower part
+    first, last = first[first < last], last[first < last]  # of a line's two ends, take the one at the lower part
     lines = parts[first >> 1]
     whole[lines] = True
     joined = edges[whole]

@@ -1,8 +1,7 @@
-"""Folding on paper's own terms: where each face of a crease pattern goes, from its creases alone.
+"""Face maps: where each face of a crease pattern folds to, from its creases alone.
 
-Face 0 stays where it is; every other face is reached from it across edges, mirrored at mountains and
-valleys and carried along at edges that are not folded. Whether the result holds together is for ``verify``
-to ask.
+Face 0 stays where it is. Every other face is reached from it across edges: it is mirrored at mountains and valleys, and
+moves along at edges that are not folded. Whether the result is consistent is left to ``verify``.
 """
 
 from __future__ import annotations
@@ -21,22 +20,26 @@ from foldcut.core.arrays import Bools, Floats, Ints, Numbers
 from foldcut.core.model import CreasePattern
 from foldcut.geometry.planar_graph import edge_lengths
 
-__all__ = ["FaceMaps", "fold_faces", "folded_edges"]
+__all__ = ["FaceMaps", "compiled_fold", "fold_faces", "folded_edges", "short_paths"]
 
 FEW_FACES = 3000
-"""The paths between so few faces are found sooner than scipy is imported."""
+"""Up to this many faces, finding the paths takes less time than importing scipy."""
 
 MANY_FACES = 100_000
-"""With more, loading compiled code takes less time than it saves."""
+"""From this many faces on, compiled code saves more time than loading it takes.
+
+It takes another tree of faces, so the last bits differ: this does not depend on ``COMPILED``.
+"""
 
 TINY = float(np.finfo(np.float64).tiny)
+"""Edges no longer than this have no direction."""
 
 
 @dataclass(frozen=True, eq=False)
 class FaceMaps:
-    """The isometry of every face: ``turn * z + shift`` for a complex z, conjugate first where turned over.
+    """The isometry of every face: z -> ``turn * z + shift``, with the conjugate of z if the face is turned over.
 
-    ``turn`` and ``shift`` are ``(f,)`` complex; ``up`` ``(f,)``: does the face show the same side as face 0?
+    ``turn`` and ``shift`` are ``(f,)`` complex; ``up`` ``(f,)``: whether the face shows the same side as face 0.
     """
 
     turn: NDArray[np.complex128]
@@ -44,7 +47,7 @@ class FaceMaps:
     up: Bools
 
     def apply(self, faces: NDArray[np.integer[Any]], points: Floats) -> Floats:
-        """Return where ``points``, ``(..., 2)``, of the sheet land as points of ``faces``, ``(...,)``."""
+        """Return where ``points``, ``(..., 2)``, of the sheet fold to as points of ``faces``, ``(...,)``."""
         z = np.empty(points.shape[:-1], dtype=np.complex128)
         z.real = points[..., 0]
         np.multiply(points[..., 1], np.where(self.up[faces], 1.0, -1.0), out=z.imag)
@@ -61,11 +64,11 @@ def folded_edges(pattern: CreasePattern) -> Bools:
 def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     """Return the map of every face, face 0 staying in place.
 
-    ``faces_of_edges`` is ``planar.edge_faces(pattern)``. Faces that no edge joins to face 0 stay too.
+    ``faces_of_edges`` is ``planar_graph.edge_faces(pattern)``. Faces that no path joins to face 0 stay, too.
     """
     count = len(pattern.faces_vertices)
-    if count >= MANY_FACES and (compiled := _compiled_fold()):
-        return _fold_compiled(compiled, pattern, faces_of_edges, count)
+    if count >= MANY_FACES and (compiled := compiled_fold()):
+        return _fold_with(compiled, pattern, faces_of_edges, count)
     parent, via = _steady_tree(pattern, faces_of_edges, count)
     ends = pattern.vertices_coords[pattern.edges_vertices]
     tail = ends[:, 0, 0] + 1j * ends[:, 0, 1]
@@ -93,8 +96,8 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
     return FaceMaps(turn, shift, up)
 
 
-def _compiled_fold() -> Callable[..., None] | None:
-    """Return what folds many faces in compiled code, or None without numba (extra ``fast``)."""
+def compiled_fold() -> Callable[..., None] | None:
+    """Return the function that folds faces in compiled code, or None without numba (extra ``fast``)."""
     try:
         from foldcut.pattern.face_maps_compiled import fold
     except ImportError:
@@ -103,21 +106,21 @@ def _compiled_fold() -> Callable[..., None] | None:
     return found
 
 
-def _fold_compiled(fold: Callable[..., None], pattern: CreasePattern, faces_of_edges: Ints, count: int) -> FaceMaps:
-    """Do as ``fold_faces``."""
+def _fold_with(fold: Callable[..., None], pattern: CreasePattern, faces_of_edges: Ints, count: int) -> FaceMaps:
+    """Fold faces with compiled code."""
     turn, shift = np.ones(count, dtype=np.complex128), np.zeros(count, dtype=np.complex128)
     up = np.ones(count, dtype=np.bool_)
     left, right = np.ascontiguousarray(faces_of_edges.T)
     pairs = (turn.view(np.float64).reshape(-1, 2), shift.view(np.float64).reshape(-1, 2))
-    # compiled code tells arrays that may be written from others, by their types: here none is read-only
+    # compiled code is made for arrays that may be written to, so none may be read-only
     edges, coords = pattern.edges_vertices.copy(), pattern.vertices_coords.copy()
     fold(left, right, edges, coords, folded_edges(pattern), *pairs, up, TINY)
     return FaceMaps(turn, shift, up)
 
 
 def _generations(face: Ints, before: Ints, via: Ints, count: int) -> Iterator[tuple[Ints, Ints, Ints]]:
-    """Yield the rows of a tree, each generation's together, the parents' first."""
-    # steps to the root: twice as far in every round
+    """Yield the rows of a tree, one generation after the other, parents first."""
+    # count the steps to the root, going twice as far in every round
     ancestor, steps = np.arange(count), np.zeros(count, dtype=np.intp)
     ancestor[face], steps[face] = before, 1
     while steps[ancestor].any():
@@ -132,8 +135,8 @@ def _generations(face: Ints, before: Ints, via: Ints, count: int) -> Iterator[tu
 def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tuple[tuple[Ints, Ints], Ints]:
     """Return ((face, the face before it), the edge between them), nearest to face 0 first.
 
-    A crease of length l turns what lies behind it by a rounding error of about 1 / l, so the tree is the one
-    of least sum of 1 / l: few steps, and over long creases.
+    A crease of length l turns everything behind it by a rounding error of about 1 / l. So the tree minimises the sum
+    of 1 / l: it takes few steps, across long creases.
     """
     inner = np.flatnonzero((faces_of_edges >= 0).all(axis=1))
     cost = 1 / np.maximum(edge_lengths(pattern)[inner], TINY)
@@ -143,7 +146,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     if (np.diff(pair[order]) == 0).any():
         order = np.lexsort((cost, pair))
     best = order[np.diff(pair[order], prepend=-1) != 0]  # the longest edge of two faces
-    paths = _short_paths if count <= FEW_FACES else _paths
+    paths = short_paths if count <= FEW_FACES else _paths
     distance, before = paths(low[best], high[best], cost[best], count)
     face = np.argsort(distance, kind="stable").astype(np.int32)
     face = face[before[face] >= 0]
@@ -154,8 +157,8 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     return (face, before[face].astype(np.int32)), via[face].astype(np.int32)
 
 
-def _short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
-    """Return how far each of ``count`` nodes is from node 0, and the one before it, -1 for none: Dijkstra's method.
+def short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
+    """Return how far each of ``count`` nodes is from node 0, and its predecessor, -1 for none (Dijkstra's algorithm).
 
     Node ``low[k]`` is joined to ``high[k]`` at ``cost[k]``.
     """
@@ -178,7 +181,7 @@ def _short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple
 
 
 def _paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
-    """Return the same as ``_short_paths`` of many nodes, but for the choice of two ways that are as long."""
+    """Do the same for many nodes with scipy; of two paths of equal length it may choose the other."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import dijkstra
 

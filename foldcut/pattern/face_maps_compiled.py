@@ -1,6 +1,6 @@
-"""Where faces fold to, compiled: a tree of faces that crosses long edges, and each face folded over its edge in it.
+"""Face maps with compiled code: a tree of faces across long edges, and each face folded over its edge of the tree.
 
-Needs numba (extra ``fast``); imported only for many faces.
+It needs numba (extra ``fast``) and is imported only for many faces.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numba import njit
 
-__all__ = ["fold"]
+__all__ = ["fold", "tree_of_faces"]
 
 FINENESS = 2.0
 """Faces whose distances differ by less than a factor of two to the power of 1 / FINENESS are reached in any order."""
@@ -18,12 +18,12 @@ FINENESS = 2.0
 
 @njit(cache=True, nogil=True)
 def fold(left, right, edges, coords, folds, turn, shift, up, tiny):
-    """Write every face's map to ``turn``, ``shift`` ``(f, 2)`` and ``up``, which are face 0's at first.
+    """Write every face's map to ``turn``, ``shift`` ``(f, 2)`` and ``up``, which hold the map of face 0 at first.
 
-    Edge e is between the faces ``left[e]`` and ``right[e]`` (-1 for none), and mirrors where ``folds[e]``; none is
-    taken as shorter than ``tiny``.
+    Edge e lies between the faces ``left[e]`` and ``right[e]`` (-1 for none) and is folded if ``folds[e]``; no edge
+    counts as shorter than ``tiny``.
     """
-    via = _tree(left, right, edges, coords, len(up), tiny)
+    via = tree_of_faces(left, right, edges, coords, len(up), tiny)
     done = np.zeros(len(up), dtype=np.bool_)
     waiting = np.empty(len(up), dtype=np.int32)
     for face in range(len(up)):
@@ -41,10 +41,10 @@ def fold(left, right, edges, coords, folds, turn, shift, up, tiny):
 
 
 @njit(cache=True, nogil=True)
-def _tree(left, right, edges, coords, faces, tiny):
-    """Return the edge that leads from each face towards face 0, -1 for none: nearly the least sum of 1 / length.
+def tree_of_faces(left, right, edges, coords, faces, tiny):
+    """Return the edge that leads from each face toward face 0, -1 for none: nearly the least sum of 1 / length.
 
-    Dijkstra's method, but what is about as far is not sorted: it waits in the same bucket.
+    This is Dijkstra's algorithm with buckets: faces at about the same distance are not sorted.
     """
     first = np.zeros(faces + 2, dtype=np.int32)
     for edge in range(len(left)):
@@ -64,13 +64,13 @@ def _tree(left, right, edges, coords, faces, tiny):
                 beside[place, 0], beside[place, 1] = edge, left[edge] + right[edge] - face
                 price[place] = min(1 / max(length, tiny), 1e30)  # single precision ends at 3e38
                 first[face + 1] += 1
-    distance = np.full(faces, np.inf)  # less than none for faces that are done
+    distance = np.full(faces, np.inf)  # negative for faces that are done
     via = np.full(faces, -1, dtype=np.int32)
-    last = np.full(int(FINENESS * 2100), -1, dtype=np.int32)  # entry of each bucket, of those in line
+    last = np.full(int(FINENESS * 2100), -1, dtype=np.int32)  # the last entry of each bucket
     before, waits = np.empty(faces, dtype=np.int32), np.empty(faces, dtype=np.int32)
     distance[0], before[0], waits[0], last[0] = 0.0, -1, 0, 0
     entries = 1
-    free = -1  # entries to use again
+    free = -1  # the first of the entries that can be used again
     bucket, end = 0, 1
     while bucket < end:
         entry = last[bucket]
@@ -105,7 +105,7 @@ def _tree(left, right, edges, coords, faces, tiny):
 
 @njit(cache=True, nogil=True)
 def _fold_over(edge, face, before, edges, coords, folds, turn, shift, up, tiny):
-    """Fold a face over an edge from the one before it."""
+    """Fold a face over the edge to the face before it."""
     (one, other), (dx, dy) = (turn[before, 0], turn[before, 1]), (shift[before, 0], shift[before, 1])
     if not folds[edge]:
         turn[face, 0], turn[face, 1], shift[face, 0], shift[face, 1], up[face] = one, other, dx, dy, up[before]

@@ -44,6 +44,7 @@ from report import markdown, plot
 from yardsticks import YARDSTICKS
 
 import foldcut
+from foldcut.core.compiled import COMPILED, expect_many_drawings
 from foldcut.core.model import FoldedPattern
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
@@ -111,7 +112,7 @@ def measure(kind: str, size: int, seed: int, names: list[str], limit: float) -> 
         "disks": disks,
         "creases": creases.crease_count,
         "faces": subject.faces,
-        "compiled": packing._is_loaded(),
+        "compiled": COMPILED.pays(boundary_count, packing.MANY_DISKS) and may_be_compiled(size),
         **{f"{name}_s": seconds[name] for name in STAGES},
         "build_s": build,
         "load_s": load,
@@ -141,6 +142,7 @@ def _small(*, compiled: bool) -> tuple[Subject, float]:
             for module, name in nothing_is_few.items():
                 stack.enter_context(patch.object(module, name, 0))
             load = timed(by_the_paper, runs=1)[0] - timed(by_the_paper, runs=1)[0]
+        expect_many_drawings()
     pattern = foldcut.fold(triangle, SHEET, method="compact", effort="fast", min_crease=0).folded_pattern
     return Subject(pattern, np.random.default_rng(0).random((100, 2))), load
 

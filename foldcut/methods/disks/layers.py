@@ -1,11 +1,11 @@
-"""The folded state: which layer lies on which, and the faces of the finished crease pattern.
+"""The folded state: the order of the layers, and the faces of the finished crease pattern.
 
 ``Molecules``, ``Assignment`` -> ``CreasePattern``, ``FoldedState`` (paper section 4, the book of flaps).
 
-Walking T_M from its root around each molecule gives a list of facets: after each corner's facets come those of the
-molecule across the next side. The list of the inside face, top to bottom, and the reversed list of the outside face are
-merged where they meet: the facets that are joined across the shape's boundary, which is not folded, are one face, and
-both lists have them in the same order.
+A walk along T_M from its root, around each molecule, gives a list of facets: after each corner's facets come those of
+the molecule across the next side. The shape's boundary is not folded, so the facets on its two sides are one face. The
+list of the inside face of the plane, top to bottom, and the reversed list of the outside face both have these faces in
+the same order, and are merged there.
 
 Invariants: the order is linear; faces joined by a crease face opposite ways; a crease is a valley exactly when the face
 that looks up has its neighbour above it.
@@ -30,11 +30,11 @@ from foldcut.pattern.assemble import assemble, outlines
 def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePattern, FoldedState]:
     """Return the crease pattern with facets merged into faces, and its folded state with the layer order.
 
-    Vertices that only lie on a straight line (two creases of one kind, or none on the border) are left out.
+    Vertices in the middle of a straight crease or border are left out.
     Source: paper section 4.
     """
     kept = np.isin(assignment.crease_assignment, ("M", "V", "B"))
-    # nothing but the arguments is held while the pattern is put together: that is when most memory is used
+    # memory use peaks while the pattern is assembled, so nothing but the arguments is held
     return assemble(
         molecules.vertices,
         molecules.folded,
@@ -57,12 +57,12 @@ def _stacked(molecules: Molecules, assignment: Assignment) -> Ragged:
 def walks(molecules: Molecules, entry_side: Numbers, parent: Ints, roots: Iterable[int]) -> list[Ints]:
     """Return the facets of each face of the plane, top to bottom: preorder of T_M from each of its ``roots``.
 
-    ``entry_side`` ``(m,)``: the side through which a molecule is entered; from it on its corners are walked
-    counter-clockwise. ``parent`` ``(m,)``: its parent, -1 at roots.
+    ``entry_side`` ``(m,)``: the side through which a molecule is entered; its corners are walked counter-clockwise from
+    there. ``parent`` ``(m,)``: its parent, -1 at roots.
 
-    A corner's facets are followed by those of the next corner of its molecule, or by the first of the molecule across
-    the side between them; those of a molecule's last corner, where it was entered, by the corner after that side in
-    its parent. So each place has one that follows it.
+    After a corner comes the first corner of the child across the next side, or, if there is no child, the next corner
+    of the same molecule. After a molecule's last corner comes the corner of its parent after the side between them. So
+    every corner has exactly one successor.
     """
     feet = molecules.feet
     first = feet.offsets[:-1].astype(np.int64)
@@ -90,7 +90,7 @@ def walks(molecules: Molecules, entry_side: Numbers, parent: Ints, roots: Iterab
 
 
 def facets_at_places(molecules: Molecules) -> tuple[Numbers, Numbers]:
-    """Return the first facet at each corner of each molecule, and how many follow each other there, as ``corners``."""
+    """Return the first facet at each corner of each molecule, and how many there are; in the order of ``corners``."""
     own = molecules.facet_molecule >= 0
     places = molecules.feet.offsets[:-1].astype(np.int64)[molecules.facet_molecule[own]] + molecules.facet_corner[own]
     count = np.bincount(places, minlength=len(molecules.feet.values))
@@ -98,9 +98,9 @@ def facets_at_places(molecules: Molecules) -> tuple[Numbers, Numbers]:
 
 
 def join_facets(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
-    """Return the face of every facet, joined across sides that are not folded, ``(n, 2)``: its first facet.
+    """Join the facets across sides that are not folded, ``(n, 2)`` vertices.
 
-    And which facets name a face of several.
+    Returns the face of every facet, named by the face's first facet, and which facets name a face of several.
     """
     on_side = np.zeros(len(molecules.vertices), dtype=np.bool_)
     on_side[unfolded] = True
@@ -129,11 +129,11 @@ def join_facets(molecules: Molecules, unfolded: Ints) -> tuple[Ints, Bools]:
 
 
 def merge_layers(inside: Ints, outside: Ints, shared: Bools) -> Ints:
-    """Merge two stacks that have the shared faces in the same order: ``faces.merge_stacks`` on arrays."""
+    """Merge two stacks that have the shared faces in the same order: ``assemble.merge_stacks`` on arrays."""
     in_both, out_both = shared[inside], shared[outside]
     same = np.array_equal(inside[in_both], outside[out_both])
     assert same, "the layers inside and outside do not match along the shape's boundary"
-    # before each shared face first what the inside has, then the outside
+    # before each shared face come first the faces of the inside, then those of the outside
     keys = np.concatenate(
         [
             3 * (np.cumsum(in_both) - in_both) + 2 * in_both,
@@ -145,15 +145,15 @@ def merge_layers(inside: Ints, outside: Ints, shared: Bools) -> Ints:
 
 
 def face_outlines(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Ragged:
-    """Return the outlines of faces in an order: a facet's own, or that of the facets that are joined."""
+    """Return the outlines of the faces in ``order``: a facet's own, or the outline of all the facets of a face."""
     joined = _joined(facets, face, shared)
     if joined is None:
         members = defaultdict(list)
         for one, its_face in enumerate(face.tolist()):
             members[its_face].append(one)
         every = [outlines([facets[f].tolist() for f in members[its_face]]) for its_face in order.tolist()]
-        return Ragged.from_rows(ring for pieces in every for ring in pieces)
-    # one list of rings: facets, then what was walked
+        return Ragged.from_rows(outline for pieces in every for outline in pieces)
+    # one list of outlines: first the facets, then the joined ones
     names, counts, flat = joined
     offsets = np.concatenate([facets.offsets, facets.offsets[-1] + np.cumsum(counts, dtype=np.int32)])
     number = np.arange(len(face), dtype=np.int32)
@@ -162,15 +162,15 @@ def face_outlines(facets: Ragged, face: Ints, shared: Bools, order: Ints) -> Rag
 
 
 def _joined(facets: Ragged, face: Ints, shared: Bools) -> tuple[Numbers, Numbers, Ints] | None:
-    """The faces of several facets, how many sides each has, and their outlines; None if one touches itself.
+    """The faces of several facets, how many sides each has, and their outlines; None if an outline touches itself.
 
-    They are walked all at once, from their lowest vertices on.
+    All outlines are walked at once, each from its lowest vertex.
     """
     facet = np.flatnonzero(shared[face])
     joined = facets.take(facet)
     start, end = half_edges(joined)
     owner = face[facet][joined.rows].astype(np.int64)
-    # a side is gone where the same face has it the other way round
+    # a side is inside a face that also has it in the other direction
     low, high = np.minimum(start, end), np.maximum(start, end)
     by = np.lexsort((high, low, owner))
     twice = (np.diff(owner[by]) == 0) & (np.diff(low[by]) == 0) & (np.diff(high[by]) == 0)
@@ -196,7 +196,7 @@ def _joined(facets: Ragged, face: Ints, shared: Bools) -> tuple[Numbers, Numbers
 
 
 def _repeats(rows: Ints) -> bool:
-    """Whether a row has a number, not -1, twice."""
+    """Whether some row contains a number other than -1 twice."""
     ordered = np.sort(rows, axis=1)
     return bool(((ordered[:, 1:] == ordered[:, :-1]) & (ordered[:, 1:] >= 0)).any())
 

@@ -1,18 +1,19 @@
-"""The filling of one gap, compiled: what ``packing`` does, for gaps of many disks, in near-linear time.
+"""Filling a gap of one chain with compiled code: what ``dividing`` does, in near-linear time.
 
-One chain of disks that touch in a row -> the disks to add, and the gaps of 3 or 4 sides. The choices, and every bit of
-the result, are those of ``packing``; the arithmetic is written in the same order. What differs is how things are found:
+One chain of disks that touch in a row -> the disks to add, and the gaps of 3 or 4 sides. It makes the same choices as
+``dividing`` and does the same arithmetic in the same order, so every bit of the result is the same. Only the data
+structures differ:
 
 - a chain is a ring of linked *visits*; a new disk cuts and joins the rings where it touches, whatever their length;
-- the disks are in a quadtree (a disk is in the cell of its size that its centre is in; cells know the bounds of what is
-  in them). A disk that rolls in from a leaf is looked for in circles that grow until something
-  is met, and shrink as more is;
-- the disks that were rolled are in a second such tree, so that a new disk finds those it is in the way of. The next
-  disk of such a leaf is the one that touches the new disk: nothing else has come, so nothing is searched;
-- the rolled disks of each gap are in a heap (skew, so that it needs no sizes), the largest first. When a gap is divided
-  its largest part keeps the heap, and only the others' disks are sorted anew.
+- the disks are in a quadtree: a disk is in the cell of its own size that contains its centre, and each cell knows the
+  bounds of its contents. The disk that rolls in from a leaf is looked for in circles that grow until something is met,
+  and shrink as more is met;
+- the rolled disks are in a second quadtree, so that a new disk finds those that it blocks. The next disk of such a leaf
+  is the one that touches the new disk: nothing else has been added, so nothing is searched;
+- the rolled disks of each gap are in a skew heap (which needs no sizes), the largest first. When a gap is divided, its
+  largest part keeps the heap, and only the disks of the other parts are sorted anew.
 
-Needs numba (extra ``fast``); imported only where there are many disks, for importing it takes a third of a second.
+It needs numba (extra ``fast``) and is imported only where there are many disks: importing it takes a third of a second.
 """
 
 from __future__ import annotations
@@ -23,33 +24,127 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numba.core import cgutils
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from foldcut.core.arrays import Floats
+from foldcut.core.arrays import Floats, Ints
+from foldcut.methods.disks.chains import TURN, StuckError
 
-__all__ = ["GapFiller", "Stuck"]
+try:  # parts of numba that it may change without notice
+    from numba.core import cgutils
+    from numba.core.imputils import impl_ret_borrowed
+except ImportError:
+    cgutils = impl_ret_borrowed = None
+
+__all__ = ["Filled", "GapFiller", "uncounted"]
 
 Indices = NDArray[np.int32]
 Numbers = NDArray[np.int64]
 Table = NDArray[np.void]
 
-TURN = 2 * math.pi
-# counters
-DISKS, VISITS, NODES, ENTRIES, FREE, FREED, GAPS, STACK, OUT, OUT_VALUES, CONTACTS, BLOCKED = range(12)
-# what has become of a leaf's disk
-UNKNOWN, ROLLED, EAR, NONE = range(4)
-# what the loop says
-DONE, GO_ON, GROW, STUCK = range(4)
-FAILS, HELPS, NEARLY_TOUCHES = range(3)
-DISK_ROOT, ROLLED_ROOT = 0, 1
+# --- the places in ``_State.counts``
+
+DISKS = 0
+"""Disks there are."""
+VISITS = 1
+"""Visits made so far."""
+NODES = 2
+"""Cells of both trees."""
+ENTRIES = 3
+"""Heap entries made so far."""
+FREE = 4
+"""The first of the heap entries to use again, which are linked by ``left``; -1 for none."""
+FREED = 5
+"""How many heap entries there are to use again."""
+GAPS = 6
+"""Gaps numbered so far."""
+STACK = 7
+"""Gaps that are not finished."""
+OUT = 8
+"""Finished gaps."""
+OUT_VALUES = 9
+"""Disks of the finished gaps."""
+CONTACTS = 10
+"""What the disk that is tried touches."""
+BLOCKED = 11
+"""Leaves whose disk the newest disk blocks."""
+
+# --- the places in ``_State.limits`` and ``_State.found``, and the columns of ``_State.bounds``
+
+MIDDLE_X = 0
+"""The middle of the root cell."""
+MIDDLE_Y = 1
+"""The middle of the root cell."""
+HALF = 2
+"""Half the width of the root cell."""
+TIE = 3
+"""``Tolerance.tie``."""
+ROUNDING = 4
+"""``Tolerance.rounding``."""
+NEARLY = 5
+"""``dividing.NEARLY``."""
+EQUAL = 6
+"""``rolling.EQUAL``."""
+X = 0
+"""The found disk's centre."""
+Y = 1
+"""The found disk's centre."""
+R = 2
+"""The found disk's radius."""
+LOW_X = 0
+"""The least x of all that was ever put into a cell or its children."""
+LOW_Y = 1
+"""The least y."""
+HIGH_X = 2
+"""The greatest x."""
+HIGH_Y = 3
+"""The greatest y."""
+
+# --- the status of a leaf's disk
+
+UNKNOWN = 0
+"""It has not been rolled, or a new disk blocks it."""
+ROLLED = 1
+"""It is known and may help."""
+EAR = 2
+"""It is known and does not help."""
+NONE = 3
+"""No disk rolls in."""
+
+# --- what ``_run`` and ``_divide`` return
+
+DONE = 0
+"""No gap is left."""
+GO_ON = 1
+"""There is more to divide."""
+GROW = 2
+"""The arrays need more room first."""
+STUCK = 3
+"""Nothing divides the gap on top of the stack."""
+
+# --- what ``_try`` returns
+
+FAILS = 0
+"""The disk overlaps another one, or is an ear."""
+HELPS = 1
+"""The disk helps."""
+NEARLY_TOUCHES = 2
+"""The disk helps, but nearly touches one more disk."""
+
+# --- sizes
+
+DISK_ROOT = 0
+"""The root cell of the disks' tree."""
+ROLLED_ROOT = 1
+"""The root cell of the rolled disks' tree."""
 DEEPEST = 48
-AT_ONCE = 20_000  # divisions between two reports
+"""Levels of a tree; each halves the width of the cells."""
+AT_ONCE = 20_000
+"""Divisions between two reports."""
 
 
 class _State(NamedTuple):
-    """All arrays; the first ones are structured."""
+    """All arrays; the first five are structured."""
 
     disks: Table
     visits: Table
@@ -57,22 +152,31 @@ class _State(NamedTuple):
     gaps: Table
     contacts: Table
     child: Indices  # (cells, 4)
-    first: Indices  # item of the cell
-    bounds: Floats  # (cells, 4): least x and y, greatest x and y of all that was ever put into the cell or its children
+    first: Indices  # the first item of the cell
+    bounds: Floats  # (cells, 4), columns LOW_X to HIGH_Y
     stack: Indices  # of gaps
-    group: Indices  # of visits, as aside and blocked
+    group: Indices  # of visits, like aside and blocked
     aside: Indices
     blocked: Indices
     out_offsets: Indices
     out_values: Indices
-    counts: Numbers
-    box: Floats  # middle and half of the root cell; tie, rounding, nearly, equal
-    found: Floats  # x, y, r
+    counts: Numbers  # places DISKS to BLOCKED
+    limits: Floats  # places MIDDLE_X to EQUAL
+    found: Floats  # places X, Y, R
     path: Indices
 
 
+class Filled(NamedTuple):
+    """The new disks, and the finished gaps: the disks of all, and where each begins and ends."""
+
+    centres: Floats
+    radii: Floats
+    values: Ints
+    offsets: Ints
+
+
 DISK = np.dtype([("x", "f8"), ("y", "f8"), ("r", "f8"), ("following", "i4"), ("first_visit", "i4")])
-"""``following`` in its cell."""
+"""A disk; ``following`` is the next disk in its cell."""
 
 VISIT = np.dtype(
     [
@@ -84,39 +188,69 @@ VISIT = np.dtype(
     ],
     align=True,
 )
-"""``after`` and ``before`` it in the chain, ``same``: the next visit to the disk; of the leaf from this visit to the
-one after, what has become of its disk, the disk that rolled in, and where that is in its tree."""
+"""A visit. ``after`` and ``before``: its neighbours in the chain; ``same``: the next visit to the same disk. The rest
+describes the leaf from this visit to the one after: the disk that rolled in, its status, and its place in its tree."""
 
 ENTRY = np.dtype([("r", "f8"), ("visit", "i4"), ("version", "i4"), ("left", "i4"), ("right", "i4")], align=True)
+"""An entry of a heap; it counts only while the visit still has the same version."""
+
 GAP = np.dtype([("head", "i4"), ("length", "i4"), ("heap", "i4")])
+"""A gap: one of its visits, how many it has, and the root of its heap."""
+
 CONTACT = np.dtype([("angle", "f8"), ("disk", "i4"), ("visit", "i4")])
+"""What the disk that is tried touches."""
 
+GROUPS = (
+    ("disks",),
+    ("visits", "group", "aside", "blocked"),
+    ("first", "child", "bounds"),
+    ("entries",),
+    ("gaps",),
+    ("stack",),
+    ("out_offsets",),
+    ("out_values",),
+    ("contacts",),
+)
+"""Arrays that have the same length."""
 
-class Stuck(ValueError):  # noqa: N818 - turned into an error of ours by ``packing``
-    """No disk divides the gap of these disks."""
-
-    def __init__(self, chain: list[int]) -> None:
-        super().__init__(chain)
-        self.chain = chain
-
+TYPES = {"disks": DISK, "visits": VISIT, "entries": ENTRY, "gaps": GAP, "contacts": CONTACT, "bounds": np.float64}
+"""The types of arrays that are not int32."""
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 _called = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)
 
 
+def _build_uncounted(context, builder, signature, values):
+    arrays = []
+    for kind, value in zip(signature.return_type, cgutils.unpack_tuple(builder, values[0]), strict=True):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = cgutils.get_null_value(array.meminfo.type)
+        arrays.append(array._getvalue())
+    return context.make_tuple(builder, signature.return_type, arrays)
+
+
 @intrinsic
-def _uncounted(_, state):
-    """Return a state whose arrays have no reference counts: counting takes nearly as long as all the rest."""
+def _without_counts(_, state):
+    """Return the state with no reference counts, or the very same one if numba's arrays are not as expected."""
 
     def build(context, builder, signature, values):
-        arrays = []
-        for kind, value in zip(state.types, cgutils.unpack_tuple(builder, values[0]), strict=True):
-            array = context.make_array(kind)(context, builder, value)
-            array.meminfo = cgutils.get_null_value(array.meminfo.type)
-            arrays.append(array._getvalue())
-        return context.make_tuple(builder, signature.return_type, arrays)
+        try:
+            return _build_uncounted(context, builder, signature, values)
+        except (AttributeError, TypeError, NotImplementedError):
+            return impl_ret_borrowed(context, builder, signature.return_type, values[0])
 
     return state(state), build
+
+
+def _same(state):
+    return state
+
+
+uncounted = _compiled(_same) if cgutils is None else _without_counts
+"""In compiled code: a state whose arrays have no reference counts, for counting takes nearly as long as all the rest.
+
+It depends on how numba lays out arrays. Where numba does that otherwise, the state keeps its counts: slower, and right.
+"""
 
 
 # --- the trees
@@ -124,8 +258,8 @@ def _uncounted(_, state):
 
 @_compiled
 def _cell(s, root, x, y, r):
-    """Return the cell for a circle, made where it is not there."""
-    node, middle_x, middle_y, half = root, s.box[0], s.box[1], s.box[2]
+    """Return the cell for a circle; make it if there is none."""
+    node, middle_x, middle_y, half = root, s.limits[MIDDLE_X], s.limits[MIDDLE_Y], s.limits[HALF]
     if abs(x - middle_x) > half or abs(y - middle_y) > half:
         return node
     for _ in range(DEEPEST):
@@ -146,7 +280,7 @@ def _cell(s, root, x, y, r):
         child = s.child[node, quarter]
         if child < 0:
             child = s.counts[NODES]
-            if child == len(s.first):  # a cell too large does no harm; the loop makes room soon
+            if child == len(s.first):  # a larger cell does no harm; the loop soon makes room
                 break
             s.counts[NODES] += 1
             s.child[node, quarter] = child
@@ -155,20 +289,26 @@ def _cell(s, root, x, y, r):
             s.bounds[child, :2] = np.inf
             s.bounds[child, 2:] = -np.inf
         node = child
-        s.bounds[node, 0], s.bounds[node, 1] = min(s.bounds[node, 0], x - r), min(s.bounds[node, 1], y - r)
-        s.bounds[node, 2], s.bounds[node, 3] = max(s.bounds[node, 2], x + r), max(s.bounds[node, 3], y + r)
+        s.bounds[node, LOW_X], s.bounds[node, LOW_Y] = (
+            min(s.bounds[node, LOW_X], x - r),
+            min(s.bounds[node, LOW_Y], y - r),
+        )
+        s.bounds[node, HIGH_X], s.bounds[node, HIGH_Y] = (
+            max(s.bounds[node, HIGH_X], x + r),
+            max(s.bounds[node, HIGH_Y], y + r),
+        )
     return node
 
 
 @_compiled
 def _push_children(s, node, depth, x, y, r):
-    """Put the children of the node on top of the path there that a circle may meet; return the path's length."""
+    """Push the node's children that a circle may meet onto the path; return its new length."""
     for quarter in range(4):
         child = s.child[node, quarter]
         if child < 0:
             continue
-        off_x = max(s.bounds[child, 0] - x, x - s.bounds[child, 2], 0.0)
-        off_y = max(s.bounds[child, 1] - y, y - s.bounds[child, 3], 0.0)
+        off_x = max(s.bounds[child, LOW_X] - x, x - s.bounds[child, HIGH_X], 0.0)
+        off_y = max(s.bounds[child, LOW_Y] - y, y - s.bounds[child, HIGH_Y], 0.0)
         if off_x * off_x + off_y * off_y <= r * r:
             s.path[depth] = child
             depth += 1
@@ -214,7 +354,7 @@ def _unlink_rolled(s, visit):
 
 @_compiled
 def _height(s, k, origin_x, origin_y, along_x, along_y, middle, half_width):
-    """Return where in the strip the growing disk meets disk k; see ``packing``."""
+    """Return how high in the strip the growing disk meets disk k; see ``GrowingDisks.roll``."""
     off_x, off_y = s.disks.x[k] - origin_x, s.disks.y[k] - origin_y
     x, y, r = off_x * along_x + off_y * along_y, off_y * along_x - off_x * along_y, s.disks.r[k]
     power = x * x + y * y - r * r
@@ -229,9 +369,10 @@ def _height(s, k, origin_x, origin_y, along_x, along_y, middle, half_width):
 
 @_compiled
 def _swept(middle, height, half_width, origin_x, origin_y, along_x, along_y):
-    """Return a circle around all that the disk has swept when it has grown to a height.
+    """Return a circle around everything that the disk has swept when it has grown to a height.
 
-    In the strip that is everything above; the half-plane around it, across from the origin, is this circle.
+    In the strip the disk has swept everything above that height. This lies in a half-plane that does not contain the
+    origin, and the half-plane is the image of the circle.
     """
     away = math.sqrt(middle * middle + height * height)
     radius = 0.5 / (away - half_width) * (1 + 1e-7)
@@ -241,7 +382,7 @@ def _swept(middle, height, half_width, origin_x, origin_y, along_x, along_y):
 
 @_compiled
 def _roll(s, i, j, only):
-    """Find the largest disk left of i -> j that touches both; ``only`` names the one disk to look at, or is -1."""
+    """Find the largest disk left of i -> j that touches both; ``only``: the one disk to consider, or -1 for all."""
     x_i, y_i, r_i = s.disks.x[i], s.disks.y[i], s.disks.r[i]
     x_j, y_j, r_j = s.disks.x[j], s.disks.y[j], s.disks.r[j]
     along_x, along_y = x_j - x_i, y_j - y_i
@@ -253,7 +394,7 @@ def _roll(s, i, j, only):
     if only >= 0:
         top = _height(s, only, origin_x, origin_y, along_x, along_y, middle, half_width)
     bound = 2 * min(r_i, r_j)
-    while top == -np.inf and bound < 1e4 * s.box[2]:
+    while top == -np.inf and bound < 1e4 * s.limits[HALF]:
         share = half_width / bound
         least = math.sqrt(share + half_width * half_width - middle * middle) * (1 - 1e-9)
         x, y, radius = _swept(middle, least, half_width, origin_x, origin_y, along_x, along_y)
@@ -277,9 +418,9 @@ def _roll(s, i, j, only):
     if top == -np.inf or share <= 0 or top <= 0:
         return False
     forward, left = middle / share, top / share
-    s.found[0] = origin_x + along_x * forward - along_y * left
-    s.found[1] = origin_y + along_y * forward + along_x * left
-    s.found[2] = half_width / share
+    s.found[X] = origin_x + along_x * forward - along_y * left
+    s.found[Y] = origin_y + along_y * forward + along_x * left
+    s.found[R] = half_width / share
     return True
 
 
@@ -295,7 +436,7 @@ def _roll_leaf(s, visit, only):
         s.visits.status[visit] = NONE
         return
     s.visits.status[visit] = ROLLED
-    s.visits.rolled_x[visit], s.visits.rolled_y[visit], s.visits.rolled_r[visit] = s.found[0], s.found[1], s.found[2]
+    s.visits.rolled_x[visit], s.visits.rolled_y[visit], s.visits.rolled_r[visit] = s.found[X], s.found[Y], s.found[R]
     _link_rolled(s, visit)
     _push(s, visit)
 
@@ -349,7 +490,7 @@ def _free(s, entry):
 
 @_compiled
 def _pop(s, gap, least):
-    """Return the leaf with the gap's largest rolled disk, which is no ear, if it is as large as ``least``; or -1."""
+    """Pop the leaf of the gap's largest rolled disk that is no ear; return -1 if none is as large as ``least``."""
     while s.gaps.heap[gap] >= 0:
         entry = s.gaps.heap[gap]
         visit = s.entries.visit[entry]
@@ -369,12 +510,12 @@ def _pop(s, gap, least):
 
 @_compiled
 def _free_heap(s, gap):
-    """Free all entries, each after its children have been hung up at its right."""
+    """Free all entries, each after its children have been moved to its right."""
     entry = s.gaps.heap[gap]
     s.gaps.heap[gap] = -1
     while entry >= 0:
         left, right = s.entries.left[entry], s.entries.right[entry]
-        if left >= 0:  # turn until there is nothing at the left
+        if left >= 0:  # rotate until nothing is on the left
             s.entries.left[entry] = s.entries.right[left]
             s.entries.right[left] = entry
             entry = left
@@ -403,7 +544,10 @@ def _is_in_gap(s, disk, gap):
 
 @_compiled
 def _visit_toward(s, gap, disk, x, y):
-    """Return the visit whose sector of the gap looks toward a point; -1 if none does, -2 if there is no visit."""
+    """Return the visit whose sector of the gap contains the direction toward a point.
+
+    Returns -1 if no sector contains it, -2 if the gap does not visit the disk.
+    """
     best, best_outside = -2, np.inf
     centre_x, centre_y = s.disks.x[disk], s.disks.y[disk]
     visit = s.disks.first_visit[disk]
@@ -425,8 +569,8 @@ def _visit_toward(s, gap, disk, x, y):
 
 @_compiled
 def _try(s, gap, x, y, radius):
-    """Find what a disk touches, sorted by disk, and return whether it helps."""
-    tie, rounding, nearly = s.box[3], s.box[4], s.box[5]
+    """Find what a disk touches, sorted by disk, and return FAILS, HELPS or NEARLY_TOUCHES."""
+    tie, rounding, nearly = s.limits[TIE], s.limits[ROUNDING], s.limits[NEARLY]
     count, near = 0, False
     reach = radius * (1 + nearly) + 2 * rounding
     depth = _start(s, DISK_ROOT)
@@ -485,7 +629,7 @@ def _try(s, gap, x, y, radius):
 
 @_compiled
 def _polish(s, x, y, radius):
-    """Newton's method for the disk that touches the contacts; see ``packing``."""
+    """Newton's method for the disk that touches the contacts; see ``Divider``."""
     start_x, start_y, start_radius = x, y, radius
     count = s.counts[CONTACTS]
     for _ in range(2):
@@ -525,15 +669,15 @@ def _polish(s, x, y, radius):
             break
         x, y, radius = x + step_x, y + step_y, radius + growth
     else:
-        s.found[0], s.found[1], s.found[2] = x, y, radius
+        s.found[X], s.found[Y], s.found[R] = x, y, radius
         return
-    s.found[0], s.found[1], s.found[2] = start_x, start_y, start_radius
+    s.found[X], s.found[Y], s.found[R] = start_x, start_y, start_radius
 
 
 @_compiled
 def _find_blocked(s, gap, x, y, radius):
-    """Take the gap's rolled disks that overlap a new disk out of their tree."""
-    tie, rounding = s.box[3], s.box[4]
+    """Remove the gap's rolled disks that overlap a new disk from their tree."""
+    tie, rounding = s.limits[TIE], s.limits[ROUNDING]
     count = 0
     depth = _start(s, ROLLED_ROOT)
     while depth > 0:
@@ -569,11 +713,11 @@ def _new_visit(s, disk, gap):
 
 @_compiled
 def _place(s, gap, x, y, radius):
-    """Add the disk that touches the contacts, and put the gaps around it on the stack instead of the top one."""
+    """Add the disk that touches the contacts, and replace the top of the stack by the gaps around the disk."""
     _polish(s, x, y, radius)
     new = s.counts[DISKS]
     s.counts[DISKS] += 1
-    x, y, radius = s.found[0], s.found[1], s.found[2]
+    x, y, radius = s.found[X], s.found[Y], s.found[R]
     s.disks.x[new], s.disks.y[new], s.disks.r[new] = x, y, radius
     s.disks.first_visit[new] = -1
     _insert_disk(s, new)
@@ -589,7 +733,7 @@ def _place(s, gap, x, y, radius):
             place -= 1
         s.contacts.angle[place], s.contacts.visit[place] = angle, visit
     total = s.gaps.length[gap] + 2 * count
-    # each contact becomes two visits: its own chain goes on from the old one, and comes in at the new one
+    # each contact becomes two visits: its own chain leaves from the old one and arrives at the new one
     for at in range(count):
         visit = s.contacts.visit[at]
         incoming, before, spoke = (
@@ -619,9 +763,12 @@ def _place(s, gap, x, y, radius):
 
 @_compiled
 def _share_out(s, gap, count, total):
-    """Number the gaps around the new disk: the largest keeps the number and the heap. All are walked at once."""
+    """Number the gaps around the new disk: the largest keeps the old number and the heap.
+
+    All gaps are walked in step, so the walk ends with the second largest.
+    """
     s.counts[STACK] -= 1
-    # contact_disk holds the new disk's visits; that of the part from contact ``at`` is the one after it
+    # contacts.disk now holds the new disk's visits; the part from contact ``at`` has the visit of the contact after it
     left = count
     steps = 1
     for at in range(count):
@@ -673,7 +820,10 @@ def _share_out(s, gap, count, total):
 
 @_compiled
 def _sort(keys, items, start, end):
-    """Sort items by their keys, of equal ones the lower item first (Shell's way: numba takes seconds for numpy's)."""
+    """Sort items by their keys, the lower item first among equal keys.
+
+    This is Shell's method, because numba takes seconds to compile numpy's.
+    """
     step = 1
     while 3 * step < end - start:
         step = 3 * step + 1
@@ -703,7 +853,7 @@ def _sort_group(s, size):
 
 @_compiled
 def _leaf(i, j):
-    """Return a number by which leaves are sorted as pairs are; up to 2 ** 26 disks it is exact."""
+    """Return a number that sorts leaves as pairs are sorted; it is exact up to 2 ** 26 disks."""
     return i * 67108864.0 + j
 
 
@@ -732,7 +882,7 @@ def _divide(s, gap):
             break
         s.group[0] = first
         size = 1
-        least = s.visits.rolled_r[first] * (1 - s.box[6])
+        least = s.visits.rolled_r[first] * (1 - s.limits[EQUAL])
         while True:
             other = _pop(s, gap, least)
             if other < 0:
@@ -771,7 +921,7 @@ def _divide(s, gap):
 
 @_compiled
 def _divide_inside(s, gap):
-    """Place the largest disk that helps of those met beyond the ears."""
+    """Place the largest disk that helps among those met beyond the ears."""
     length = s.gaps.length[gap]
     chain = np.empty(length, dtype=np.int32)
     visit = s.gaps.head[gap]
@@ -798,23 +948,23 @@ def _divide_inside(s, gap):
             continue
         count = _beyond(s, i, j, k, x, y, r, disks, found, leaves, _leaf(i, j), count)
     for at in range(count):
-        order[at], keys[at] = at, -found[at, 2]
+        order[at], keys[at] = at, -found[at, R]
     _sort(keys, order, 0, count)
     start = 0
     while start < count:
-        least = found[order[start], 2] * (1 - s.box[6])
+        least = found[order[start], R] * (1 - s.limits[EQUAL])
         end = start
-        while end < count and found[order[end], 2] >= least:
+        while end < count and found[order[end], R] >= least:
             end += 1
         for at in range(start, end):
             place[at], keys[at] = at, leaves[order[at]]
         _sort(keys, place, start, end)
         for at in order[place[start:end]]:
-            verdict = _try(s, gap, found[at, 0], found[at, 1], found[at, 2])
+            verdict = _try(s, gap, found[at, X], found[at, Y], found[at, R])
             if (verdict != FAILS or s.counts[CONTACTS] > len(s.contacts)) and _lacks_room(s, gap):
                 return GROW
             if verdict != FAILS:
-                _place(s, gap, found[at, 0], found[at, 1], found[at, 2])
+                _place(s, gap, found[at, X], found[at, Y], found[at, R])
                 return GO_ON
         start = end
     return STUCK
@@ -822,13 +972,13 @@ def _divide_inside(s, gap):
 
 @_compiled
 def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
-    """Add the first two disks met beyond an ear that touch i and k; see ``packing``."""
+    """Add the first two disks beyond an ear that touch i and k; see ``GrowingDisks.beyond``."""
     x, y = s.disks.x[k] - s.disks.x[i], s.disks.y[k] - s.disks.y[i]
     a_x, a_y, r_a = s.disks.x[i], s.disks.y[i], s.disks.r[i]
     to_j_x, to_j_y, r_j = x, y, s.disks.r[k] - r_a
     b_j = (to_j_x * to_j_x + to_j_y * to_j_y - r_j * r_j) / 2
     enough = 1e-6 * ear_r * math.sqrt(x * x + y * y)
-    best = (np.inf, 0.0, 0.0, 0.0)
+    best = (np.inf, 0.0, 0.0, 0.0)  # how far ahead, x, y, radius
     next_best = best
     for sign in (1.0, -1.0):
         last = -1
@@ -853,9 +1003,9 @@ def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
                 best, next_best = (ahead, centre_x, centre_y, radius), best
             elif ahead < next_best[0]:
                 next_best = (ahead, centre_x, centre_y, radius)
-    for one in (best, next_best):
-        if one[0] < np.inf:
-            found[count, 0], found[count, 1], found[count, 2] = one[1], one[2], one[3]
+    for ahead, centre_x, centre_y, radius in (best, next_best):
+        if ahead < np.inf:
+            found[count, X], found[count, Y], found[count, R] = centre_x, centre_y, radius
             leaves[count] = leaf
             count += 1
     return count
@@ -863,8 +1013,8 @@ def _beyond(s, i, j, k, ear_x, ear_y, ear_r, disks, found, leaves, leaf, count):
 
 @_called
 def _run(s, most):
-    """Divide gaps until none is left, ``most`` are done, or the arrays are full."""
-    s = _uncounted(s)
+    """Divide gaps until none is left, ``most`` steps are done, or the arrays are full."""
+    s = uncounted(s)
     for _ in range(most):
         if s.counts[STACK] == 0:
             return DONE
@@ -893,7 +1043,7 @@ def _run(s, most):
 
 @_called
 def _insert_disks(s, disks):
-    s = _uncounted(s)
+    s = uncounted(s)
     for disk in disks:
         s.disks.first_visit[disk] = -1
         _insert_disk(s, disk)
@@ -901,8 +1051,8 @@ def _insert_disks(s, disks):
 
 @_called
 def _add_chain(s, chain):
-    """Make one gap of a chain, with all its leaves' disks rolled."""
-    s = _uncounted(s)
+    """Make a chain one gap, and roll the disks of all its leaves."""
+    s = uncounted(s)
     gap = s.counts[GAPS]
     s.counts[GAPS] += 1
     s.gaps.heap[gap], s.gaps.length[gap], s.gaps.head[gap] = -1, len(chain), s.counts[VISITS]
@@ -922,26 +1072,26 @@ def _add_chain(s, chain):
 
 @_called
 def _roll_many(s, leaves, centres, radii):
-    s = _uncounted(s)
+    s = uncounted(s)
     for at in range(len(leaves)):
         if _roll(s, leaves[at, 0], leaves[at, 1], -1):
-            centres[at, 0], centres[at, 1], radii[at] = s.found[0], s.found[1], s.found[2]
+            centres[at, 0], centres[at, 1], radii[at] = s.found[X], s.found[Y], s.found[R]
         else:
             radii[at] = -1.0
 
 
 class GapFiller:
-    """The state for the disks of one face after the other; disks keep their numbers."""
+    """Fills gaps of one chain, face after face; disks keep their numbers."""
 
     def __init__(self, tie: float, rounding: float, nearly: float, equal: float) -> None:
         self._limits = (tie, rounding, nearly, equal)
-        self._state = _empty(0, 0, np.zeros(7))
+        self._state = _empty(0, 0, np.zeros(EQUAL + 1))
         self._known = 0
 
     def start(self, disks: Indices, centres: Floats, radii: Floats, count: int) -> bool:
         """Begin a face whose boundary ``disks`` are among the first ``count`` of ``centres`` and ``radii``.
 
-        Returns whether the rest of the compiled code, too, still has to be compiled, which takes some 20 s.
+        Returns whether the code still has to be compiled, which takes about 20 s once on a machine.
         """
         mine = centres[disks]
         low, high = mine.min(axis=0), mine.max(axis=0)
@@ -959,7 +1109,7 @@ class GapFiller:
         return bool(_insert_disks.stats.cache_misses) and not _run.signatures
 
     def add(self, centres: Floats, radii: Floats, count: int) -> None:
-        """Take over disks that were added by others."""
+        """Take over the disks that others added since the last call."""
         if count > self._known:
             self._reserve(disks=count)
             state, new = self._state, slice(self._known, count)
@@ -969,15 +1119,15 @@ class GapFiller:
             self._known = count
 
     def roll(self, leaves: Indices) -> tuple[Floats, Floats]:
-        """Return centre and radius of each leaf's disk, a radius below 0 where there is none."""
+        """Return centre and radius of the disk of each leaf, ``(n, 2)``; the radius is negative where there is none."""
         centres, radii = np.empty((len(leaves), 2)), np.empty(len(leaves))
         _roll_many(self._state, leaves, centres, radii)
         return centres, radii
 
-    def fill(self, chain: Indices, report: Callable[[], None]) -> tuple[Floats, Floats, Indices, Indices]:
-        """Divide the gap of one chain: centres and radii of the new disks, and the gaps as values and offsets.
+    def fill(self, chain: Indices, report: Callable[[], None]) -> Filled:
+        """Divide the gap inside one chain until no gap has more than 4 sides.
 
-        ``report`` is called now and then. Raises ``Stuck``.
+        ``report`` is called every so many divisions. Raises ``StuckError``.
         """
         size = len(chain)
         counters = self._state.counts
@@ -989,7 +1139,7 @@ class GapFiller:
         while said != DONE:
             said = _run(self._state, AT_ONCE)
             if said == STUCK:
-                raise Stuck(self._chain())
+                raise self._stuck()
             if said == GROW:
                 self._grow()
             report()
@@ -998,16 +1148,17 @@ class GapFiller:
         gaps, values = int(state.counts[OUT]), int(state.counts[OUT_VALUES])
         disks = state.disks[new]
         centres, radii = np.stack([disks["x"], disks["y"]], axis=1), disks["r"].copy()
-        return centres, radii, state.out_values[:values].copy(), state.out_offsets[: gaps + 1].copy()
+        return Filled(centres, radii, state.out_values[:values].copy(), state.out_offsets[: gaps + 1].copy())
 
-    def _chain(self) -> list[int]:
+    def _stuck(self) -> StuckError:
         state = self._state
         gap = state.stack[state.counts[STACK] - 1]
         chain, visit = [], state.gaps["head"][gap]
         for _ in range(state.gaps["length"][gap]):
             chain.append(int(state.visits["disk"][visit]))
             visit = state.visits["after"][visit]
-        return chain
+        disks = state.disks[chain]
+        return StuckError([chain], (float(disks["x"].mean()), float(disks["y"].mean())))
 
     @staticmethod
     def _write(state: _State, disks: slice, centres: Floats, radii: Floats) -> None:
@@ -1015,7 +1166,7 @@ class GapFiller:
         state.disks["r"][disks] = radii[disks]
 
     def _grow(self) -> None:
-        """Double what is more than half full."""
+        """Double the arrays that are more than about a quarter full."""
         state = self._state
         count = state.counts
         sizes = [len(getattr(state, names[0])) for names in GROUPS]
@@ -1041,23 +1192,7 @@ class GapFiller:
             self._state = _resized(self._state, sizes)
 
 
-GROUPS = (
-    ("disks",),
-    ("visits", "group", "aside", "blocked"),
-    ("first", "child", "bounds"),
-    ("entries",),
-    ("gaps",),
-    ("stack",),
-    ("out_offsets",),
-    ("out_values",),
-    ("contacts",),
-)
-"""Arrays of the same length."""
-
-TYPES = {"disks": DISK, "visits": VISIT, "entries": ENTRY, "gaps": GAP, "contacts": CONTACT, "bounds": np.float64}
-
-
-def _empty(disks: int, boundary: int, box: Floats) -> _State:
+def _empty(disks: int, boundary: int, limits: Floats) -> _State:
     sizes = (disks, 8 * boundary, 8 * boundary, 4 * boundary, 4 * boundary, 64, 2 * boundary, 7 * boundary, 64)
     arrays = {
         name: np.zeros((size + 256, 4) if name in ("child", "bounds") else size + 256, TYPES.get(name, np.int32))
@@ -1066,9 +1201,9 @@ def _empty(disks: int, boundary: int, box: Floats) -> _State:
     }
     return _State(
         **arrays,
-        counts=np.zeros(12, dtype=np.int64),
-        box=box,
-        found=np.zeros(3),
+        counts=np.zeros(BLOCKED + 1, dtype=np.int64),
+        limits=limits,
+        found=np.zeros(R + 1),
         path=np.zeros(4 * DEEPEST + 8, dtype=np.int32),
     )
 

@@ -1,18 +1,20 @@
-"""Joining the molecules: which creases are mountains, which valleys, and how the molecules hang together.
+"""The trees that join the molecules, and which creases are mountains and valleys.
 
-``Packing``, ``Molecules`` -> ``Assignment`` (paper section 4, corrected: see docs/assignment.md).
+``Molecules`` -> ``Assignment`` (paper section 4, corrected: see docs/assignment.md).
 
-Two trees decide it, in every face of the plane by itself. T_C is a spanning tree of side edges over the corners that
-are not on the shape's boundary loop, which is contracted to its root; in the outside face the sheet's border,
-contracted, is one more node. T_M joins the molecules across the sides that are not in T_C, and is rooted at the
-molecule behind one and the same boundary side in both faces. Bisectors are mountains, all other creases valleys, but
+In each face of the plane there are two trees. T_C, the corner tree, is a spanning tree of side edges over the corners
+that are not on the shape's boundary loop; the loop, contracted, is its root, and in the outside face the sheet's
+border, contracted, is one more node. T_M, the molecule tree, joins the molecules across the sides that are not in T_C.
+Its roots in the two faces are the molecules on either side of one boundary side. Bisectors are mountains, all other
+creases are valleys, except that
 
 - every corner in T_C reverses the half of its tree side that ends at the corner;
-- every part of a molecule reverses its tangency edge toward its parent part, the two roots toward the boundary side.
+- every part of a molecule reverses its tangency edge toward its parent part; the two roots reverse theirs toward the
+  boundary side.
 
-Sides on the shape's loop are not folded. This holds inside and outside alike, and for one boundary loop only.
+Sides on the shape's loop are not folded. The rule is the same inside and outside, and holds for one boundary loop only.
 
-Invariants: both trees span; every interior vertex has two more mountains than valleys, or two fewer.
+Invariants: both trees span; at every interior vertex, mountains and valleys differ by two.
 """
 
 from __future__ import annotations
@@ -26,17 +28,21 @@ from foldcut.core.arrays import BLOCK, Bools, Chars, Ints, Numbers, index_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.methods.disks.molecules import Kind, Molecules
 
-SHAPE, BORDER = 0, 1  # the nodes of T_C that stand for a whole boundary come after the vertices
+SHAPE = 0
+"""The node of T_C for the shape's boundary; it is numbered from the end of the vertices on."""
+
+BORDER = 1
+"""The node of T_C for the sheet's border, numbered likewise."""
 
 
 @dataclass(frozen=True, eq=False)
 class Assignment:
-    """The joined molecules.
+    """How the molecules are joined.
 
     ``crease_assignment`` ``(c,)``: "M", "V", "B" on the sheet's border, "F" where the shape's boundary is not folded.
-    ``entry_side`` ``(m,)``: the side through which T_M enters a molecule; ``parent`` ``(m,)`` its parent, -1 at roots.
-    ``roots``: the two root molecules, inside first. ``corner_tree`` ``(t, 2)``: T_C as (corner, tangency point) halves,
-    each the reversed one of its side.
+    ``entry_side`` ``(m,)``: the side through which T_M enters a molecule; ``parent`` ``(m,)``: its parent, -1 at roots.
+    ``roots``: the two root molecules, inside first. ``corner_tree`` ``(t, 2)``: T_C as the reversed halves of its
+    sides, each (corner, tangency point).
     """
 
     crease_assignment: Chars
@@ -49,7 +55,7 @@ class Assignment:
 def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignment:
     """Choose mountain or valley for every crease, for a shape with one boundary loop.
 
-    ``face_inside`` says of each face of the plane whether it is part of the shape. Raises ``UnfoldableError`` when a
+    ``face_inside`` says of each face of the plane whether it is part of the shape. Raises ``UnfoldableError`` where a
     tree does not span. Source: paper section 4, Figures 5 and 6, with the correction of docs/assignment.md.
     """
     inside = np.array(list(face_inside), dtype=np.bool_)
@@ -72,7 +78,7 @@ def assign_creases(molecules: Molecules, face_inside: Iterable[bool]) -> Assignm
 
 
 def opposite_sides(feet: Ints) -> Numbers:
-    """For the side with each foot the other side with the same foot, or -1."""
+    """Return, for the side with each foot, the other side with the same foot, or -1."""
     order = np.argsort(feet, kind="stable")
     pair = np.flatnonzero(feet[order[1:]] == feet[order[:-1]])
     opposite = np.full(len(feet), -1, dtype=np.int64)
@@ -82,7 +88,7 @@ def opposite_sides(feet: Ints) -> Numbers:
 
 @dataclass(frozen=True, eq=False)
 class _Loops:
-    """Of every vertex: the loop it is a foot of, or -1; and the node of T_C it is contracted to, or itself."""
+    """By vertex: the loop that it is a foot on, or -1; and the node of T_C that it is contracted to, or itself."""
 
     of_vertex: Ints
     contracted: Ints
@@ -105,7 +111,7 @@ class _Loops:
 
 
 def _corner_tree(molecules: Molecules, loops: _Loops) -> Ints:
-    """T_C by breadth-first search in each face, rows (child corner, tangency point of the side to its parent)."""
+    """Find T_C by breadth-first search in each face: rows (child corner, tangency point of the side to its parent)."""
     corner, foot, rows = molecules.corners.values, molecules.feet.values, molecules.corners.rows
     other = corner[molecules.corners.following]
     one_node, other_node = loops.contracted[corner], loops.contracted[other]
@@ -114,7 +120,7 @@ def _corner_tree(molecules: Molecules, loops: _Loops) -> Ints:
     trees = []
     for its_face in np.unique(molecules.face):
         side = np.flatnonzero(usable & (face == its_face))
-        # each side leads both ways: the entries of a node are in the order of the sides
+        # each side leads in both directions; the entries of a node keep the order of the sides
         source = np.stack([one_node[side], other_node[side]], axis=1).ravel()
         child = np.stack([other[side], corner[side]], axis=1).ravel()
         is_node = np.zeros(len(loops.contracted) + 2, dtype=np.bool_)
@@ -133,9 +139,9 @@ def _corner_tree(molecules: Molecules, loops: _Loops) -> Ints:
 
 
 def _breadth_first(source: Numbers, target: Numbers, count: int, root: int) -> tuple[Numbers, Numbers]:
-    """Return the nodes that edges reach from the root, nearest first, and the one before each (negative: none).
+    """Return the nodes that edges reach from the root, nearest first, and the predecessor of each (negative: none).
 
-    ``source`` is sorted; a node's edges are gone along in their order.
+    ``source`` is sorted; a node's edges are followed in their order.
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import breadth_first_order
@@ -147,14 +153,14 @@ def _breadth_first(source: Numbers, target: Numbers, count: int, root: int) -> t
 
 
 def _first_of(keys: Numbers, places: Numbers, count: int) -> Numbers:
-    """For every key the first of ``places``, ascending, with that key."""
+    """For every key, the first of the ascending ``places`` that has it."""
     first = np.full(count, -1, dtype=np.int64)
     first[keys[places[::-1]]] = places[::-1]
     return first
 
 
 def _roots(molecules: Molecules, inside: Bools) -> Numbers:
-    """The sides on either side of the boundary side with the largest disks, first in order of ties; inside first."""
+    """The two molecules' sides along the boundary side with the largest disks, the first of equals; inside first."""
     sides = molecules.boundary_sides[molecules.boundary_sides[:, 3] > 0]
     lengths = molecules.folded[sides[:, 0], 0] + molecules.folded[sides[:, 2], 0]
     start, foot, _, _ = sides[int(np.argmax(lengths > lengths.max() * (1 - 1e-9)))].tolist()
@@ -171,8 +177,8 @@ def _roots(molecules: Molecules, inside: Bools) -> Numbers:
 def molecule_tree(molecules: Molecules, roots: Numbers, open_sides: Bools) -> tuple[Numbers, Ints]:
     """Return T_M: the entry side and the parent, -1 at roots, of every molecule, each ``(m,)``.
 
-    Sides are places in ``feet.values``: ``roots`` has one for each face of the plane, ``open_sides`` says through
-    which the tree may go. Raises ``UnfoldableError`` when it does not span.
+    Sides are places in ``feet.values``: ``roots`` has one for each face of the plane; ``open_sides`` tells which sides
+    the tree may cross. Raises ``UnfoldableError`` where it does not span.
     """
     rows, count = molecules.feet.rows, len(molecules.feet)
     opposite = opposite_sides(molecules.feet.values)
@@ -192,7 +198,7 @@ def molecule_tree(molecules: Molecules, roots: Numbers, open_sides: Bools) -> tu
 
 
 def _assign(molecules: Molecules, reversed_corner: Ints, entry_side: Numbers, loops: _Loops) -> Chars:
-    """Mountains and valleys: ``reversed_corner`` is the end of the reversed half at each foot in T_C, or -1."""
+    """Choose mountains and valleys; ``reversed_corner``: by foot in T_C the corner of the reversed half, or -1."""
     kinds = molecules.crease_kind
     mountain = kinds == Kind.BISECTOR
     of_root = np.zeros(len(molecules.vertices), dtype=np.bool_)
@@ -200,7 +206,7 @@ def _assign(molecules: Molecules, reversed_corner: Ints, entry_side: Numbers, lo
     first, entry_part = molecules.feet.offsets, molecules.side_part.values[entry_side]
     blocks = [slice(low, low + BLOCK) for low in range(0, len(kinds), BLOCK)]
     for block in blocks:
-        # toward the parent: out of the entry side, and from the part that is not behind it across the diagonal
+        # toward the parent: through the entry side; from the part that is not behind it, across the diagonal
         molecule = molecules.crease_molecule[block]
         same_part = entry_part[molecule] == molecules.crease_part[block]
         toward = np.where(same_part, entry_side[molecule], first[molecule + 1]) - first[molecule]
@@ -212,7 +218,7 @@ def _assign(molecules: Molecules, reversed_corner: Ints, entry_side: Numbers, lo
         its_kinds, of_loop = kinds[block], loops.of_vertex[a]
         side = its_kinds == Kind.SIDE
         mountain[block] |= side & ((reversed_corner[a] == b) | (reversed_corner[b] == a))
-        # Across the ribbon: mountains at corners; at a tangency point the crease goes on as it is on either side.
+        # across the ribbon: mountains at corners; at a tangency point the crease continues the ones on either side
         mountain[block] |= (its_kinds == Kind.RIBBON) & ((of_loop < 0) | of_root[a])
         its = assignment[block]
         its[mountain[block]] = "M"

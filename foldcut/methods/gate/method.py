@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
-from foldcut.methods.disks.boundary import default_ribbon
 from foldcut.methods.disks.molecules import regions
-from foldcut.methods.gate.joining import fold_gated
+from foldcut.methods.disks.ribbon import default_ribbon
+from foldcut.methods.gate.ring_sizes import fold_gated
 
 __all__ = ["fold"]
 

@@ -8,7 +8,9 @@ from support.stages import Stages, run_stages
 from support.strategies import DISK_SHAPES, rectangle, star
 
 from foldcut.core.errors import RibbonError
-from foldcut.methods.disks.boundary import boundary_disks, default_ribbon, largest_ribbon, near_disks, overlapping_disks
+from foldcut.methods.disks.boundary import boundary_disks
+from foldcut.methods.disks.disk_pairs import near_disks, overlapping_disks
+from foldcut.methods.disks.ribbon import default_ribbon, largest_ribbon
 
 
 def boundary_faults(stages: Stages) -> list[str]:

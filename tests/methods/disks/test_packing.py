@@ -13,7 +13,8 @@ from foldcut.core.model import Sheet
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.boundary import boundary_disks
-from foldcut.methods.disks.packing import _Candidate, _Filler, fill_gaps, packing_faults
+from foldcut.methods.disks.packing import fill_gaps, packing_faults
+from foldcut.methods.disks.rolling import Candidate, GrowingDisks
 
 
 @pytest.mark.parametrize("name", DISK_SHAPES)
@@ -98,11 +99,9 @@ def test_the_checker_sees_a_missing_gap() -> None:
 
 
 def test_beyond_an_ear_the_next_two_disks_are_candidates_the_nearer_first() -> None:
-    filler = _Filler.__new__(_Filler)
-    filler.centres = np.array([(-2.0, 0.0), (0.0, -1.5), (2.0, 0.0), (0.3, 14.0), (0.1, 5.0), (-0.2, 9.0), (0.0, -6.0)])
-    filler.radii = np.array([1.0, 0.5, 1.0, 1.0, 1.2, 0.8, 1.0])
-    ear = _Candidate(0.0, 0.3, 1.02)
-    found = filler._beyond(ear, 0, 1, 2, np.arange(7))
-    gaps = [np.hypot(*(filler.centres - candidate[:2]).T) - filler.radii - candidate.radius for candidate in found]
+    centres = np.array([(-2.0, 0.0), (0.0, -1.5), (2.0, 0.0), (0.3, 14.0), (0.1, 5.0), (-0.2, 9.0), (0.0, -6.0)])
+    radii = np.array([1.0, 0.5, 1.0, 1.0, 1.2, 0.8, 1.0])
+    found = GrowingDisks(centres, radii).beyond(Candidate(0.0, 0.3, 1.02), 0, 1, 2, np.arange(7))
+    gaps = [np.hypot(*(centres - candidate[:2]).T) - radii - candidate.radius for candidate in found]
     assert [np.flatnonzero(np.abs(gap) < 1e-9).tolist() for gap in gaps] == [[0, 2, 4], [0, 2, 5]]
     assert found[0].y < found[1].y

@@ -21,6 +21,8 @@ from support.strategies import DISK_SHAPES, star, star_shaped, two_opt
 
 import foldcut
 from foldcut.core.arrays import Ragged
+from foldcut.core.compiled import COMPILED, expect_many_drawings
+from foldcut.core.errors import UnfoldableError
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry import box_tree as layertree
@@ -28,12 +30,16 @@ from foldcut.geometry import planar_graph as planar
 from foldcut.geometry.box_tree import LayerTree
 from foldcut.geometry.planar_graph import edge_faces, edge_lengths, edge_sides, half_edges
 from foldcut.geometry.tolerance import Tolerance
-from foldcut.methods.disks import boundary as boundary_module
 from foldcut.methods.disks import packing
-from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks, near_disks
+from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks
+from foldcut.methods.disks.chains import StuckError
+from foldcut.methods.disks.disk_pairs import near_disks
+from foldcut.methods.disks.dividing import NEARLY
 from foldcut.methods.disks.layers import fold_layers
+from foldcut.methods.disks.loops import distances_to_edges as nearest_edges
 from foldcut.methods.disks.molecules import build_molecules
 from foldcut.methods.disks.packing import Packing, fill_gaps
+from foldcut.methods.disks.rolling import EQUAL
 from foldcut.methods.disks.trees import assign_creases
 from foldcut.pattern import face_maps as flatfold
 from foldcut.pattern.face_maps import fold_faces
@@ -96,31 +102,92 @@ def filled(name: str) -> Packing:
 
 @pytest.mark.parametrize("name", CASES)
 def test_compiled_code_fills_gaps_as_the_simple_code_does(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("numba")
+    packing_compiled = pytest.importorskip("foldcut.methods.disks.packing_compiled", reason="needs numba")
     boundary = disks(name)
+    started = []
+    start = packing_compiled.GapFiller.start
+    monkeypatch.setattr(packing_compiled.GapFiller, "start", lambda *args: started.append(1) or start(*args))
     monkeypatch.setattr(packing, "MANY_DISKS", 0)
     compiled = fill_gaps(boundary, TOLERANCE)
-    assert "foldcut.methods.disks.packing_compiled" in sys.modules
-    monkeypatch.setattr(packing, "_compiled_filler", lambda _: None)
-    assert differences(compiled, fill_gaps(boundary, TOLERANCE)) == []
+    assert len(started) == len(boundary.face_inside)
+    monkeypatch.setattr(packing, "MANY_DISKS", 10**9)
+    simple = fill_gaps(boundary, TOLERANCE)
+    assert len(started) == len(boundary.face_inside)
+    assert differences(compiled, simple) == []
 
 
-def test_once_loaded_compiled_code_fills_small_gaps_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    gapfill = pytest.importorskip("foldcut.methods.disks.packing_compiled", reason="needs numba")
+@pytest.mark.parametrize("many", [True, False])
+def test_compiled_code_fills_small_gaps_where_many_drawings_are_expected(
+    many: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    packing_compiled = pytest.importorskip("foldcut.methods.disks.packing_compiled", reason="needs numba")
     asked = []
-    fill = gapfill.GapFiller.fill
-    monkeypatch.setattr(gapfill.GapFiller, "fill", lambda *args: asked.append(1) or fill(*args))
+    fill = packing_compiled.GapFiller.fill
+    monkeypatch.setattr(packing_compiled.GapFiller, "fill", lambda *args: asked.append(1) or fill(*args))
+    monkeypatch.setattr(COMPILED, "many_drawings", many)
     filled("fish")
-    assert asked
+    assert bool(asked) == many
+
+
+@pytest.mark.parametrize("many", [True, False])
+def test_what_a_process_expects_decides_not_what_is_loaded(many: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("foldcut.geometry.box_tree_compiled", reason="needs numba")
+    monkeypatch.setattr(COMPILED, "many_drawings", False)
+    if many:
+        expect_many_drawings()
+    assert COMPILED.many_drawings == many
+    boxes = np.zeros((layertree.MANY_BOXES_ONCE_LOADED, 1))
+    assert LayerTree(boxes, boxes).is_compiled == many
+    assert not LayerTree(boxes[1:], boxes[1:]).is_compiled
+    assert COMPILED.pays(layertree.MANY_BOXES, layertree.MANY_BOXES, layertree.MANY_BOXES_ONCE_LOADED)
+
+
+def test_a_gap_that_nothing_divides_is_refused_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    packing_compiled = pytest.importorskip("foldcut.methods.disks.packing_compiled", reason="needs numba")
+    chain = np.arange(2, dtype=np.int32)  # there is no gap between two disks
+    filler = packing_compiled.GapFiller(TOLERANCE.tie, TOLERANCE.rounding, NEARLY, EQUAL)
+    filler.start(chain, np.array([(0.0, 0.0), (2.0, 0.0)]), np.ones(2), 2)
+    with pytest.raises(StuckError) as caught:
+        filler.fill(chain, lambda: None)
+    assert caught.value.chains == [[0, 1]]
+    assert caught.value.place == (1.0, 0.0)
+
+    def stuck(*_: object) -> None:
+        raise StuckError([[3, 4], [5, 6, 7]], (1.25, 2.5))
+
+    monkeypatch.setattr(packing_compiled.GapFiller, "fill", stuck)
+    monkeypatch.setattr(packing, "MANY_DISKS", 0)
+    with pytest.raises(UnfoldableError, match=r"gap of 2 and 3 disks near \(1.250, 2.500\) mm"):
+        filled("fish")
+
+
+def test_where_numba_lays_arrays_out_otherwise_they_keep_their_counts(monkeypatch: pytest.MonkeyPatch) -> None:
+    numba = pytest.importorskip("numba")
+    packing_compiled = pytest.importorskip("foldcut.methods.disks.packing_compiled", reason="needs numba")
+    without_counts = packing_compiled.uncounted
+    state = (np.arange(5.0), np.arange(4, dtype=np.int32))
+
+    def total(state: tuple[np.ndarray, np.ndarray]) -> float:
+        own = without_counts(state)
+        own[0][0] += 1.0
+        return own[0].sum() + own[1].sum()
+
+    assert numba.njit(total)(state) == 17
+    monkeypatch.setattr(packing_compiled, "cgutils", object())
+    counted = sys.getrefcount(state[0])
+    assert numba.njit(total)(state) == 18
+    after = sys.getrefcount(state[0])  # not inside an assert, which would hold one more reference
+    assert after == counted
 
 
 def test_who_waits_for_the_compiler_is_told(tmp_path: Path) -> None:
     pytest.importorskip("numba")
     code = (
-        "import foldcut, foldcut.methods.disks.packing, foldcut.methods.disks.packing_compiled as gapfill\n"
+        "import foldcut, foldcut.core.compiled, foldcut.methods.disks.packing_compiled as packing_compiled\n"
         "class Enough(Exception): pass\n"
         "def stop(*args): raise Enough\n"
-        "gapfill._add_chain = stop\n"
+        "packing_compiled.GapFiller.fill = stop\n"
+        "foldcut.core.compiled.expect_many_drawings()\n"
         "try: foldcut.fold([[(0, 0), (3, 0), (0, 2)]], method='paper', progress=lambda stage, _: print(stage))\n"
         "except Enough: pass"
     )
@@ -161,7 +228,7 @@ def test_nearest_edges_are_those_of_all_pairs(seed: int) -> None:
     rng = np.random.default_rng(seed)
     starts = [np.array(star_shaped(rng, 20)), 0.1 * np.array(star_shaped(rng, 3))]
     ends = [np.roll(points, -1, axis=0) for points in starts]
-    quick = boundary_module._distances_to_edges(starts, ends)
+    quick = nearest_edges(starts, ends)
     assert all(np.array_equal(a, b) for a, b in zip(quick, distances_to_edges(starts, ends), strict=True))
 
 
@@ -189,6 +256,7 @@ def test_compiled_code_finds_the_meetings_that_array_code_finds(monkeypatch: pyt
 
     expected = meetings()
     monkeypatch.setattr(layertree, "MANY_BOXES", 0)
+    assert LayerTree(low, high).is_compiled
     monkeypatch.setattr(layertree, "BATCH", 100)
     assert meetings() == expected
     assert len(expected) > 1000
@@ -221,7 +289,7 @@ def test_compiled_code_folds_faces_to_where_array_code_folds_them(seed: int, mon
     faces = edge_faces(pattern)
     simple = fold_faces(pattern, faces)
     monkeypatch.setattr(flatfold, "MANY_FACES", 0)
-    assert flatfold._compiled_fold() is not None
+    assert flatfold.compiled_fold() is not None
     quick = fold_faces(pattern, faces)
     assert np.array_equal(simple.up, quick.up)
     assert np.allclose(simple.turn, quick.turn, rtol=0, atol=1e-11)
@@ -233,13 +301,13 @@ def test_compiled_code_folds_over_the_longer_of_two_edges() -> None:
     rng = np.random.default_rng(1)
     pattern, _ = random_paper(rng, folds=6, lines=3).pattern()
     faces = edge_faces(pattern)
-    from foldcut.pattern.face_maps_compiled import _tree
+    from foldcut.pattern.face_maps_compiled import tree_of_faces
 
     ends = np.ascontiguousarray(pattern.edges_vertices), pattern.vertices_coords.copy()
-    via = _tree(*np.ascontiguousarray(faces.T), *ends, len(pattern.faces_vertices), 1e-300)
+    via = tree_of_faces(*np.ascontiguousarray(faces.T), *ends, len(pattern.faces_vertices), 1e-300)
     inner = np.flatnonzero((faces >= 0).all(axis=1))
     cost = 1 / edge_lengths(pattern)
-    least, _ = flatfold._short_paths(*faces[inner].T, cost[inner], len(via))
+    least, _ = flatfold.short_paths(*faces[inner].T, cost[inner], len(via))
     for face in range(len(via)):
         here, far, steps = face, 0.0, 0
         while here:

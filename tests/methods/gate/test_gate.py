@@ -21,10 +21,12 @@ from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.tolerance import Tolerance
-from foldcut.methods.disks.boundary import BoundaryDisks, default_ribbon
+from foldcut.methods.disks.boundary import BoundaryDisks
 from foldcut.methods.disks.packing import packing_faults
-from foldcut.methods.gate.joining import MOST_DISKS, ROOMS, build_gated, fold_gated
-from foldcut.methods.gate.rings import MOST, Parts, Ring, divide_faces, plan_rings
+from foldcut.methods.disks.ribbon import default_ribbon
+from foldcut.methods.gate.parts import Parts, divide_faces
+from foldcut.methods.gate.ring_sizes import MOST_DISKS, ROOMS, build_gated, fold_gated
+from foldcut.methods.gate.rings import MOST, Ring, equal_sides, plan_rings
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof.layers import check_stacking
 from foldcut.proof.tolerance import COINCIDENT
@@ -130,7 +132,7 @@ def test_the_command_reports_rings_and_why_the_others_lost(tmp_path: Path, capsy
 
 def test_too_many_disks_are_refused_before_packing(monkeypatch: pytest.MonkeyPatch) -> None:
     shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
-    monkeypatch.setattr("foldcut.methods.gate.joining.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.ring_sizes.fill_gaps", None)
     monkeypatch.setitem(MOST_DISKS, "fast", 150)
     with pytest.raises(UnfoldableError, match=r"disks would be needed.* may have 150; give --effort best"):
         fold_gated(shape, SHEET, 0.1, "fast")
@@ -141,9 +143,19 @@ def test_too_many_disks_are_refused_before_packing(monkeypatch: pytest.MonkeyPat
 
 def test_no_disks_are_packed_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     shape, _ = place(make_shape(TRIANGULAR_HOLE), SHEET)
-    monkeypatch.setattr("foldcut.methods.gate.joining.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.ring_sizes.fill_gaps", None)
     with pytest.raises(UnfoldableError, match="the 0.0001 seconds are over; give more --seconds"):
         fold_gated(shape, SHEET, 0.1, seconds=0.0001)
+
+
+def test_equal_sides_move_corners_a_little_and_a_side_of_no_length_not_at_all() -> None:
+    corners = np.array(regular(9)) + 0.01 * np.random.default_rng(1).random((9, 2))
+    moved = equal_sides(corners)
+    lengths = np.hypot(*(np.roll(moved, -1, axis=0) - moved).T)
+    np.testing.assert_allclose(lengths, lengths[0], rtol=1e-12)
+    assert np.abs(moved - corners).max() < 0.02 * lengths[0]
+    corners[4] = corners[3]
+    assert np.array_equal(equal_sides(corners), corners)
 
 
 def test_rings_that_overlap_are_refused_before_packing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -154,7 +166,7 @@ def test_rings_that_overlap_are_refused_before_packing(monkeypatch: pytest.Monke
         parts = divide_faces(boundary, rings)
         return replace(parts, boundary=replace(parts.boundary, radii=1.2 * parts.boundary.radii))
 
-    monkeypatch.setattr("foldcut.methods.gate.joining.divide_faces", divide_wide)
-    monkeypatch.setattr("foldcut.methods.gate.joining.fill_gaps", None)
+    monkeypatch.setattr("foldcut.methods.gate.ring_sizes.divide_faces", divide_wide)
+    monkeypatch.setattr("foldcut.methods.gate.ring_sizes.fill_gaps", None)
     with pytest.raises(UnfoldableError, match=r"disks of the rings overlap near \("):
         build_gated(shape, SHEET, 0.1, ROOMS[0])
