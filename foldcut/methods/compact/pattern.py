@@ -19,7 +19,8 @@ import numpy as np
 from foldcut.core.arrays import Bools, Floats, Numbers, points_array
 from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
 from foldcut.geometry.vectors import cross
-from foldcut.methods.compact.molecule import Border, Molecule, Vertices
+from foldcut.methods.compact.facets import Vertices
+from foldcut.methods.compact.molecule import Border, Molecule
 from foldcut.pattern.assemble import Ring, assemble, creases_of_stack, merge_stacks, outlines
 
 

@@ -19,8 +19,10 @@ from foldcut.core.model import Finding, Shape, Sheet
 from foldcut.drawing.placement import place
 from foldcut.drawing.shape import make_shape
 from foldcut.methods.compact import molecule as universal
-from foldcut.methods.compact.events import Queue, Table, looks_inside
+from foldcut.methods.compact import part_state
+from foldcut.methods.compact.event_queue import Queue
 from foldcut.methods.compact.many_disks import crowded_solution
+from foldcut.methods.compact.motion import Table, looks_inside
 from foldcut.methods.compact.pattern import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.methods.compact.search import fold_compact
 from foldcut.methods.compact.turns import Outline
@@ -201,8 +203,10 @@ def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
 ) -> None:
     walk = made()
     monkeypatch.setattr(universal, "FEW", 10**9)
+    monkeypatch.setattr(part_state, "FEW", 10**9)
     every = build_molecules(walk, SHEET)
     monkeypatch.setattr(universal, "FEW", 4)
+    monkeypatch.setattr(part_state, "FEW", 4)
     near = build_molecules(walk, SHEET)
     assert every.inside.gussets > 0
     assert every.vertices == near.vertices
@@ -226,12 +230,12 @@ def test_few_turns_looked_at_one_by_one_make_the_same_pairs_and_pinches(
             shrink=random.integers(0, 2, count).astype(float),
             turned=np.zeros(count, dtype=np.int64),
         )
-        state._few_pairs = partial(universal._State._few_pairs, state)
+        state._few_pairs = partial(part_state._State._few_pairs, state)
         found = []
         for few in (0, count):
-            monkeypatch.setattr(universal, "VERY_FEW", few)
-            pairs = universal._State._pairs(state, 1e-9, 1.0)
-            found.append((*(column.tolist() for column in pairs), universal._State.coincident(state, 1e-9)))
+            monkeypatch.setattr(part_state, "VERY_FEW", few)
+            pairs = part_state._State._pairs(state, 1e-9, 1.0)
+            found.append((*(column.tolist() for column in pairs), part_state._State.coincident(state, 1e-9)))
         assert found[0] == found[1]
         pinches += found[0][-1] is not None
     assert pinches or count == 3
@@ -279,6 +283,7 @@ def test_queued_events_give_the_same_molecules(made: Callable[[], Walk], monkeyp
 
     simple = built()
     monkeypatch.setattr(universal, "FEW", 4)
+    monkeypatch.setattr(part_state, "FEW", 4)
     monkeypatch.setattr(universal, "MANY", 4)
     monkeypatch.setattr(universal, "PATIENCE", 1)
     assert built() == simple
@@ -288,14 +293,14 @@ def test_the_queue_sees_what_the_simple_code_sees() -> None:
     walk = crowded_walk(30)
     table, count = Table(), len(walk.x)
     turns = [
-        universal._Turn(
+        part_state._Turn(
             *(walk.points[k], 0.0, float(walk.x[k]), bool(walk.peaks[k]), walk.directions[k - 1], walk.directions[k]),
             *((k - 1) % count, k, k, 0, 0.0),
         )
         for k in range(count)
     ]
     queue = Queue(table, turns, 0.0, np.inf, 1e-7)
-    state = universal._State(universal._Part(turns, 0.0, False), 0, table)
+    state = part_state._State(part_state._Part(turns, 0.0, False), 0, table)
     queue.place[queue.numbers] = np.arange(count)
     pairs = [(i, j) for i in range(1, count, 2) for j in range(i + 4, count, 2)]
     seen = [queue._sees((turns[i].number, turns[j].number), 0.0, 0.0) for i, j in pairs]
@@ -306,6 +311,7 @@ def test_the_queue_sees_what_the_simple_code_sees() -> None:
 
 def test_most_gussets_of_crowded_disks_come_from_the_queue(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(universal, "FEW", 10)
+    monkeypatch.setattr(part_state, "FEW", 10)
     monkeypatch.setattr(universal, "MANY", 10)
     queued = 0
     split = Queue.split
