@@ -1,109 +1,148 @@
-"""A part of a molecule on its way up: its turns, and what happens to it next."""
+"""A part of a molecule on its way up, and what happens to it next.
+
+``Part`` -> ``PartState`` -> the next ``Event``.
+
+The inside of a shape, or its outside, is one *part* to begin with: a polygon whose corners are turns. Insetting it
+moves all turns at once until something happens. The events, in order of precedence where they fall together:
+
+- ``Zip``: the two sides at a turn lie on each other, so the part has no width there; they are joined along a ridge.
+- ``Pinch``: two turns that are not neighbours are in one point; the part falls in two.
+- ``Collapse``: stretches of the border shrink to nothing.
+- ``Crossing``: two dips, or two crests, pass each other's image. The part stays as it is, but paths bend elsewhere.
+- ``Gusset``: two turns come as near to each other as their path; a crease between them splits the part.
+- ``End``: the part has reached the height where an unbounded molecule ends, or is only a ridge between two turns.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-import shapely
-from numpy.typing import NDArray
 
-from foldcut.core.arrays import Bools, Floats, Numbers
-from foldcut.methods.compact.event_queue import Queue
-from foldcut.methods.compact.motion import Gusset, Meetings, Motion, Table, crosses, looks_inside
+from foldcut.core.arrays import Bools, Floats
+from foldcut.methods.compact.event_queue import EventQueue
+from foldcut.methods.compact.gusset_pairs import NearPairs, Pairs, all_pairs, few_pairs, near_pairs
+from foldcut.methods.compact.motion import Gusset, Meetings, Motion, Turn, TurnTable, crosses, looks_inside
 
-# Sides that differ by less than this angle in radians run back on each other.
-SPIKE = 1e-9
-
-
-# Parts of more turns than this look for gussets among pairs that are near each other only.
-FEW = 100
+Place = tuple[float, float, float]
+"""A place on the sheet, and an image, in mm."""
 
 
-# Parts of no more turns look for them one by one.
-VERY_FEW = 12
+@dataclass(frozen=True)
+class Thresholds:
+    """How many turns decide by what means a part's next event is found. By none of them does another event come next.
+
+    ``one_by_one``: up to so many, pairs are looked at one by one. ``near_only``: beyond, only pairs of turns that are
+    near each other are looked at. ``queued``: borders with more have their events queued as far as possible; that is
+    more turns than any search finds. ``patience``: how many events a part is spared the queue after that has failed.
+    """
+
+    one_by_one: int = 12
+    near_only: int = 100
+    queued: int = 500
+    patience: int = 10
 
 
-@dataclass(eq=False)
-class _Turn:
-    """A turn of a part's border: where it was when it was made, how it moves, and the facets on either side of it."""
-
-    position: Floats
-    height: float
-    x: float
-    peak: bool
-    arriving: Floats  # direction of the side before it
-    leaving: Floats  # direction of the side after it
-    before: int  # facet
-    after: int
-    vertex: int
-    pockets: int  # bits
-    level: float
-    number: int = -1  # in the molecule's table
-
-    def __post_init__(self) -> None:
-        (a, b), (c, d) = self.arriving.tolist(), self.leaving.tolist()
-        turn = math.atan2(a * d - b * c, a * c + b * d)
-        self.angle = math.pi - turn
-        self.spike = self.angle < SPIKE
-        shrink = 0.0 if self.spike else math.tan(turn / 2)  # of a side, at this end, per unit of height
-        up = 1.0 if self.peak else -1.0
-        velocity = c * shrink - d, d * shrink + c
-        self.row = (*self.position.tolist(), *velocity, self.x, -up * shrink, self.height, shrink, up, self.level)
+THRESHOLDS = Thresholds()
 
 
 @dataclass
-class _Part:
+class Part:
     """A polygon on its way up: its turns counter-clockwise from the one where the list of its layers is cut.
 
+    ``unbounded``: whether it is what is left of the plane outside its border. ``number``: in ``Molecule.parts``, or -1.
     ``near``: what is known of its pairs of turns, if it has many; ``queue``: its events to come, if they are queued;
-    ``patience``: for how many steps they are not.
+    ``patience``: for how many events they are not.
     """
 
-    turns: list[_Turn]
+    turns: list[Turn]
     height: float
     unbounded: bool
-    near: _Near | None = None
+    near: NearPairs | None = None
     number: int = -1
-    queue: Queue | None = None
+    queue: EventQueue | None = None
     patience: int = 0
 
 
-@dataclass(frozen=True, eq=False)
-class _Near:
-    """Pairs of turns that may come too near before a height, and since when they may: those and no others.
+@dataclass(frozen=True)
+class Zip:
+    """The two sides at ``turn`` lie on each other."""
 
-    ``first``, ``last`` ``(k,)`` numbers of turns, ``height`` ``(k,)`` ascending, from ``start`` on; the ``active``
-    pairs ``(2, m)`` are past that. Turns from ``count`` on are newer than that. Pairs of turns that have met, or are in
-    different parts, stay in the lists.
-
-    Two turns whose disks, of radius x less the least x of all, do not overlap are not too near, whatever the tree.
-    """
-
-    first: Numbers
-    last: Numbers
-    height: Floats
-    start: int
-    active: Numbers
-    until: float
-    count: int
+    turn: int
 
 
-class _State(Motion):
-    """A part's turns as arrays, at its own height."""
+@dataclass(frozen=True)
+class Pinch:
+    """Turns ``first`` < ``last`` are in one point."""
 
-    def __init__(self, part: _Part, turned: int, table: Table) -> None:
-        self.part, self.table = part, table
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class Collapse:
+    """Stretches of the border have shrunk to nothing after a time."""
+
+    time: float
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """Two dips or two crests pass each other's image after a time."""
+
+    time: float
+
+
+@dataclass(frozen=True)
+class End:
+    """All turns go on for a time, and end there."""
+
+    time: float
+
+
+Event = Zip | Pinch | Collapse | Crossing | Gusset | End
+
+
+class PartState(Motion):
+    """A part's turns as arrays, at its own height; ``turned``: the turned pockets of the molecule, as bits."""
+
+    def __init__(self, part: Part, turned: int, table: TurnTable, thresholds: Thresholds = THRESHOLDS) -> None:
+        self.part, self.table, self.thresholds = part, table, thresholds
         turns = part.turns
         self.numbers = table.numbers(turns)
-        super().__init__(table.rows[self.numbers], part.height)
-        self.peak = self.up > 0
+        super().__init__(table.rows(self.numbers), part.height)
+        self.crest = self.up > 0
         self.after = np.arange(1, len(turns) + 1)
         self.after[-1] = 0
         self.turned = np.zeros(len(turns), dtype=np.int64)
         if turned:
             self.turned = np.array([t.pockets for t in turns]) & turned
+
+    def next_event(self, limit: float, tie: float) -> Event | None:
+        """Return what happens next up to the height ``limit``; None if nothing ever does, and the part never closes.
+
+        Places and images that differ by no more than ``tie`` mm are equal.
+        """
+        height, turns = self.part.height, self.part.turns
+        if len(turns) == 2:
+            return End(0.0)
+        for k, turn in enumerate(turns):
+            if turn.spike:
+                return Zip(k)
+        collapse = self.next_collapse(tie)
+        if collapse > 0 and (pair := self.coincident(tie)):
+            return Pinch(*pair)
+        crossing = self.next_crossing(tie)
+        gusset = self.next_gusset(min(collapse, crossing, limit - height), tie)
+        if gusset is None and crossing < collapse and height + crossing <= limit:
+            return Crossing(crossing)
+        if height + (collapse if gusset is None else gusset.time) > limit:
+            return End(limit - height)
+        if gusset is not None:
+            return gusset
+        return Collapse(collapse) if math.isfinite(collapse) else None
 
     def lengths(self, time: float) -> Floats:
         """The lengths of the stretches of border after the turns."""
@@ -120,12 +159,12 @@ class _State(Motion):
         return float(np.where(length <= tie, 0.0, time).min())
 
     def next_crossing(self, tie: float) -> float:
-        """When the next of two valleys, or of two peaks, passes the other's image: paths in the tree change."""
-        if not (self.level_slope[~self.peak].any() or self.turned.any()):
+        """When the next of two dips, or of two crests, passes the other's image, so that paths bend elsewhere."""
+        if not (self.level_slope[~self.crest].any() or self.turned.any()):
             return math.inf
         best = math.inf
-        for kind in (self.peak, ~self.peak) if self.turned.any() else (~self.peak,):
-            # many valleys are of one hub
+        for kind in (self.crest, ~self.crest) if self.turned.any() else (~self.crest,):
+            # many dips are of one hub
             x, slope = np.unique(np.stack([self.level[kind], self.level_slope[kind]]), axis=1)
             apart, closing = x[:, None] - x, slope - slope[:, None]
             with np.errstate(all="ignore"):
@@ -135,180 +174,46 @@ class _State(Motion):
 
     def coincident(self, tie: float) -> tuple[int, int] | None:
         """Two turns, not neighbours, that are in the same place now, both on the sheet and when folded."""
-        count = len(self.x)
-        if count <= VERY_FEW:
-            peak = self.peak.tolist()
-            places = list(zip(*self.position.T.tolist(), self.x.tolist(), strict=True))
-            for i in range(count - 2):
-                x, y, image = places[i]
-                for j in range(i + 2, count if i else count - 1):
-                    other_x, other_y, other_image = places[j]
-                    if (
-                        abs(x - other_x) <= tie
-                        and abs(y - other_y) <= tie
-                        and abs(image - other_image) <= tie
-                        and peak[i] == peak[j]
-                    ):
-                        return i, j
-            return None
-        # only turns that some line's direction does not tell apart are worth a closer look
-        along = self.position @ (0.8, 0.6)
-        order = np.argsort(along)
-        equal = np.diff(along[order]) <= 2 * tie
-        some = np.unique(np.concatenate([order[:-1][equal], order[1:][equal]]))
-        x, y = self.position[some].T
-        near = np.abs(x[:, None] - x) <= tie
-        near &= np.abs(y[:, None] - y) <= tie
-        near &= np.abs(self.x[some][:, None] - self.x[some]) <= tie
-        for i, j in some[np.argwhere(np.triu(near, 1))].tolist():
-            if j > i + 1 and (i or j < len(self.x) - 1) and self.peak[i] == self.peak[j]:
-                return i, j
-        return None
+        few = len(self.x) <= self.thresholds.one_by_one
+        return (coincident_of_few if few else coincident_of_many)(self.position, self.x, self.crest, tie)
 
-    def _pairs(self, tie: float, until: float) -> tuple[Numbers, Numbers, Numbers]:
-        """Pairs of turns that may come too near before a time, and the turn between them where the tree's path turns.
-
-        A pair goes from the first on to the last and around what lies between. Pairs with the turn 0, where the list
-        of the layers is cut, go both ways.
-        """
-        count = len(self.x)
+    def pairs(self, tie: float, until: float) -> Pairs:
+        """The pairs of turns that may make a gusset within a time."""
         bent = np.abs(self.shrink) > 1e-12
-        over, under = ~self.peak | bent, self.peak | bent
-        # the root is a leaf, too, when it alone is the lowest
-        under[0] |= bool((self.x[1:] > self.x[0] + tie).all())
+        ends, turned_ends = self.crest | bent, ~self.crest | bent
+        # turn 0 is a leaf of the tree, too, when no other is as low
+        ends[0] |= bool((self.x[1:] > self.x[0] + tie).all())
+        count = len(self.x)
         if not self.turned.any():
-            if count > FEW:
-                return self._near_pairs(under, until)
-            if count <= VERY_FEW:
-                return self._few_pairs(under)
-        place = np.arange(count + 1) % count
-        x, step = self.level[place], np.arange(count + 1)
-        ahead = step >= step[:-1, None]
-        way = np.where(ahead, x, np.inf)
-        at = np.maximum.accumulate(np.where(way <= np.minimum.accumulate(way, axis=1), step, 0), axis=1)
-        keep = under[:, None] & under[place]
-        if self.turned.any():
-            turned = (self.turned[:, None] & self.turned[place]) != 0
-            way = np.where(ahead, x, -np.inf)
-            highest = np.maximum.accumulate(np.where(way >= np.maximum.accumulate(way, axis=1), step, 0), axis=1)
-            at = np.where(turned, highest, at)
-            keep = np.where(turned, over[:, None] & over[place], keep)
-        keep &= step >= step[:-1, None] + 2
-        keep[0, count - 1 :] = False
-        i, j = np.nonzero(keep)
-        return i, place[j], place[at[i, j]]
+            if count > self.thresholds.near_only:
+                return near_pairs(self.level, ends, self._near(until))
+            if count <= self.thresholds.one_by_one:
+                return few_pairs(self.level, ends)
+        return all_pairs(self.level, ends, self.turned, turned_ends)
 
-    def _few_pairs(self, under: Bools) -> tuple[Numbers, Numbers, Numbers]:
-        """The same where there are so few turns that arrays are not worth it, and no pocket is turned."""
-        count = len(self.x)
-        level, leaf = self.level.tolist(), under.tolist()
-        first, last, lowest = [], [], []
-        for i in range(count):
-            if not leaf[i]:
-                continue
-            at, least = i, level[i]
-            for step in range(i + 1, count + 1 if i else count - 1):
-                j = step % count
-                if level[j] <= least:
-                    at, least = j, level[j]
-                if step >= i + 2 and leaf[j]:
-                    first.append(i)
-                    last.append(j)
-                    lowest.append(at)
-        return np.array(first, dtype=np.intp), np.array(last, dtype=np.intp), np.array(lowest, dtype=np.intp)
-
-    def _near_pairs(self, under: Bools, until: float) -> tuple[Numbers, Numbers, Numbers]:
-        """The same where there are many turns, and no pocket is turned: of all pairs only those that are near."""
-        count = len(self.x)
-        near = self._known(until)
-        end = near.start + int(np.searchsorted(near.height[near.start :], self.part.height + until, side="right"))
-        place = np.full(self.table.count, -1)
-        place[self.numbers] = np.arange(count)
-        active = np.concatenate([near.active, [near.first[near.start : end], near.last[near.start : end]]], axis=1)
-        here = place[active]
-        alive = (here >= 0).all(axis=0)
-        self.part.near = replace(near, start=end, active=active[:, alive])
-        i, j = np.sort(here[:, alive], axis=0)
-        keep = under[i] & under[j]
-        i, j = i[keep], j[keep]
-        around = (i == 0) & (j <= count - 2)
-        straight = (j >= i + 2) & ~((i == 0) & (j == count - 1))
-        i, j = np.concatenate([i[straight], j[around]]), np.concatenate([j[straight], np.full(around.sum(), count)])
-        order = np.lexsort([j, i])
-        i, j = i[order], j[order]
-        return i, j % count, _lowest(np.append(self.level, self.level[0]), i, j) % count
-
-    def _known(self, until: float) -> _Near:
-        """The pairs that may come too near before a time, as far as that is known; looked for where it is not."""
-        near, height = self.part.near, self.part.height
+    def _near(self, until: float) -> np.ndarray:
+        """The places of pairs that may come too near within a time; what is found on the way is kept in the part."""
+        near, height, newest = self.part.near, self.part.height, self.table.count
         if near is None or height + until > near.until:
-            ahead = self._ahead(until)
-            boxes = self._boxes(ahead)
-            pairs = shapely.STRtree(boxes).query(boxes)
-            pairs = pairs[:, pairs[0] < pairs[1]]
-            first, last, since = self._since(pairs, ahead)
-            empty = np.empty((2, 0), dtype=np.int64)
-            return _Near(first, last, since, 0, empty, height + ahead, self.table.count)
-        new = np.flatnonzero(self.numbers >= near.count)
-        if not len(new):
-            return near
-        pairs = np.stack([np.repeat(new, len(self.x)), np.tile(np.arange(len(self.x)), len(new))])
-        pairs = pairs[:, (pairs[0] < pairs[1]) | (self.numbers[pairs[1]] < near.count)]
-        first, last, since = self._since(pairs, near.until - height)
-        at = near.start + np.searchsorted(near.height[near.start :], since, side="right")
-        return _Near(
-            np.insert(near.first, at, first),
-            np.insert(near.last, at, last),
-            np.insert(near.height, at, since),
-            near.start,
-            near.active,
-            near.until,
-            self.table.count,
-        )
-
-    def _ahead(self, until: float) -> float:
-        """How far ahead it is best to look for pairs, at least to a time: about as far as most disks are large."""
-        radius, speed = self._reach()
-        ahead = max(until, 2 * float(np.median(radius[self.peak]) / np.median(speed)))
-        return ahead if math.isfinite(ahead) else float(np.ptp(self.position, axis=0).sum())
-
-    def _reach(self) -> tuple[Floats, Floats]:
-        """The radii of the turns' disks, and by how much they and their centres may grow and move per unit of time."""
-        lowest = min(float(self.x.min()), float(self.level.min()))
-        speed = np.hypot(*self.velocity.T) + np.abs(self.slope)
-        return self.x - lowest, speed + float(np.abs(self.slope[~self.peak]).max(initial=0.0))
-
-    def _boxes(self, ahead: float) -> NDArray[np.object_]:
-        """What each turn's disk may reach until then, as polygons."""
-        radius, speed = self._reach()
-        reach = radius + speed * ahead
-        x, y = self.position.T
-        boxes: NDArray[np.object_] = shapely.box(x - reach, y - reach, x + reach, y + reach)
-        return boxes
-
-    def _since(self, pairs: Numbers, ahead: float) -> tuple[Numbers, Numbers, Floats]:
-        """The numbers of pairs that may come too near by then, and the heights from which on they may, ascending."""
-        radius, speed = self._reach()
-        i, j = pairs
-        apart = np.hypot(*(self.position[j] - self.position[i]).T)
-        since = (apart - radius[i] - radius[j]) / (speed[i] + speed[j])
-        some = np.flatnonzero(since <= ahead)
-        some = some[np.argsort(since[some], kind="stable")]
-        # a little sooner: what is equal but for rounding may not be missed
-        heights = self.part.height + since[some] * (1 - 1e-9) - 1e-9 * radius.max()
-        return self.numbers[i[some]], self.numbers[j[some]], heights
+            near = NearPairs.find(self, self.numbers, height, until, newest)
+        else:
+            near = near.with_new(self, self.numbers, height, newest)
+        place = np.full(newest, -1)
+        place[self.numbers] = np.arange(len(self.numbers))
+        self.part.near, here = near.up_to(height + until, place)
+        return here
 
     def next_gusset(self, before: float, tie: float) -> Gusset | None:
-        """The first pair that comes too near before the given time."""
+        """The first pair of turns that comes as near as its path before the given time."""
         if len(self.x) < 4 or (self.part.unbounded and (self.shrink <= 0).all()):
             return None  # around a convex polygon no two turns see each other
-        i, j, at = self._pairs(tie, before)
+        i, j, bend = self.pairs(tie, before)
         sign = np.where((self.turned[i] & self.turned[j]) != 0, -1.0, 1.0)
-        meetings = Meetings(self, i, j, at, sign, tie)
+        meetings = Meetings(self, i, j, bend, sign, tie)
         for n in meetings.before(before):
             time = float(meetings.time[n])
             if self.sees(time, int(i[n]), int(j[n])):
-                return Gusset(time, int(i[n]), int(j[n]), int(at[n]), meetings.x(n))
+                return Gusset(time, int(i[n]), int(j[n]), int(bend[n]), meetings.x(n))
         return None
 
     def sees(self, time: float, i: int, j: int) -> bool:
@@ -325,19 +230,45 @@ class _State(Motion):
         return not bool(crosses(place[i], line, start, end).any())
 
 
-def _lowest(level: Floats, i: Numbers, j: Numbers) -> Numbers:
-    """Where the least of ``level[i]`` to ``level[j]`` is, the last of equal ones."""
-    step = np.arange(len(level))
-    tables = [step]
-    while 2 ** len(tables) <= len(level):
-        before = tables[-1]
-        half = 2 ** (len(tables) - 1)
-        one, other = before[:-half], before[half:]
-        tables.append(np.where(level[other] <= level[one], other, one))
-    size = np.frexp(j - i + 1)[1] - 1
-    lowest = np.empty_like(i)
-    for power in np.unique(size).tolist():
-        some = size == power
-        one, other = tables[power][i[some]], tables[power][j[some] + 1 - 2**power]
-        lowest[some] = np.where(level[other] <= level[one], other, one)
-    return lowest
+def coincident_of_few(position: Floats, x: Floats, crest: Bools, tie: float) -> tuple[int, int] | None:
+    """Return the first two turns of one kind, not neighbours, in one place with one image, by looking at every pair.
+
+    ``position`` ``(n, 2)``, ``x`` and ``crest`` ``(n,)``.
+    """
+    count = len(x)
+    crests = crest.tolist()
+    places: list[Place] = list(zip(*position.T.tolist(), x.tolist(), strict=True))
+    for i in range(count - 2):
+        at_x, at_y, image = places[i]
+        for j in range(i + 2, count if i else count - 1):
+            other_x, other_y, other_image = places[j]
+            if (
+                abs(at_x - other_x) <= tie
+                and abs(at_y - other_y) <= tie
+                and abs(image - other_image) <= tie
+                and crests[i] == crests[j]
+            ):
+                return i, j
+    return None
+
+
+def coincident_of_many(position: Floats, x: Floats, crest: Bools, tie: float) -> tuple[int, int] | None:
+    """Return the same, by looking only at turns that some line's direction does not tell apart."""
+    along = position @ (0.8, 0.6)
+    order = np.argsort(along)
+    equal = np.diff(along[order]) <= 2 * tie
+    some = np.unique(np.concatenate([order[:-1][equal], order[1:][equal]]))
+    at_x, at_y = position[some].T
+    near = np.abs(at_x[:, None] - at_x) <= tie
+    near &= np.abs(at_y[:, None] - at_y) <= tie
+    near &= np.abs(x[some][:, None] - x[some]) <= tie
+    for i, j in some[np.argwhere(np.triu(near, 1))].tolist():
+        if j > i + 1 and (i or j < len(x) - 1) and crest[i] == crest[j]:
+            return i, j
+    return None
+
+
+def outermost(turns: Sequence[Turn]) -> float:
+    """Return the level of the outermost of some turns, of those of the first one's kind."""
+    levels = [turn.level for turn in turns if turn.crest == turns[0].crest]
+    return max(levels) if turns[0].crest else min(levels)
