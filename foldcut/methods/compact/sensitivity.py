@@ -24,7 +24,7 @@ SOFT = 1e-13
 """Added to the diagonal of the normal equations, which is zero for vertices of no facet."""
 
 MOST_DENSE = 500
-"""Up to this many unknowns, a full matrix is solved in less time than it takes to import scipy's sparse matrices."""
+"""Up to this many unknowns, solving a full matrix takes less time than importing scipy's sparse matrices."""
 
 Entries = tuple[Numbers, Numbers, Floats]
 
