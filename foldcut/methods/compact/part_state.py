@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.core.arrays import Bools, Floats
+from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.methods.compact.event_queue import EventQueue
 from foldcut.methods.compact.gusset_pairs import NearPairs, Pairs, all_pairs, few_pairs, near_pairs
 from foldcut.methods.compact.motion import Gusset, Meetings, Motion, Turn, TurnTable, crosses, looks_inside
@@ -191,7 +191,7 @@ class PartState(Motion):
                 return few_pairs(self.level, ends)
         return all_pairs(self.level, ends, self.turned, turned_ends)
 
-    def _near(self, until: float) -> np.ndarray:
+    def _near(self, until: float) -> Numbers:
         """The places of pairs that may come too near within a time; what is found on the way is kept in the part."""
         near, height, newest = self.part.near, self.part.height, self.table.count
         if near is None or height + until > near.until:
