@@ -164,7 +164,7 @@ class _System:
         self.height += len(columns)
 
     def solve(self, known: Floats) -> Floats:
-        """Return the derivatives of all vertices' places; ``known`` ``(n, 4, m)``: of the first n vertices, all four."""
+        """Return the derivatives of all vertices' places; ``known`` ``(n, 4, m)``: of the first n, all four."""
         rows, columns, values = (np.concatenate(part) for part in zip(*self.entries, strict=True))
         given = known.reshape(-1, known.shape[2])
         solve = _dense if self.width <= MOST_DENSE else _sparse
