@@ -3,10 +3,10 @@
 A walk along the boundary -> ``CreasePattern``, ``FoldedState``.
 
 The outside is the molecule of the reversed walk. Its wavefront grows until it has left the sheet, and is clipped
-there: what is left of a flat-folded sheet that is trimmed is folded flat. The two stacks of layers are merged along the
-shape's boundary, where facets inside and outside are one face; mountains and valleys are read off the stack.
+there: a flat-folded sheet that is trimmed stays folded flat. The two stacks of layers are merged along the shape's
+boundary, where a facet inside and one outside are one face; mountains and valleys are read off the stack.
 
-Invariants: those of ``faces``; every edge has the same length flat and folded.
+Invariants: those of ``foldcut.pattern.assemble``; every edge has the same length flat and folded.
 """
 
 from __future__ import annotations
@@ -17,9 +17,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Numbers, points_array
+from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
 from foldcut.geometry.vectors import cross
-from foldcut.methods.compact.molecule import Border, Molecule, Vertices
+from foldcut.methods.compact.facets import Vertices
+from foldcut.methods.compact.molecule import Border, Molecule, build_molecule
+from foldcut.methods.compact.part_state import THRESHOLDS, Thresholds
 from foldcut.pattern.assemble import Ring, assemble, creases_of_stack, merge_stacks, outlines
 
 
@@ -27,16 +30,21 @@ from foldcut.pattern.assemble import Ring, assemble, creases_of_stack, merge_sta
 class Walk:
     """How the boundary of a shape goes to and fro on the cut line when folded: its turns, counter-clockwise.
 
-    ``points`` ``(n, 2)`` mm on the sheet: the shape's corners and points on its sides; ``x`` ``(n,)`` mm: where they
-    land; ``peaks`` ``(n,)``: alternately, which are local maxima; ``directions`` ``(n, 2)``: unit vectors of the sides
-    after them. Turn 0 is the root, a valley; no valley is lower. ``pockets`` ``(n,)``: the pockets outside the shape
-    that a turn belongs to, as bits; ``levels`` ``(2, n)`` mm: where creases that wrap a turn, inside and outside, land,
-    beyond where the turn itself ever does; ``turned``: the pockets that are folded with the tree over the peaks.
+    A *turn* is a point of the boundary where it changes direction on the cut line: a corner of the shape, or a point on
+    a side where a perpendicular crease begins. Turns are alternately *crests*, whose image x on the cut line is a local
+    maximum, and *dips*. Turn 0 is the *root*, a dip that no other dip is lower than. A *pocket* is a part of the
+    outside between the shape and its convex hull; a *turned* pocket is folded along the tree that is joined across the
+    crests, not across the dips: see ``molecule``.
+
+    ``points`` ``(n, 2)`` mm on the sheet; ``x`` ``(n,)`` mm: where they land; ``crests`` ``(n,)``: which are crests;
+    ``directions`` ``(n, 2)``: unit vectors of the sides after them. ``pockets`` ``(n,)``: the pockets that a turn
+    belongs to, as bits. ``levels`` ``(2, n)`` mm: where gusset creases that wrap a turn land, inside and outside: as
+    far out as the turn's image ever comes. ``turned``: the turned pockets, as bits.
     """
 
     points: Floats
     x: Floats
-    peaks: Bools
+    crests: Bools
     directions: Floats
     pockets: Numbers
     levels: Floats
@@ -53,42 +61,65 @@ class Molecules:
 
 
 def build_molecules(
-    walk: Walk, sheet: Sheet, progress: Callable[[float], None] | None = None, least: float = 0.0
+    walk: Walk,
+    sheet: Sheet,
+    progress: Callable[[float], None] | None = None,
+    least: float = 0.0,
+    thresholds: Thresholds = THRESHOLDS,
 ) -> Molecules:
     """Fold the inside and the outside of ``walk``; ``progress`` is told the part done where there is much to do.
 
     Raises ``UnfoldableError`` with the place when a molecule does not close, and ``CreaseTooShortError`` as soon as the
-    crease of a gusset inside is shorter than ``least`` mm.
+    crease of a gusset inside is shorter than ``least`` mm. ``thresholds``: by how many turns what is found how.
     """
     vertices = Vertices()
     numbers = [vertices.add(p, (float(x), 0.0)) for p, x in zip(walk.points, walk.x, strict=True)]
     size = float(np.ptp(walk.points, axis=0).max())
     nowhere = np.zeros_like(walk.pockets)
-    border = Border(numbers, walk.peaks, walk.directions, nowhere, walk.levels[0])
-    half = None if progress is None else lambda part: progress(part / 2)
-    inside = Molecule(vertices, border, sign=1, limit=None, size=size, least=least, progress=half)
-    back = -np.arange(len(numbers)) % len(numbers)  # the reversed walk begins at the root, too
-    border = Border(
-        [numbers[k] for k in back],
-        walk.peaks[back],
-        -walk.directions[back - 1],
-        walk.pockets[back],
-        walk.levels[1, back],
+    inside = build_molecule(
+        vertices,
+        Border(numbers, walk.crests, walk.directions, nowhere, walk.levels[0]),
+        sign=1,
+        limit=None,
+        size=size,
+        least=least,
+        progress=None if progress is None else lambda part: progress(part / 2),
+        thresholds=thresholds,
     )
-    rest = None if progress is None else lambda part: progress((1 + part) / 2)
-    limit = 2 * sheet.diagonal
-    outside = Molecule(vertices, border, sign=-1, limit=limit, size=size, turned=walk.turned, progress=rest)
+    back = -np.arange(len(numbers)) % len(numbers)  # the reversed walk begins at the root, too
+    outside = build_molecule(
+        vertices,
+        Border(
+            [numbers[k] for k in back],
+            walk.crests[back],
+            -walk.directions[back - 1],
+            walk.pockets[back],
+            walk.levels[1, back],
+        ),
+        sign=-1,
+        limit=2 * sheet.diagonal,
+        size=size,
+        turned=walk.turned,
+        progress=None if progress is None else lambda part: progress((1 + part) / 2),
+        thresholds=thresholds,
+    )
     return Molecules(vertices, inside, outside)
 
 
 def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, FoldedState]:
-    """Clip the outside at the sheet, stack all layers, and read off the creases."""
+    """Clip the outside at the sheet, stack all layers, and read off the creases.
+
+    Raises ``UnfoldableError`` when the layers inside and outside do not match.
+    """
     inside, outside = molecules.inside, molecules.outside
     count, sides = len(inside.facets), inside.border_facets
     # facet k of the reversed walk begins at the border where facet sides - 1 - k of the walk does: they are one face
     number = [sides - 1 - facet if facet < sides else count + facet for facet in range(len(outside.facets))]
     shared = set(range(sides))
-    order = merge_stacks(inside.order, [number[facet] for facet in reversed(outside.order)], shared)[::-1]
+    outer_order = [number[facet] for facet in reversed(outside.order)]
+    if [face for face in inside.order if face in shared] != [face for face in outer_order if face in shared]:
+        raise UnfoldableError("the layers inside and outside do not match along the shape's boundary")
+    order = merge_stacks(inside.order, outer_order, shared)[::-1]
     clip = _Clip(molecules.vertices, sheet)
     rings: dict[int, list[Ring]] = {facet: clip.clip(ring) for facet, ring in enumerate(inside.rings())}
     for facet, ring in enumerate(outside.rings()):
@@ -100,7 +131,7 @@ def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, F
 
 
 def regions(walk: Walk, molecules: Molecules, sheet: Sheet) -> tuple[Region, ...]:
-    """Return the outside, which is all of the sheet, the inside in it, and the parts that these fall into."""
+    """Return the whole sheet, the inside of the shape in it, and the parts that inside and outside fall into."""
     found = [Region((sheet.corners,), -1), Region((points_array(walk.points),), 0)]
     for whole, molecule in ((1, molecules.inside), (0, molecules.outside)):
         first = len(found)
@@ -112,7 +143,7 @@ def regions(walk: Walk, molecules: Molecules, sheet: Sheet) -> tuple[Region, ...
 
 
 class _Clip:
-    """Cuts rings off at the sheet's four sides; an edge that two rings share is cut once."""
+    """Cuts the outlines of facets, rings of vertices, off at the sheet's four sides; a common edge is cut once."""
 
     def __init__(self, vertices: Vertices, sheet: Sheet) -> None:
         self.vertices = vertices

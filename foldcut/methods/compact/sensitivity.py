@@ -1,12 +1,12 @@
-"""How the vertices of a compact pattern move when the turns of its walk do, to first order.
+"""How fast the vertices of a compact pattern move when the turns of its walk do.
 
-``Molecules``, derivatives of the turns' places and images -> derivatives of all vertices.
+``Molecules``, derivatives of the turns' places and images -> derivatives of all vertices' places.
 
-Facets stay rigid: a vertex lands where each of its facets takes it. A facet that begins at the border keeps to its side
-of the shape and to the cut line. One that begins at a gusset crease begins in one height, and the crease's middle lands
-where the turn has come to in which its path turns. These equations are linear and have one solution as long as events
-keep their order; where several events share a vertex, they have one only for directions that do not part them. How far
-a crease goes that ends beyond the sheet is left open.
+Facets stay rigid, so a vertex lands where each of its facets takes it. A facet that begins at the border keeps to its
+side of the shape and to the cut line. A facet that begins at a gusset crease begins level, and the middle of the crease
+lands where the turn at which its path bends has come to. These equations are linear, and have one solution as long as
+the events keep their order. Where several events share a vertex they have a solution only for directions that do not
+part these events. How far a crease goes that ends beyond the sheet is left open.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from foldcut.methods.compact.molecule import Molecule
 from foldcut.methods.compact.pattern import Molecules
 
 SOFT = 1e-13
-"""What is added to the diagonal, for vertices that no facet has."""
+"""Added to the diagonal of the normal equations, which is zero for vertices of no facet."""
 
 MOST_DENSE = 500
-"""So many unknowns are found sooner by a full matrix than scipy's sparse ones are imported."""
+"""Up to this many unknowns, solving a full matrix takes less time than importing scipy's sparse matrices."""
 
 Entries = tuple[Numbers, Numbers, Floats]
 
@@ -61,16 +61,18 @@ class _Facets:
 
 
 class _System:
-    """The equations; the unknowns are four for each vertex, its place and landing, then three for each facet.
+    """The linear equations between derivatives.
 
-    A facet's are its rotation when folded and where it lands.
+    A vertex has four unknowns, in ``4 vertex + n``: its place x, y and where it lands, x, height. After those of all
+    vertices, a facet has three: its rotation when folded, and where it lands, x, height. ``entries`` are rows, columns
+    and values of the matrix.
     """
 
     def __init__(self, flat: Floats, folded: Floats) -> None:
         self.flat, self.folded = flat, folded
         self.width = 4 * len(flat)
         self.height = 0
-        self.entries: list[tuple[Numbers, Numbers, Floats]] = []
+        self.entries: list[Entries] = []
 
     def add(self, molecule: Molecule) -> None:
         """Add the equations of a molecule."""
@@ -139,7 +141,12 @@ class _System:
         first: int,
         point: Numbers | None = None,
     ) -> None:
-        """Points land where their facets take them."""
+        """Points land where their facets take them.
+
+        ``facet`` ``(k,)``, with their unknowns from column ``first`` on; ``lands`` ``(k, 2)``: where the points land
+        now; ``column`` ``(k,)``: the first unknown of the vertices that they land on, and ``point`` that of the points
+        themselves if these are no vertices.
+        """
         point = column if point is None else point
         from_centre = lands - facets.landing[facet]
         turning = np.stack([-from_centre[:, 1], from_centre[:, 0]], axis=1)
@@ -157,7 +164,7 @@ class _System:
         self.height += len(columns)
 
     def solve(self, known: Floats) -> Floats:
-        """Return the derivatives of all vertices' places; ``known`` ``(n, 4, m)``: of the first n, and landings."""
+        """Return the derivatives of all vertices' places; ``known`` ``(n, 4, m)``: of the first n, all four."""
         rows, columns, values = (np.concatenate(part) for part in zip(*self.entries, strict=True))
         given = known.reshape(-1, known.shape[2])
         solve = _dense if self.width <= MOST_DENSE else _sparse

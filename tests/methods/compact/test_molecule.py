@@ -5,12 +5,11 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from functools import partial
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from support.molecules import one_molecule
 from support.strategies import cross, rectangle, regular, star
 
 import foldcut
@@ -18,10 +17,22 @@ from foldcut.core.arrays import Floats, points_array
 from foldcut.core.model import Finding, Shape, Sheet
 from foldcut.drawing.placement import place
 from foldcut.drawing.shape import make_shape
-from foldcut.methods.compact import molecule as universal
-from foldcut.methods.compact.events import Queue, Table, looks_inside
+from foldcut.methods.compact.event_queue import EventQueue
+from foldcut.methods.compact.facets import LayerList
+from foldcut.methods.compact.growing_boxes import GrowingBoxes
+from foldcut.methods.compact.gusset_pairs import all_pairs, few_pairs, last_lowest, near_pairs
 from foldcut.methods.compact.many_disks import many_disks
+from foldcut.methods.compact.molecule import NotClosedError, runs_of_turns
+from foldcut.methods.compact.motion import Motion, Turn, TurnTable, looks_inside
 from foldcut.methods.compact.outline import Outline
+from foldcut.methods.compact.part_state import (
+    Collapse,
+    Part,
+    PartState,
+    Thresholds,
+    coincident_of_few,
+    coincident_of_many,
+)
 from foldcut.methods.compact.pattern import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.methods.compact.search import fold_compact
 from foldcut.methods.disks.molecules import Kind
@@ -104,8 +115,6 @@ def test_regular_polygons_close_in_one_point_and_need_two_creases_a_corner(n: in
 
 def test_a_quadrilateral_has_the_gusset_of_the_papers_formulas() -> None:
     # Four tangent disks about a quadrilateral; the same molecule by the closed formulas of the paper's method.
-    from test_molecules import one_molecule
-
     radii = [1.0, 1.5, 1.0, 1.5]
     half = math.sqrt(2.5**2 - 1.1**2)
     corners = [(0.0, -1.1), (half, 0.0), (0.0, 1.1), (-half, 0.0)]
@@ -150,8 +159,8 @@ def test_a_plus_sign_on_one_hub_has_gussets_inside_and_outside() -> None:
     reflex = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0] < 0
     reach = [0.45 if notch else 0.55 for notch in reflex]
     its_walk = walk(shape, reach)
-    first = int(np.flatnonzero((its_walk.x == 0) & ~its_walk.peaks)[0])
-    turned = (np.roll(getattr(its_walk, name), -first, axis=0) for name in ("points", "x", "peaks", "directions"))
+    first = int(np.flatnonzero((its_walk.x == 0) & ~its_walk.crests)[0])
+    turned = (np.roll(getattr(its_walk, name), -first, axis=0) for name in ("points", "x", "crests", "directions"))
     its_walk = Walk(*turned, its_walk.pockets, np.roll(its_walk.levels, -first, axis=1))
     molecules, _, findings = fold(shape, its_walk)
     assert findings == []
@@ -196,14 +205,10 @@ def searched_walk(name: str) -> Walk:
 
 
 @pytest.mark.parametrize("made", [lambda: crowded_walk(8), lambda: crowded_walk(20), lambda: searched_walk("fish")])
-def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
-    made: Callable[[], Walk], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(made: Callable[[], Walk]) -> None:
     walk = made()
-    monkeypatch.setattr(universal, "FEW", 10**9)
-    every = build_molecules(walk, SHEET)
-    monkeypatch.setattr(universal, "FEW", 4)
-    near = build_molecules(walk, SHEET)
+    every = build_molecules(walk, SHEET, thresholds=Thresholds(near_only=10**9))
+    near = build_molecules(walk, SHEET, thresholds=Thresholds(near_only=4))
     assert every.inside.gussets > 0
     assert every.vertices == near.vertices
     for side in ("inside", "outside"):
@@ -212,29 +217,87 @@ def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(
 
 
 @pytest.mark.parametrize("count", range(3, 11))
-def test_few_turns_looked_at_one_by_one_make_the_same_pairs_and_pinches(
-    count: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_few_turns_looked_at_one_by_one_make_the_same_pairs_and_pinches(count: int) -> None:
     random = np.random.default_rng(count)
     pinches = 0
     for _ in range(200):
-        state: Any = SimpleNamespace(
-            position=random.integers(0, 3, (count, 2)).astype(float),
-            x=random.integers(0, 2, count).astype(float),
-            level=random.integers(0, 3, count).astype(float),
-            peak=np.arange(count) % 2 == random.integers(2),
-            shrink=random.integers(0, 2, count).astype(float),
-            turned=np.zeros(count, dtype=np.int64),
-        )
-        state._few_pairs = partial(universal._State._few_pairs, state)
-        found = []
-        for few in (0, count):
-            monkeypatch.setattr(universal, "VERY_FEW", few)
-            pairs = universal._State._pairs(state, 1e-9, 1.0)
-            found.append((*(column.tolist() for column in pairs), universal._State.coincident(state, 1e-9)))
-        assert found[0] == found[1]
-        pinches += found[0][-1] is not None
+        position = random.integers(0, 3, (count, 2)).astype(float)
+        x = random.integers(0, 2, count).astype(float)
+        level = random.integers(0, 3, count).astype(float)
+        crest = np.arange(count) % 2 == random.integers(2)
+        ends = crest | (random.integers(0, 2, count) > 0)
+        ends[0] |= bool((x[1:] > x[0]).all())
+        nowhere = np.zeros(count, dtype=np.int64)
+        few, every = few_pairs(level, ends), all_pairs(level, ends, nowhere, ends)
+        assert [column.tolist() for column in few] == [column.tolist() for column in every]
+        near = near_pairs(level, ends, np.stack(np.triu_indices(count, 1)))
+        assert [column.tolist() for column in near] == [column.tolist() for column in every]
+        pinch = coincident_of_few(position, x, crest, 1e-9)
+        assert pinch == coincident_of_many(position, x, crest, 1e-9)
+        pinches += pinch is not None
     assert pinches or count == 3
+
+
+def test_the_last_of_equal_lowest_levels_is_found() -> None:
+    random = np.random.default_rng(1)
+    level = random.integers(0, 4, 40).astype(float)
+    i = random.integers(0, 39, 200)
+    j = i + 1 + random.integers(0, 39 - i)
+    found = last_lowest(level, i, j)
+    expected = [b - int(level[a : b + 1][::-1].argmin()) for a, b in zip(i.tolist(), j.tolist(), strict=True)]
+    assert found.tolist() == expected
+
+
+def test_a_turn_moves_along_its_bisector_and_lands_where_its_sides_shrink_to() -> None:
+    right, up = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+    corner = Turn(np.array([4.0, 0.0]), 0.0, 3.0, True, right, up, 0, 1, 0, pockets=0, level=3.0)
+    table = TurnTable()
+    motion = Motion(table.rows(table.numbers([corner])), 0.5)
+    assert np.allclose(motion.positions(0.5), [[3.0, 1.0]])
+    assert np.allclose(motion.images(0.5), [2.0])
+    assert table.row(corner.number).image_at(1.0) == pytest.approx(2.0)
+
+
+def test_a_square_collapses_when_its_inset_has_no_length_left() -> None:
+    points = np.array([[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0], [0.0, 0.0]])
+    along = np.array(
+        [[1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [-1.0, 0.0], [-1.0, 0.0], [0.0, -1.0], [0.0, -1.0], [1.0, 0.0]]
+    )
+    turns = [
+        Turn(points[k], 0.0, float(k % 2), k % 2 == 1, along[k - 1], along[k], (k - 1) % 8, k, k, pockets=0, level=0.0)
+        for k in range(8)
+    ]
+    state = PartState(Part(turns, 0.0, False), 0, TurnTable())
+    event = state.next_event(np.inf, 1e-9)
+    assert isinstance(event, Collapse)
+    assert event.time == pytest.approx(1.0)
+    assert state.sees(0.0, 1, 5)
+    assert not state.sees(0.0, 1, 2), "turns of one side look along it"
+
+
+def test_turns_meet_in_runs_that_may_go_around_the_end() -> None:
+    gone = np.array([True, False, False, True, True])
+    assert runs_of_turns(gone) == [[2], [3, 4, 0, 1]]
+
+
+def test_layers_are_put_in_front_of_and_behind_others() -> None:
+    layers = LayerList(3)
+    layers.insert_before(0, [3, 4])
+    layers.insert_after(2, [5])
+    layers.insert_after(0, [6])
+    assert layers.facets() == [3, 4, 0, 6, 1, 2, 5]
+
+
+def test_boxes_are_found_whether_they_came_early_or_late() -> None:
+    random = np.random.default_rng(2)
+    low = random.uniform(0, 10, (600, 2))
+    boxes = np.concatenate([low, low + random.uniform(0, 2, (600, 2))], axis=1)
+    grown = GrowingBoxes(boxes[:50], np.arange(50))
+    for number in range(50, 600):
+        grown.add(boxes[number], number)
+    for box in boxes[::40]:
+        apart = (boxes[:, :2] > box[2:]).any(axis=1) | (boxes[:, 2:] < box[:2]).any(axis=1)
+        assert sorted(grown.meeting(box).tolist()) == np.flatnonzero(~apart).tolist()
 
 
 def gear_walk(teeth: int) -> Walk:
@@ -265,58 +328,51 @@ def convex_walk(corners: int) -> Walk:
         lambda: searched_walk("fish"),
     ],
 )
-def test_queued_events_give_the_same_molecules(made: Callable[[], Walk], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_queued_events_give_the_same_molecules(made: Callable[[], Walk]) -> None:
     walk = made()
-    monkeypatch.setattr(universal, "SMALL_TIE", universal.TIE)
 
-    def built() -> Any:
+    def built(thresholds: Thresholds) -> Any:
         try:
-            molecules = build_molecules(walk, SHEET)
-        except universal.NotClosedError as error:
+            molecules = build_molecules(walk, SHEET, thresholds=thresholds)
+        except NotClosedError as error:
             return str(error), error.stretches
         sides = molecules.inside, molecules.outside
         return molecules.vertices, [(side.order, side.rings(), side.lowest_event, side.gussets) for side in sides]
 
-    simple = built()
-    monkeypatch.setattr(universal, "FEW", 4)
-    monkeypatch.setattr(universal, "MANY", 4)
-    monkeypatch.setattr(universal, "PATIENCE", 1)
-    assert built() == simple
+    assert built(Thresholds(near_only=4, queued=4, patience=1)) == built(Thresholds(queued=10**9))
 
 
 def test_the_queue_sees_what_the_simple_code_sees() -> None:
     walk = crowded_walk(30)
-    table, count = Table(), len(walk.x)
+    table, count = TurnTable(), len(walk.x)
     turns = [
-        universal._Turn(
-            *(walk.points[k], 0.0, float(walk.x[k]), bool(walk.peaks[k]), walk.directions[k - 1], walk.directions[k]),
+        Turn(
+            *(walk.points[k], 0.0, float(walk.x[k]), bool(walk.crests[k]), walk.directions[k - 1], walk.directions[k]),
             *((k - 1) % count, k, k, 0, 0.0),
         )
         for k in range(count)
     ]
-    queue = Queue(table, turns, 0.0, np.inf, 1e-7)
-    state = universal._State(universal._Part(turns, 0.0, False), 0, table)
-    queue.place[queue.numbers] = np.arange(count)
+    queue = EventQueue(table, turns, 0.0, np.inf, 1e-7)
+    state = PartState(Part(turns, 0.0, False), 0, table)
+    queue.border.update_places()
     pairs = [(i, j) for i in range(1, count, 2) for j in range(i + 4, count, 2)]
-    seen = [queue._sees((turns[i].number, turns[j].number), 0.0, 0.0) for i, j in pairs]
+    seen = [queue.sees((turns[i].number, turns[j].number), 0.0, 0.0) for i, j in pairs]
     assert seen == [state.sees(0.0, i, j) for i, j in pairs]
     looking = [looks_inside(turns[i], walk.points[j] - walk.points[i]) for i, j in pairs]
     assert 0 < sum(seen) < sum(looking)
 
 
 def test_most_gussets_of_crowded_disks_come_from_the_queue(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(universal, "FEW", 10)
-    monkeypatch.setattr(universal, "MANY", 10)
     queued = 0
-    split = Queue.split
+    split = EventQueue.split
 
-    def counting(self: Queue, *rest: Any) -> int:
+    def counting(self: EventQueue, *rest: Any) -> int | None:
         nonlocal queued
         queued += 1
         return split(self, *rest)
 
-    monkeypatch.setattr(Queue, "split", counting)
-    molecules = build_molecules(crowded_walk(40), SHEET)
+    monkeypatch.setattr(EventQueue, "split", counting)
+    molecules = build_molecules(crowded_walk(40), SHEET, thresholds=Thresholds(near_only=10, queued=10))
     assert queued > 0.6 * (molecules.inside.gussets + molecules.outside.gussets)
 
 
