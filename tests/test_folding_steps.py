@@ -8,19 +8,19 @@ from functools import cache
 import numpy as np
 import pytest
 import shapely
+from support.folded import folded_sample
 from support.patterns import book_fold, build_pattern, letter_fold, square_out_of_square
 
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Region
 from foldcut.folding_steps import LEAST_GROUP, MOST_GROUPS, FoldingStep, folding_steps
-from foldcut.pipeline import fold
 from foldcut.proof.verify import verify
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import sample_names
 
 
 @cache
 def folded(sample: str, method: str = "auto") -> FoldedPattern:
     """Fold a sample on A4."""
-    return fold(sample_path(sample), method=method, effort="fast", min_crease=0).require_verified()
+    return folded_sample(sample, method=method)
 
 
 @cache

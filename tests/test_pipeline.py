@@ -8,6 +8,7 @@ import os
 import numpy as np
 import pytest
 from hypothesis import given, settings
+from support.folded import fold_sample
 from support.strategies import cross, rectangle, regular, simple_polygons, star, star_shaped, two_opt
 
 import foldcut
@@ -36,7 +37,7 @@ SYMMETRIC = {
 @pytest.mark.parametrize("method", ["compact", "paper"])
 @pytest.mark.parametrize("name", sorted(set(sample_names()) - SEVERAL_LOOPS))
 def test_every_sample_with_one_loop_is_verified(name: str, method: str) -> None:
-    result = foldcut.fold(sample_path(name), "a4", method=method, effort="fast", min_crease=0)
+    result = fold_sample(name, method=method)
     assert result.findings == ()
     assert result.folded_pattern.creases.crease_count > 0
 

@@ -20,6 +20,7 @@ import shapely
 import svgelements
 from numpy.testing import assert_allclose
 from PIL import Image
+from support.folded import folded_sample
 from support.patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 from support.places import TESTS
 
@@ -416,7 +417,7 @@ def read_by_others(data: bytes, kind: str, folder: Path) -> list[tuple[str, list
 
 @pytest.mark.parametrize("sample", sample_names())
 def test_others_read_every_edge_of_bare_lines_where_it_is(sample: str, tmp_path: Path) -> None:
-    pattern = fold(sample_path(sample), effort="fast", min_crease=0).require_verified()
+    pattern = folded_sample(sample)
     creases = pattern.creases
     points = creases.vertices_coords * (1, -1) + (0, pattern.sheet.height)
     for kind in (".svg", ".cp", ".opx"):

@@ -11,6 +11,7 @@ import numpy as np
 import pikepdf
 import pytest
 import svgelements
+from support.folded import folded_sample
 from support.programs import require_program, run_program
 
 from foldcut.cli.main import main
@@ -28,15 +29,13 @@ from foldcut.exporters.pictures.guide import (
 )
 from foldcut.exporters.pictures.panels import laid_out
 from foldcut.folding_steps import folding_steps
-from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
-from foldcut.samples import sample_path
 
 
 @pytest.fixture(scope="module", params=["letter-a", "fish", "triangle"])
 def pattern(request: pytest.FixtureRequest) -> FoldedPattern:
     """Give patterns with one first fold, without, and with few creases."""
-    made: FoldedPattern = fold(sample_path(request.param), effort="fast", min_crease=0).require_verified()
+    made: FoldedPattern = folded_sample(request.param)
     return made
 
 
@@ -102,7 +101,7 @@ def test_the_cut_is_where_the_guide_says(pattern: FoldedPattern) -> None:
 
 
 def test_what_collapses_is_said_to_be_one_movement_and_shown_as_it_comes_out() -> None:
-    pattern = fold(sample_path("fish"), effort="fast", min_crease=0).require_verified()
+    pattern = folded_sample("fish")
     made = instructions(pattern, load_profile().drawing)
     (step,) = [step for step in made if step.title == "Collapse"]
     assert "one movement" in step.text

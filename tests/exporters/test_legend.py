@@ -8,6 +8,7 @@ import numpy as np
 import pypdfium2
 import pytest
 import shapely
+from support.folded import folded_sample
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
@@ -16,9 +17,7 @@ from foldcut.exporters import export, export_job
 from foldcut.exporters.legend import Ground
 from foldcut.jobs.job import make_jobs
 from foldcut.jobs.marks import MARKS
-from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
-from foldcut.samples import sample_path
 
 SVG = "{http://www.w3.org/2000/svg}"
 POINTS_A_MM = 72 / MM_PER_INCH
@@ -73,7 +72,7 @@ def test_a_page_with_no_room_has_its_legend_in_the_corner_all_the_same() -> None
 
 
 def folded(name: str, sheet: str = "a4") -> FoldedPattern:
-    return fold(sample_path(name), sheet, effort="fast", min_crease=0).require_verified()
+    return folded_sample(name, sheet)
 
 
 @pytest.mark.parametrize("name", ["house", "star"])

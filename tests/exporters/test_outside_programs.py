@@ -3,30 +3,23 @@
 from __future__ import annotations
 
 import json
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.folded import folded_sample
 from support.patterns import book_fold, letter_fold, square_out_of_square
 from support.programs import require_program, run_node, run_program
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export
-from foldcut.pipeline import fold
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import sample_names
 
 FOLDED_MM = 1e-6
 """How far our folded coordinates may be from another program's."""
-
-
-@cache
-def folded_sample(name: str) -> FoldedPattern:
-    """Fold a sample on A4."""
-    return fold(sample_path(name), effort="fast", min_crease=0).require_verified()
 
 
 PATTERNS = {
@@ -98,8 +91,7 @@ ONE_LOOP = sorted(set(sample_names()) - {"letter-a", "ring", "two-triangles"})
     + [(name, "mirror") for name in ("letter-a", "ring", "two-triangles", "tree", "plus", "heart")],
 )
 def test_rabbit_ear_and_the_fold_package_accept_every_sample(name: str, method: str, tmp_path: Path) -> None:
-    result = fold(sample_path(name), method=method, effort="fast", min_crease=0)
-    pattern = result.require_verified()
+    pattern = folded_sample(name, method=method)
     path = write(tmp_path, pattern, ".fold")
     seen = run_node("rabbit_ear.cjs", path, "local")
     assert (seen["validate"], seen["kawasaki"], seen["maekawa"]) == ("valid", [], [])

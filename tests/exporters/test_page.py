@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from numpy.testing import assert_allclose
+from support.folded import folded_sample
 from support.patterns import book_fold, square_out_of_square
 from support.programs import require_program, run_node
 
@@ -32,7 +33,7 @@ def counted(count: int, kind: str) -> str:
 
 def folded(sample: str, method: str = "auto") -> FoldedPattern:
     """Fold a sample on A4."""
-    return fold(sample_path(sample), effort="fast", min_crease=0, method=method).require_verified()
+    return folded_sample(sample, method=method)
 
 
 def data_of(page: str) -> dict[str, list[object]]:

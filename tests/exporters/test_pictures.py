@@ -11,6 +11,7 @@ import shapely
 import svgelements
 from numpy.testing import assert_allclose
 from PIL import Image
+from support.folded import folded_sample
 
 from foldcut.cli.main import main
 from foldcut.core.arrays import Floats
@@ -28,7 +29,7 @@ YELLOW, WHITE = {INSIDE, INSIDE_BACK}, {OUTSIDE, OUTSIDE_BACK}
 
 def folded(sample: str) -> FoldedPattern:
     """Fold a sample on A4."""
-    return fold(sample_path(sample), effort="fast", min_crease=0).require_verified()
+    return folded_sample(sample)
 
 
 def outlines(pattern: FoldedPattern, panel: str) -> list[tuple[shapely.Polygon, str]]:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.folded import folded_sample
 from support.patterns import book_fold
 from support.programs import require_program, run_program
 
@@ -19,16 +20,14 @@ from foldcut.exporters import check_suffix, export
 from foldcut.exporters.solids import step
 from foldcut.exporters.solids.scored_sheet import sheet_solid
 from foldcut.jobs.errors import JobError
-from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
-from foldcut.samples import sample_path
 
 SHEET = load_profile("scored-sheet")
 
 
 @cache
 def folded(name: str) -> FoldedPattern:
-    return fold(sample_path(name), effort="fast", min_crease=0).require_verified()
+    return folded_sample(name)
 
 
 def admesh_faults(data: bytes, pattern: FoldedPattern, path: Path) -> list[str]:

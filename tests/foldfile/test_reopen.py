@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.folded import folded_sample
 from support.patterns import square_out_of_square
 
 from foldcut.cli.main import main
@@ -16,8 +17,6 @@ from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export
 from foldcut.foldfile.read import read_fold
 from foldcut.foldfile.reopen import Reopened, reopen
-from foldcut.pipeline import fold
-from foldcut.samples import sample_path
 
 
 def reopened(tmp_path: Path, pattern: FoldedPattern, **changes: object) -> Reopened:
@@ -30,7 +29,7 @@ def reopened(tmp_path: Path, pattern: FoldedPattern, **changes: object) -> Reope
 
 @pytest.mark.parametrize("sample", ["fish", "letter-a", "two-triangles"])
 def test_what_foldcut_wrote_comes_back_to_the_byte(sample: str, tmp_path: Path) -> None:
-    pattern = fold(sample_path(sample), effort="fast", min_crease=0).require_verified()
+    pattern = folded_sample(sample)
     again = reopened(tmp_path, pattern)
     assert again.verified
     for ending in (".fold", ".html", ".svg"):

@@ -23,6 +23,7 @@ import shapely
 import svgelements
 from numpy.testing import assert_allclose
 from scipy.optimize import linear_sum_assignment
+from support.folded import folded_sample
 from support.patterns import book_fold
 from support.places import TESTS
 from support.programs import missing, require_program, run_node, run_program
@@ -49,7 +50,7 @@ NEAR_MM = {".svg": 0.001, ".dxf": 0.001, ".gcode": 0.001, ".hpgl": 0.025, ".pdf"
 @cache
 def folded(name: str, method: str = "auto") -> FoldedPattern:
     sheet = "180x250mm"  # fits every machine
-    return fold(sample_path(name), sheet, effort="fast", method=method, min_crease=0).require_verified()
+    return folded_sample(name, sheet, method)
 
 
 def export_jobs(pattern: FoldedPattern, suffix: str, profile: Profile, **options: Any) -> dict[Side, tuple[Job, bytes]]:

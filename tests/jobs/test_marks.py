@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 import shapely
+from support.folded import folded_sample
 from support.patterns import book_fold
 
 from foldcut.core.arrays import Floats
@@ -26,7 +27,7 @@ LASER = load_profile("laser-dxf")
 
 @cache
 def folded(name: str, method: str = "auto") -> FoldedPattern:
-    return fold(sample_path(name), method=method, effort="fast", min_crease=0).require_verified()
+    return folded_sample(name, method=method)
 
 
 def length(lines: list[Floats]) -> float:

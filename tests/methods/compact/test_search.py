@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.compact import A4, loop_of
+from support.folded import fold_sample
 from support.strategies import cross, rectangle, regular, star, star_shaped, two_opt
 
 import foldcut
@@ -51,7 +52,7 @@ def test_straight_lines_are_as_few_as_the_plan_asks(shape: list[tuple[float, flo
 
 @pytest.mark.parametrize("name", ["arrow", "fish", "heart", "kite", "letter-l", "letter-t", "swan"])
 def test_samples_are_folded_verified_and_cut_exactly(name: str) -> None:
-    result = foldcut.fold(sample_path(name), method="compact", effort="fast", min_crease=0)
+    result = fold_sample(name, method="compact")
     assert result.findings == ()
     paper = foldcut.fold(sample_path(name), method="paper")
     assert result.folded_pattern.creases.crease_count < 0.5 * paper.folded_pattern.creases.crease_count

@@ -67,7 +67,8 @@ def test_random_shapes_are_verified(seed: int, holes: bool) -> None:
 @pytest.fixture
 def no_skeleton(monkeypatch: pytest.MonkeyPatch) -> None:
     """As without the extra ``skeleton``."""
-    monkeypatch.setitem(sys.modules, "pysat.solvers", None)
+    for module in ("compas_cgal", "pysat.solvers"):
+        monkeypatch.setitem(sys.modules, module, None)
 
 
 @pytest.mark.usefixtures("no_skeleton")
