@@ -16,7 +16,7 @@ demo: $(VENV)/installed
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 ## How packing, whole patterns, verification and exporters grow from 1e2 to LARGEST boundary disks, against what others
 ## take: out/bench.md, .json, .svg. Nothing here can fail for being slow; each may take LIMIT seconds or ends there.
@@ -112,6 +112,7 @@ $(VENV)/installed-bench: $(VENV)/python-ok pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[bench]'
 	@touch $@
 
+# All that installed-test has, and more.
 $(VENV)/installed-dev: $(VENV)/python-ok pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test,dev]'
-	@touch $@
+	@touch $@ $(VENV)/installed-test
