@@ -432,7 +432,7 @@ class MoleculeBuilder:
         if abs(image - x) > self.tie:
             level = self._levels.get(bend.level)
             if level is None:
-                raise UnfoldableError(f"the level {bend.level:g} mm of a wrapped turn is no turn's of the border")
+                raise NotClosedError(f"no turn of the border has the level {bend.level:g} mm of a wrapped turn", set())
         self.middles.append(Middle(vertex, bend.before, bend.after, position, level))
 
     def _bent_gusset_facets(self, one: Turn, other: Turn, middle: int) -> tuple[list[int], list[int]]:

@@ -17,11 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Numbers, points_array
-from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
 from foldcut.geometry.vectors import cross
 from foldcut.methods.compact.facets import Vertices
-from foldcut.methods.compact.molecule import Border, Molecule, build_molecule
+from foldcut.methods.compact.molecule import Border, Molecule, NotClosedError, build_molecule
 from foldcut.methods.compact.part_state import THRESHOLDS, Thresholds
 from foldcut.pattern.assemble import Ring, assemble, creases_of_stack, merge_stacks, outlines
 
@@ -109,7 +108,7 @@ def build_molecules(
 def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, FoldedState]:
     """Clip the outside at the sheet, stack all layers, and read off the creases.
 
-    Raises ``UnfoldableError`` when the layers inside and outside do not match.
+    Raises ``NotClosedError`` when the layers inside and outside do not match.
     """
     inside, outside = molecules.inside, molecules.outside
     count, sides = len(inside.facets), inside.border_facets
@@ -118,7 +117,7 @@ def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, F
     shared = set(range(sides))
     outer_order = [number[facet] for facet in reversed(outside.order)]
     if [face for face in inside.order if face in shared] != [face for face in outer_order if face in shared]:
-        raise UnfoldableError("the layers inside and outside do not match along the shape's boundary")
+        raise NotClosedError("the layers inside and outside do not match along the shape's boundary", set())
     order = merge_stacks(inside.order, outer_order, shared)[::-1]
     clip = _Clip(molecules.vertices, sheet)
     rings: dict[int, list[Ring]] = {facet: clip.clip(ring) for facet, ring in enumerate(inside.rings())}

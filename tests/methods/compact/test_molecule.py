@@ -382,3 +382,12 @@ def test_two_hundred_corners_are_folded_with_crowded_disks() -> None:
     loop = np.stack([reach * np.cos(angles), reach * np.sin(angles)], axis=1)
     result = foldcut.fold([loop], method="compact", effort="fast", min_crease=0)
     assert result.findings == ()
+
+
+def test_layers_that_do_not_match_are_a_molecule_that_does_not_close() -> None:
+    shape = placed(regular(5))
+    molecules = build_molecules(walk(shape, [0.5] * 5), SHEET)
+    order = molecules.outside.order
+    shuffled = dataclasses.replace(molecules.outside, order=[order[1], order[0], *order[2:]])
+    with pytest.raises(NotClosedError, match="do not match"):
+        fold_molecules(dataclasses.replace(molecules, outside=shuffled), SHEET)
