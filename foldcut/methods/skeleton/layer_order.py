@@ -51,6 +51,14 @@ MOST_PAIRS = 400_000
 NO_ORDER = "the facets cannot be put in an order in which no paper passes through paper"
 
 
+def require_solver() -> None:
+    """Raise ``UnfoldableError`` unless there is a solver to look for layer orders: the extra ``skeleton``."""
+    try:
+        import pysat.solvers  # noqa: F401  # used only where there may be an order
+    except ImportError as error:
+        raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
+
+
 class OrderConditions:
     """The conditions on the order of folded facets.
 
@@ -69,10 +77,7 @@ class OrderConditions:
     def __init__(
         self, folded: Floats, facets: Sequence[Vertices], creases: Sequence[Crease], up: Sequence[bool]
     ) -> None:
-        try:
-            import pysat.solvers  # noqa: F401  # used only where there may be an order
-        except ImportError as error:
-            raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
+        require_solver()
         self.count = len(facets)
         self.rounds = 0  # how many the solver took
         self._beside: Ints = np.array([pair for _, pair in creases], dtype=np.intp).reshape(-1, 2)
