@@ -65,7 +65,7 @@ def _valid_solid(points: Floats, triangles: Numbers, plane: Numbers) -> Any:
     places, normals = planes(points, faces)
     if not normals.any(axis=1).all() or max_off(points, faces, places, normals) > NEAR_MM:
         return None
-    solid = Solid(_Builder(points).solid(faces, places, normals))
+    solid = Solid(Builder(points).solid(faces, places, normals))
     return solid if solid.is_valid else None
 
 
@@ -137,7 +137,7 @@ def max_off(points: Floats, faces: list[list[list[int]]], places: Floats, normal
     return float(np.abs((away * np.repeat(normals, counts, axis=0)).sum(axis=1)).max())
 
 
-class _Builder:
+class Builder:
     """Makes a solid of plane faces that share edges and corners, with Open CASCADE itself: build123d would sew them."""
 
     def __init__(self, points: Floats) -> None:

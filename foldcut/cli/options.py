@@ -186,8 +186,8 @@ def add_reading(command: ArgumentParser) -> None:
 
 def reading(args: Namespace) -> ReadOptions:
     """Return how a drawing's file is read."""
+    from foldcut.core.units import parse_length
     from foldcut.drawing.limits import parse_limits
-    from foldcut.drawing.placement import parse_length
     from foldcut.readers import ReadOptions
 
     return ReadOptions(
@@ -355,8 +355,9 @@ def _joined(names: Iterable[str]) -> str:
 
 def folding(args: Namespace) -> FoldOptions:
     """Return how a drawing is laid on the sheet, mended and folded."""
+    from foldcut.core.units import parse_length
     from foldcut.drawing.mend import Preparation
-    from foldcut.drawing.placement import parse_length, parse_sheet
+    from foldcut.drawing.placement import parse_sheet
 
     def length(text: str | None) -> float | None:
         return None if text is None else parse_length(text)
@@ -408,7 +409,7 @@ def _scale(text: str | None, width: str | None, height: str | None) -> str | flo
 
 def _offset(text: str | None) -> tuple[float, float] | None:
     """Return (x, y) in mm from "X,Y", each a length that may be negative."""
-    from foldcut.drawing.placement import parse_length
+    from foldcut.core.units import parse_length
 
     if text is None:
         return None

@@ -20,14 +20,13 @@ import shapely
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import ShapeError, SheetError
 from foldcut.core.model import Placement, Shape, Sheet
-from foldcut.core.units import LENGTH, MM_PER_INCH, MM_PER_UNIT, parse_length
+from foldcut.core.units import LENGTH, MM_PER_INCH, MM_PER_UNIT
 
 __all__ = [
     "NAMED_SHEETS",
     "SHEET_LIMITS_MM",
     "Layout",
     "as_it_lies",
-    "parse_length",
     "parse_sheet",
     "place",
 ]

@@ -146,7 +146,7 @@ def _steady_tree(pattern: CreasePattern, faces_of_edges: Ints, count: int) -> tu
     if (np.diff(pair[order]) == 0).any():
         order = np.lexsort((cost, pair))
     best = order[np.diff(pair[order], prepend=-1) != 0]  # the longest edge of two faces
-    paths = short_paths if count <= FEW_FACES else _paths
+    paths = short_paths if count <= FEW_FACES else paths_by_scipy
     distance, before = paths(low[best], high[best], cost[best], count)
     face = np.argsort(distance, kind="stable").astype(np.int32)
     face = face[before[face] >= 0]
@@ -180,7 +180,7 @@ def short_paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[
     return np.array(distance), np.array(before, dtype=np.intp)
 
 
-def _paths(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
+def paths_by_scipy(low: Numbers, high: Numbers, cost: Floats, count: int) -> tuple[Floats, Numbers]:
     """Do the same for many nodes with scipy; of two paths of equal length it may choose the other."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import dijkstra

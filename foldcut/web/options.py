@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import get_args
 
-from foldcut.drawing.placement import parse_length, parse_sheet
+from foldcut.core.units import parse_length
+from foldcut.drawing.placement import parse_sheet
 from foldcut.exporters import JOB_EXPORTERS
 from foldcut.jobs.marks import MARKS
 from foldcut.profiles import Treatment, load_profile, profile_names

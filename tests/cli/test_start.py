@@ -8,15 +8,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
-from scipy.linalg import null_space
 from support.places import SAMPLES
 
 import foldcut
-from foldcut.methods.compact import lengthen
-from foldcut.methods.compact import sensitivity as slopes
-from foldcut.pattern import face_maps as flatfold
 
 HEAVY = (
     "numpy",
@@ -94,35 +89,3 @@ def test_help_starts_with_the_public_names() -> None:
     shown = pydoc.plain(pydoc.render_doc(foldcut))
     assert shown.index("Public names:") < shown.index("PACKAGE CONTENTS")
     assert "    fold(shape:" in shown
-
-
-def test_paths_between_few_faces_are_as_short_as_scipys() -> None:
-    chance = np.random.default_rng(8)
-    for count in (1, 2, 30, 200):
-        low, high = np.triu_indices(count, 1)
-        some = chance.random(len(low)) < 6 / count
-        low, high = low[some], high[some]
-        cost = chance.random(len(low)) + 0.01
-        ours, before = flatfold._short_paths(low, high, cost, count)
-        theirs, before_theirs = flatfold._paths(low, high, cost, count)
-        assert np.allclose(ours, theirs, rtol=1e-12)
-        assert (before < 0).tolist() == (before_theirs < 0).tolist()
-
-
-def test_full_and_sparse_matrices_have_the_same_solution() -> None:
-    chance = np.random.default_rng(8)
-    matrix = chance.normal(size=(90, 60)) * (chance.random((90, 60)) < 0.2) + np.eye(90, 60)
-    rows, columns = matrix.nonzero()
-    given = chance.normal(size=(12, 3))
-    entries = (rows, columns, matrix[rows, columns])
-    full, sparse = (solve(entries, matrix.shape, given) for solve in (slopes._dense, slopes._sparse))
-    assert full.shape == (48, 3)
-    assert np.allclose(full, sparse, rtol=1e-9, atol=1e-9)
-
-
-def test_null_space_is_scipys() -> None:
-    matrix = np.random.default_rng(8).normal(size=(4, 9))
-    matrix[3] = matrix[0] + matrix[1]
-    ours, theirs = lengthen.null_space(matrix), null_space(matrix)
-    assert ours.shape == theirs.shape == (9, 6)
-    assert np.allclose(ours @ ours.T, theirs @ theirs.T)

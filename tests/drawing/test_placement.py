@@ -11,7 +11,8 @@ from support.strategies import Points, cross, moved, rectangle, regular, similar
 
 from foldcut.core.errors import FoldcutError, ShapeError, SheetError
 from foldcut.core.model import Placement, Shape, Sheet
-from foldcut.drawing.placement import NAMED_SHEETS, Layout, parse_length, parse_sheet, place
+from foldcut.core.units import parse_length
+from foldcut.drawing.placement import NAMED_SHEETS, Layout, parse_sheet, place
 from foldcut.drawing.shape import invariant_faults, make_shape
 
 A4 = parse_sheet("a4")

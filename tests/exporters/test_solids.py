@@ -143,8 +143,8 @@ def test_faces_that_are_not_plane_are_made_finer_before_open_cascade_sees_them(
     data = export(pattern, ".step", SHEET)
     assert b"PCURVE" not in data, "planes need none"
     built = []
-    solid = step._Builder.solid
-    monkeypatch.setattr(step._Builder, "solid", lambda self, *rest: built.append(1) or solid(self, *rest))
+    solid = step.Builder.solid
+    monkeypatch.setattr(step.Builder, "solid", lambda self, *rest: built.append(1) or solid(self, *rest))
     monkeypatch.setattr(step, "FLAT_MM", (1e-2, 1e-8))
     assert export(pattern, ".step", SHEET)
     assert len(built) == 1

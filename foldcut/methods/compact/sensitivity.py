@@ -167,12 +167,12 @@ class _System:
         """Return the derivatives of all vertices' places; ``known`` ``(n, 4, m)``: of the first n, all four."""
         rows, columns, values = (np.concatenate(part) for part in zip(*self.entries, strict=True))
         given = known.reshape(-1, known.shape[2])
-        solve = _dense if self.width <= MOST_DENSE else _sparse
+        solve = solve_dense if self.width <= MOST_DENSE else solve_sparse
         found: Floats = solve((rows, columns, values), (self.height, self.width), given)
         return np.concatenate([given, found])[: 4 * len(self.flat)].reshape(len(self.flat), 4, -1)[:, :2]
 
 
-def _dense(entries: Entries, shape: tuple[int, int], given: Floats) -> Floats:
+def solve_dense(entries: Entries, shape: tuple[int, int], given: Floats) -> Floats:
     """Return the least squares solution for the columns after those ``given``, by a full matrix."""
     rows, columns, values = entries
     matrix = np.zeros(shape)
@@ -184,7 +184,7 @@ def _dense(entries: Entries, shape: tuple[int, int], given: Floats) -> Floats:
     return better
 
 
-def _sparse(entries: Entries, shape: tuple[int, int], given: Floats) -> Floats:
+def solve_sparse(entries: Entries, shape: tuple[int, int], given: Floats) -> Floats:
     """Return the same by sparse matrices."""
     from scipy import sparse
     from scipy.sparse.linalg import splu

@@ -6,11 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scipy import linalg
 from support.compact import A4, covered, loop_of
 from support.strategies import Points, two_opt
 
 from foldcut.core.model import CreasePattern
-from foldcut.methods.compact.lengthen import Mover
+from foldcut.methods.compact.lengthen import Mover, null_space
 from foldcut.methods.compact.pattern import Molecules, build_molecules, fold_molecules
 from foldcut.methods.compact.sensitivity import vertex_slopes
 from foldcut.methods.compact.turns import Solution
@@ -71,3 +72,11 @@ def test_slopes_of_vertices_are_what_differences_say(seed: int) -> None:
             assert slopes[same, :, column] == pytest.approx(difference[same], rel=1e-3, abs=1e-3)
             compared += 1
     assert compared > images.shape[1] / 2
+
+
+def test_null_space_is_scipys() -> None:
+    matrix = np.random.default_rng(8).normal(size=(4, 9))
+    matrix[3] = matrix[0] + matrix[1]
+    ours, theirs = null_space(matrix), linalg.null_space(matrix)
+    assert ours.shape == theirs.shape == (9, 6)
+    assert np.allclose(ours @ ours.T, theirs @ theirs.T)
