@@ -11,6 +11,7 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 from pathlib import Path
+from typing import NamedTuple
 
 from shapely.errors import ShapelyError
 
@@ -19,23 +20,28 @@ from foldcut.readers.base import Drawing, ReadOptions, Source
 
 __all__ = ["READERS", "Drawing", "ReadOptions", "read_shape"]
 
-READERS = {
-    ".svg": "svg",
-    ".json": "json_loops",
-    ".wkt": "wkt",
-    ".dxf": "dxf",
-    ".geojson": "geojson",
-    ".wkb": "wkb",
-    ".csv": "csv_points",
-    ".pdf": "pdf",
-    ".png": "image",
-    ".jpg": "image",
-    ".jpeg": "image",
-}
-"""The module for each suffix; it is imported when it is first used."""
 
-BINARY = (".wkb", ".pdf", ".png", ".jpg", ".jpeg")
-"""Formats that are not text, so that numbers in their bytes cannot be counted."""
+class Reader(NamedTuple):
+    """A row of ``READERS``: a module of this package, imported when it is first used, and whether it reads text."""
+
+    module: str
+    is_text: bool = True
+
+
+READERS = {
+    ".svg": Reader("svg"),
+    ".json": Reader("json_loops"),
+    ".wkt": Reader("wkt"),
+    ".dxf": Reader("dxf"),
+    ".geojson": Reader("geojson"),
+    ".wkb": Reader("wkb", is_text=False),
+    ".csv": Reader("csv_points"),
+    ".pdf": Reader("pdf", is_text=False),
+    ".png": Reader("image", is_text=False),
+    ".jpg": Reader("image", is_text=False),
+    ".jpeg": Reader("image", is_text=False),
+}
+"""By suffix. In text, numbers are counted before anything is parsed."""
 
 STANDARD_INPUT = "-"
 """The path that stands for standard input."""
@@ -51,9 +57,10 @@ def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes
     try:
         suffix = _suffix(path, options)
         source = _source(path, options, data)
-        if suffix not in BINARY:
+        reader = READERS[suffix]
+        if reader.is_text:
             options.limits.check_numbers(source.data)
-        drawing: Drawing = import_module(f"foldcut.readers.{READERS[suffix]}").read(source, options)
+        drawing: Drawing = import_module(f"foldcut.readers.{reader.module}").read(source, options)
         options.limits.check_loops(drawing.loops)
     except FileFormatError as error:
         raise FileFormatError(f"{path}: {' '.join(str(error).split())}") from None

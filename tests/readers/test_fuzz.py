@@ -25,7 +25,7 @@ def test_the_seeds_are_taken_or_refused(reader: str) -> None:
 
 
 def test_every_reader_has_a_target() -> None:
-    modules = {name.removesuffix("_loops").removesuffix("_points") for name in READERS.values()}
+    modules = {row.module.removesuffix("_loops").removesuffix("_points") for row in READERS.values()}
     assert modules | {"text", "fold"} == set(TARGETS)
     assert {file.stem for file in (FOLDER / "words").iterdir()} <= set(TARGETS)
 
