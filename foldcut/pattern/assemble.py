@@ -18,23 +18,24 @@ from foldcut.core.model import CreasePattern, FoldedState
 from foldcut.geometry.planar_graph import half_edges, pair_keys, signed_areas
 from foldcut.geometry.vectors import signed_area
 
-Ring = list[int]
+Polygon = list[int]
+"""The vertices around a face, or around several that hang together, by number."""
 
 
 class NoFaceUpError(UnfoldableError):
     """A folded state cannot be written down because none of its faces looks up."""
 
 
-def outlines(rings: Sequence[Ring]) -> list[Ring]:
+def outlines(polygons: Sequence[Polygon]) -> list[Polygon]:
     """Join counter-clockwise polygons side to side; return the outline of each connected piece."""
-    if len(rings) == 1:
-        return [*rings]
-    sides = {pair for ring in rings for pair in zip(ring, ring[1:] + ring[:1], strict=True)}
+    if len(polygons) == 1:
+        return [*polygons]
+    sides = {pair for polygon in polygons for pair in zip(polygon, polygon[1:] + polygon[:1], strict=True)}
     following = {a: b for a, b in sides if (b, a) not in sides}
     pieces = []
     while following:
         start = vertex = min(following)
-        piece: Ring = []
+        piece: Polygon = []
         while not piece or vertex != start:
             piece.append(vertex)
             vertex = following.pop(vertex)
@@ -57,18 +58,18 @@ def merge_stacks(inside: Sequence[int], outside: Sequence[int], shared: set[int]
     return order + list(rest)
 
 
-def creases_of_stack(folded: Floats, rings: Sequence[Ring] | Ragged) -> tuple[Ints, Chars]:
+def creases_of_stack(folded: Floats, polygons: Sequence[Polygon] | Ragged) -> tuple[Ints, Chars]:
     """Read the edges, ``(e, 2)``, and their assignment, ``(e,)``, off a stack of faces, bottom to top.
 
     A crease is a valley exactly when the face that looks up has its neighbour above it. ``folded`` ``(v, 2)``.
     """
-    rings = rings if isinstance(rings, Ragged) else Ragged.from_rows(rings)
-    start, end = half_edges(rings)
-    face, keys, back = rings.rows, pair_keys(start, end), pair_keys(end, start)
+    polygons = polygons if isinstance(polygons, Ragged) else Ragged.from_rows(polygons)
+    start, end = half_edges(polygons)
+    face, keys, back = polygons.rows, pair_keys(start, end), pair_keys(end, start)
     order = np.argsort(keys)
     at = np.minimum(np.searchsorted(keys, back, sorter=order), len(keys) - 1)
     border = keys[order[at]] != back
-    valley = (face[order[at]] > face) == (signed_areas(folded, rings) > 0)[face]
+    valley = (face[order[at]] > face) == (signed_areas(folded, polygons) > 0)[face]
     kept = border | (start < end)
     kinds: Chars = np.where(border, "B", np.where(valley, "V", "M"))[kept]
     return np.stack([start, end], axis=1)[kept], kinds
@@ -77,25 +78,25 @@ def creases_of_stack(folded: Floats, rings: Sequence[Ring] | Ragged) -> tuple[In
 def assemble(
     flat: Floats,
     folded: Floats,
-    rings: Sequence[Ring] | Ragged,
+    polygons: Sequence[Polygon] | Ragged,
     edges: Ints,
     kinds: Chars,
     sheet_corners: set[int],
 ) -> tuple[CreasePattern, FoldedState]:
     """Return the pattern and its folded state.
 
-    ``flat`` and ``folded`` ``(v, 2)`` mm; ``rings``: the faces' outlines from bottom to top, counter-clockwise on the
-    sheet; ``edges`` with their ``kinds`` "M", "V", "B"; ``sheet_corners``: vertices that stay. Other vertices in the
+    ``flat`` and ``folded`` ``(v, 2)`` mm; ``polygons``: the faces from bottom to top, counter-clockwise on the sheet;
+    ``edges`` with their ``kinds`` "M", "V", "B"; ``sheet_corners``: vertices that stay. Other vertices in the
     middle of a straight line are left out and the rest is renumbered. Face 0 is the lowest one that looks up; the
     others are in layer order. Raises ``NoFaceUpError`` if none looks up.
     """
-    rings = rings if isinstance(rings, Ragged) else Ragged.from_rows(rings)
+    polygons = polygons if isinstance(polygons, Ragged) else Ragged.from_rows(polygons)
     joined, types, straight = _dissolve_straight(edges, kinds, sheet_corners, len(flat))
     used = np.zeros(len(flat), dtype=np.bool_)
     used[joined[:, 0]] = used[joined[:, 1]] = True
     renumber = np.where(used, np.cumsum(used, dtype=np.int32) - 1, -1).astype(np.int32)
-    faces = _without(straight, rings)
-    del rings, edges, kinds  # these may be the last references: frees the memory
+    faces = _without(straight, polygons)
+    del polygons, edges, kinds  # these may be the last references: frees the memory
     _look_up(renumber, joined.reshape(-1))
     _look_up(renumber, faces.values)
     landed = folded[used]
@@ -111,14 +112,14 @@ def assemble(
     return pattern, FoldedState(sealed(landed), sealed(layers))
 
 
-def _without(gone: Bools, rings: Ragged) -> Ragged:
+def _without(gone: Bools, polygons: Ragged) -> Ragged:
     """The outlines without some of their vertices; some vertices of each remain."""
-    kept = np.empty(len(rings.values), dtype=np.bool_)
+    kept = np.empty(len(polygons.values), dtype=np.bool_)
     for low in range(0, len(kept), BLOCK):
-        kept[low : low + BLOCK] = ~gone[rings.values[low : low + BLOCK]]
-    offsets = np.zeros(len(rings) + 1, dtype=np.int32)
-    np.cumsum(np.add.reduceat(kept, rings.offsets[:-1], dtype=np.int32), out=offsets[1:])
-    return Ragged(rings.values[kept], offsets)
+        kept[low : low + BLOCK] = ~gone[polygons.values[low : low + BLOCK]]
+    offsets = np.zeros(len(polygons) + 1, dtype=np.int32)
+    np.cumsum(np.add.reduceat(kept, polygons.offsets[:-1], dtype=np.int32), out=offsets[1:])
+    return Ragged(polygons.values[kept], offsets)
 
 
 def _look_up(numbers: Ints, places: Ints) -> None:

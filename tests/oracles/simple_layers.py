@@ -13,7 +13,7 @@ from foldcut.geometry.vectors import signed_area
 from foldcut.methods.disks.layers import sheet_corners
 from foldcut.methods.disks.molecules import Molecules
 from foldcut.methods.disks.trees import Assignment
-from foldcut.pattern.assemble import Ring, merge_stacks, outlines
+from foldcut.pattern.assemble import Polygon, merge_stacks, outlines
 
 Edge = tuple[int, int]
 
@@ -41,7 +41,7 @@ def fold_layers(molecules: Molecules, assignment: Assignment) -> tuple[CreasePat
 def assemble(
     flat: Floats,
     folded: Floats,
-    rings: Sequence[Ring],
+    rings: Sequence[Polygon],
     edges: Sequence[Edge],
     kinds: Sequence[str],
     sheet_corners: set[int],

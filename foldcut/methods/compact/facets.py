@@ -68,17 +68,19 @@ class Facet:
     start: list[int]
     end: list[int]
 
-    def ring(self) -> list[int]:
+    def polygon(self) -> list[int]:
         """The outline, counter-clockwise, without slits; empty if nothing is left of the facet."""
-        ring: list[int] = []
+        polygon: list[int] = []
         for vertex in (self.start[0], *self.end, *reversed(self.start[1:])):
-            if len(ring) > 1 and ring[-2] == vertex:
-                ring.pop()
-            elif not ring or ring[-1] != vertex:
-                ring.append(vertex)
-        while len(ring) > 2 and (ring[0] == ring[-1] or ring[1] == ring[-1] or ring[0] == ring[-2]):
-            ring = ring[1:] if ring[1] == ring[-1] else ring[:-1]
-        return ring if len(ring) > 2 else []
+            if len(polygon) > 1 and polygon[-2] == vertex:
+                polygon.pop()
+            elif not polygon or polygon[-1] != vertex:
+                polygon.append(vertex)
+        while len(polygon) > 2 and (
+            polygon[0] == polygon[-1] or polygon[1] == polygon[-1] or polygon[0] == polygon[-2]
+        ):
+            polygon = polygon[1:] if polygon[1] == polygon[-1] else polygon[:-1]
+        return polygon if len(polygon) > 2 else []
 
 
 class LayerList:

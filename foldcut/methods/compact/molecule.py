@@ -126,13 +126,13 @@ class Molecule:
     middles: list[Middle]
     parts: list[tuple[Floats, int]]
 
-    def rings(self) -> list[list[int]]:
+    def polygons(self) -> list[list[int]]:
         """The outlines of the facets, by facet number; not to be changed."""
         return self._rings
 
     @cached_property
     def _rings(self) -> list[list[int]]:
-        return [facet.ring() for facet in self.facets]
+        return [facet.polygon() for facet in self.facets]
 
     def stretches(self, facets: set[int]) -> set[int]:
         """The stretches of the border that some facets come from, numbered counter-clockwise around the inside."""
@@ -328,9 +328,9 @@ class MoleculeBuilder:
         place = (position[before] + position[after]) / 2
         joined = self._joined([turns[before], turns[after]], place, float(x[before]), part.height)
         rest = [turns[(after + n) % count] for n in range(1, count - 2)]
-        ring = [joined, *rest]
-        cut = 0 if {before, k, after} & {0} else ring.index(turns[0])
-        return Part(ring[cut:] + ring[:cut], part.height, part.unbounded, part.near)
+        polygon = [joined, *rest]
+        cut = 0 if {before, k, after} & {0} else polygon.index(turns[0])
+        return Part(polygon[cut:] + polygon[:cut], part.height, part.unbounded, part.near)
 
     def _pinch(self, part: Part, state: PartState, i: int, j: int) -> list[Part]:
         """Two turns i < j that are not neighbours meet in a point: the part falls in two, and no crease is needed."""

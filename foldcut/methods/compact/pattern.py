@@ -22,7 +22,7 @@ from foldcut.geometry.vectors import cross
 from foldcut.methods.compact.facets import Vertices
 from foldcut.methods.compact.molecule import Border, Molecule, NotClosedError, build_molecule
 from foldcut.methods.compact.part_state import THRESHOLDS, Thresholds
-from foldcut.pattern.assemble import Ring, assemble, creases_of_stack, merge_stacks, outlines
+from foldcut.pattern.assemble import Polygon, assemble, creases_of_stack, merge_stacks, outlines
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,11 +120,11 @@ def fold_molecules(molecules: Molecules, sheet: Sheet) -> tuple[CreasePattern, F
         raise NotClosedError("the layers inside and outside do not match along the shape's boundary", set())
     order = merge_stacks(inside.order, outer_order, shared)[::-1]
     clip = _Clip(molecules.vertices, sheet)
-    rings: dict[int, list[Ring]] = {facet: clip.clip(ring) for facet, ring in enumerate(inside.rings())}
-    for facet, ring in enumerate(outside.rings()):
-        rings.setdefault(number[facet], []).extend(clip.clip(ring))
+    polygons: dict[int, list[Polygon]] = {facet: clip.clip(polygon) for facet, polygon in enumerate(inside.polygons())}
+    for facet, polygon in enumerate(outside.polygons()):
+        polygons.setdefault(number[facet], []).extend(clip.clip(polygon))
     flat, folded = np.array(molecules.vertices.flat), np.array(molecules.vertices.folded)
-    faces = [ring for face in order for ring in outlines(rings[face])]
+    faces = [polygon for face in order for polygon in outlines(polygons[face])]
     edges, kinds = creases_of_stack(folded, faces)
     return assemble(flat, folded, faces, edges, kinds, clip.corners())
 
@@ -142,7 +142,7 @@ def regions(walk: Walk, molecules: Molecules, sheet: Sheet) -> tuple[Region, ...
 
 
 class _Clip:
-    """Cuts the outlines of facets, rings of vertices, off at the sheet's four sides; a common edge is cut once."""
+    """Cuts the outlines of facets, polygons of vertices, off at the sheet's four sides; a common edge is cut once."""
 
     def __init__(self, vertices: Vertices, sheet: Sheet) -> None:
         self.vertices = vertices
@@ -154,23 +154,23 @@ class _Clip:
         beyond = np.max([sign * (flat[:, axis] - limit) for axis, sign, limit in self.sides], axis=0)
         self.within, self.well_within = (beyond <= self.tie).tolist(), (beyond < -self.tie).tolist()
 
-    def clip(self, ring: Ring) -> list[Ring]:
-        """Return what is left of a ring inside the sheet: none or one ring."""
-        if all(self.within[v] for v in ring) and any(self.well_within[v] for v in ring):
-            return [ring]
+    def clip(self, polygon: Polygon) -> list[Polygon]:
+        """Return what is left of a polygon inside the sheet: none or one polygon."""
+        if all(self.within[v] for v in polygon) and any(self.well_within[v] for v in polygon):
+            return [polygon]
         for side, (axis, sign, limit) in enumerate(self.sides):
-            if not ring:
+            if not polygon:
                 break
-            beyond = [sign * (self.vertices.flat[v][axis] - limit) for v in ring]
-            kept: Ring = []
-            for k, (v, d) in enumerate(zip(ring, beyond, strict=True)):
-                after = (k + 1) % len(ring)
+            beyond = [sign * (self.vertices.flat[v][axis] - limit) for v in polygon]
+            kept: Polygon = []
+            for k, (v, d) in enumerate(zip(polygon, beyond, strict=True)):
+                after = (k + 1) % len(polygon)
                 if d <= self.tie:
                     kept.append(v)
                 if (d < -self.tie and beyond[after] > self.tie) or (d > self.tie and beyond[after] < -self.tie):
-                    kept.append(self._cut(v, ring[after], side))
-            ring = kept if any(d < -self.tie for d in beyond) else []
-        return [ring] if len(ring) > 2 else []
+                    kept.append(self._cut(v, polygon[after], side))
+            polygon = kept if any(d < -self.tie for d in beyond) else []
+        return [polygon] if len(polygon) > 2 else []
 
     def _cut(self, a: int, b: int, side: int) -> int:
         key = (min(a, b), max(a, b), side)
@@ -201,17 +201,19 @@ def molecule_faults(molecules: Molecules) -> list[str]:
     limit = 1e-9 * float(np.ptp(flat, axis=0).max())
     faults = []
     for name, molecule in (("inside", molecules.inside), ("outside", molecules.outside)):
-        rings = [(number, ring) for number, ring in enumerate(molecule.rings()) if ring]
-        start = np.array([v for _, ring in rings for v in ring])
-        end = np.array([v for _, ring in rings for v in (*ring[1:], ring[0])])
-        first = np.cumsum([0, *(len(ring) for _, ring in rings[:-1])])
+        polygons = [(number, polygon) for number, polygon in enumerate(molecule.polygons()) if polygon]
+        start = np.array([v for _, polygon in polygons for v in polygon])
+        end = np.array([v for _, polygon in polygons for v in (*polygon[1:], polygon[0])])
+        first = np.cumsum([0, *(len(polygon) for _, polygon in polygons[:-1])])
         stretch = np.abs(np.hypot(*(flat[end] - flat[start]).T) - np.hypot(*(folded[end] - folded[start]).T))
         stretch = np.maximum.reduceat(stretch, first)
         origin = flat[start[first]].repeat(np.diff([*first, len(start)]), axis=0)
         area = np.add.reduceat(cross(flat[start] - origin, flat[end] - flat[start]), first)
         faults += [
-            f"facet {rings[k][0]} {name} is stretched by {stretch[k]:.3g} mm"
+            f"facet {polygons[k][0]} {name} is stretched by {stretch[k]:.3g} mm"
             for k in np.flatnonzero(stretch > limit).tolist()
         ]
-        faults += [f"facet {rings[k][0]} {name} is not counter-clockwise" for k in np.flatnonzero(area <= 0).tolist()]
+        faults += [
+            f"facet {polygons[k][0]} {name} is not counter-clockwise" for k in np.flatnonzero(area <= 0).tolist()
+        ]
     return faults

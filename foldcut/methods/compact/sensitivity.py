@@ -76,10 +76,10 @@ class _System:
 
     def add(self, molecule: Molecule) -> None:
         """Add the equations of a molecule."""
-        rings = molecule.rings()
-        some = np.array([number for number, ring in enumerate(rings) if ring])
-        size = np.array([len(rings[number]) for number in some])
-        vertex = np.array([v for ring in rings for v in ring])
+        polygons = molecule.polygons()
+        some = np.array([number for number, polygon in enumerate(polygons) if polygon])
+        size = np.array([len(polygons[number]) for number in some])
+        vertex = np.array([v for polygon in polygons for v in polygon])
         facet = np.repeat(np.arange(len(some)), size)
         facets = self._facets(vertex, size)
         first = self.width
@@ -91,7 +91,7 @@ class _System:
         base = [(f.start[0], f.end[0]) for f in molecule.facets[molecule.border_facets :]]
         level = 4 * np.array(base, dtype=np.int64).reshape(-1, 2) + 3
         self._equations(level, np.tile([1.0, -1.0], (len(level), 1)))
-        number = np.full(len(rings), -1)
+        number = np.full(len(polygons), -1)
         number[some] = np.arange(len(some))
         for middle in molecule.middles:
             if middle.level is not None:

@@ -122,11 +122,11 @@ def test_a_quadrilateral_has_the_gusset_of_the_papers_formulas() -> None:
     molecules = build_molecules(walk_of(np.array(corners), np.array(radii)), Sheet(10, 10))
     assert molecules.inside.gussets == 1
     theirs = {tuple(np.round(point, 9)) for point in formula.vertices.tolist()}
-    inside = {v for ring in molecules.inside.rings() for v in ring}
+    inside = {v for ring in molecules.inside.polygons() for v in ring}
     ours = {tuple(np.round(molecules.vertices.flat[v], 9)) for v in inside}
     assert ours == theirs
     edges = {
-        frozenset(pair) for ring in molecules.inside.rings() for pair in zip(ring, ring[1:] + ring[:1], strict=True)
+        frozenset(pair) for ring in molecules.inside.polygons() for pair in zip(ring, ring[1:] + ring[:1], strict=True)
     }
     by_place = {tuple(np.round(molecules.vertices.flat[v], 9)): v for v in inside}
     creases = {
@@ -213,7 +213,7 @@ def test_looking_for_gussets_among_near_pairs_gives_the_same_molecules(made: Cal
     assert every.vertices == near.vertices
     for side in ("inside", "outside"):
         one, other = getattr(every, side), getattr(near, side)
-        assert (one.order, one.rings()) == (other.order, other.rings())
+        assert (one.order, one.polygons()) == (other.order, other.polygons())
 
 
 @pytest.mark.parametrize("count", range(3, 11))
@@ -337,7 +337,7 @@ def test_queued_events_give_the_same_molecules(made: Callable[[], Walk]) -> None
         except NotClosedError as error:
             return str(error), error.stretches
         sides = molecules.inside, molecules.outside
-        return molecules.vertices, [(side.order, side.rings(), side.lowest_event, side.gussets) for side in sides]
+        return molecules.vertices, [(side.order, side.polygons(), side.lowest_event, side.gussets) for side in sides]
 
     assert built(Thresholds(near_only=4, queued=4, patience=1)) == built(Thresholds(queued=10**9))
 
