@@ -37,7 +37,7 @@ from foldcut.readers import Drawing, ReadOptions, read_shape
 __all__ = ["Progress", "Result", "fold"]
 
 READ = 0.02
-"""How much of all is done when the drawing is read and laid on its sheet."""
+"""The part of the whole progress, from 0 to 1, that is reached once the drawing is read and laid on its sheet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ class Result:
         )
 
     def _repr_svg_(self) -> str | None:
-        """Show the drawing of a verified pattern where there are no pages."""
+        """Show the drawing of a verified pattern where a page cannot be shown."""
         from foldcut.exporters import export
 
         return None if self.findings else export(self.folded_pattern, ".svg").decode()
@@ -131,26 +131,26 @@ def fold(
     Where it lies: ``margin`` is kept free along the sheet's edges, ``offset`` is where the drawing's lower left corner
     lies. ``scale`` is "fit", or a factor on the size that the file states (mm per unit where it states none); instead,
     ``width`` and ``height`` say how large the drawing may be at most. ``rotation`` is in degrees counter-clockwise;
-    "best" is the angle at which the drawing is largest; None turns it a quarter where that lets it be larger, and so
-    that its mirror axes lie along the sheet.
+    "best" is the angle at which the drawing is largest; None gives it a quarter turn if it then fits larger, and lets a
+    method turn it so that its mirror axes are parallel to the sheet's sides.
 
     How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
     the rest through two or four layers; "compact" makes few creases; "skeleton" is the method of Demaine, Demaine and
     Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and "gate" the same for several loops. "auto" takes the
-    pattern of the first three that has the fewest folding actions, and if there is none, "gate" or, for one loop,
-    "paper". ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the
+    pattern of the first three that is easiest to fold, and if they make none, "paper" for one loop and "gate" for
+    several. ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the
     method's default, which for "paper" and "gate" is a narrow one, since without it creases fold onto the cut line.
     ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "mirror" and "compact", else 0).
-    ``simplify`` leaves out corners that are off by no more than this; ``symmetry`` takes a drawing as symmetric whose
-    corners are off by no more than this, and makes it so; ``adjust`` is how far "skeleton" may move corners so that
-    creases meet. ``effort`` ("fast", "normal", "best") or ``seconds`` bounds the search.
+    ``simplify`` leaves out corners if that moves the outline by no more than this; ``symmetry`` is how far corners may
+    be off in a drawing that is taken as symmetric, and made so; ``adjust`` is how far "skeleton" may move corners so
+    that creases meet. ``effort`` ("fast", "normal", "best") or ``seconds`` bounds the search.
 
     ``limits`` bound how large a file may be. ``preparation`` says how the drawing is mended and simplified; None: it
-    must be a shape as it is. ``progress`` is called with a stage's name and the part of all that is done.
+    must be a valid shape as it is. ``progress`` is called with a stage's name and how much is done, from 0 to 1.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
-    ``CreaseTooShortError``, one of these, for a verified pattern with too short a crease. A pattern that fails
-    verification is returned with its findings; ``Result.require_verified`` refuses it.
+    ``CreaseTooShortError``, an ``UnfoldableError``, for a verified pattern with too short a crease. A pattern that
+    fails verification is returned with its findings; ``Result.require_verified`` refuses it.
     """
     check_choice(method)
     exertion = Effort(effort, seconds)
@@ -248,7 +248,7 @@ def _read(
 
 
 def _hull(loops: Sequence[ArrayLike]) -> Shape:
-    """Return the convex hull of loops, which is as large as they are; raises ``ShapeError`` where there is none."""
+    """Return the convex hull of loops, which has their width and height; raises ``ShapeError`` where there is none."""
     points = [np.asarray(loop, dtype=np.float64) for loop in loops]
     if not points or not all((np.abs(loop) < LARGEST_NUMBER).all() for loop in points):  # nan compares as False
         return make_shape(points)  # which says where
@@ -257,7 +257,7 @@ def _hull(loops: Sequence[ArrayLike]) -> Shape:
 
 
 def _require_length(made: Made, least: float, tried: set[str]) -> None:
-    """Refuse a crease shorter than ``least`` mm, with what to do about it; ``tried``: methods that are no remedy."""
+    """Refuse a crease shorter than ``least`` mm, and say what to do; ``tried``: methods that need not be named."""
     numbers = crease_numbers(made.creases)
     length, at = numbers.shortest_crease_mm, numbers.shortest_crease_at
     if length is None or at is None or length >= least:
@@ -272,6 +272,6 @@ def _require_length(made: Made, least: float, tried: set[str]) -> None:
 
 
 def _rounded_down(length: float) -> str:
-    """Return a length in two digits that it is not shorter than."""
+    """Return a length rounded down to two digits, so that the crease is not shorter than that."""
     digits = 1 - math.floor(math.log10(length))
     return f"{math.floor(length * 10**digits) / 10**digits:g}"

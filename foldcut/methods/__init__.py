@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["ADJUST_MM", "AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases"]
 
 AUTO = "auto"
-"""Not a method: of the patterns that several methods make, the one that is easiest to fold (``methods.auto``)."""
+"""Not a method: it has several methods tried and takes the pattern that is easiest to fold (``methods.auto``)."""
 
 DEFAULT_METHOD = AUTO
 
@@ -29,7 +29,7 @@ EFFORTS = ("fast", "normal", "best")
 """How long a method searches for the best pattern."""
 
 ADJUST_MM = 0.25
-"""How far corners may be moved so that creases meet: no more than a cut by hand is off."""
+"""How far corners may be moved so that creases meet: less than a cut by hand misses its line by."""
 
 
 @dataclass(frozen=True)
@@ -97,5 +97,5 @@ def check_choice(name: str) -> None:
 
 
 def fewer_creases(tried: Collection[str] = ()) -> str:
-    """Return the name of the method to try where creases get too short; an empty text if it has been ``tried``."""
+    """Return the name of the method to try where creases get too short; an empty string if it has been ``tried``."""
     return next((method.name for method in METHODS.values() if method.few_creases and method.name not in tried), "")

@@ -17,7 +17,7 @@ from foldcut.pattern.ranking import rank, shortest_crease
 __all__ = ["FOLDED", "Attempt", "run"]
 
 FOLDED = 0.98
-"""How much of all is done when there is a pattern; the rest is verification."""
+"""The part of the whole progress, from 0 to 1, that is reached once there is a pattern; the rest is verification."""
 
 AFTER_OTHERS = 0.3
 """The part of the effort that a method gets when another one has made a pattern."""
@@ -25,7 +25,7 @@ AFTER_OTHERS = 0.3
 
 @dataclass(frozen=True)
 class Attempt:
-    """What a method came to: its creases on the sheet, folding actions and shortest crease in mm, or why it failed."""
+    """What came of a method: how many creases and folding actions, the shortest crease in mm, or why it failed."""
 
     method: str
     creases: int | None
@@ -99,9 +99,9 @@ def _proven_fewest(problem: Problem, _: Effort) -> Made:
 class _Try:
     """A row of the table.
 
-    ``when``: whether the method is worth a try. ``until``: how much of all is done after it. ``instead``: what is done
-    instead of all that the method does. ``last_resort``: only while there is no pattern. ``is_best``: no other pattern
-    can be better, so nothing more is tried. ``unsaid``: that it failed is of no interest.
+    ``when``: whether the method is worth a try. ``until``: the progress that is reached after it. ``instead``:
+    what to call instead of the method. ``last_resort``: try it only if there is no pattern yet. ``is_best``: no other
+    pattern can be better, so nothing more is tried. ``unsaid``: if it fails, that is not reported.
     """
 
     method: str

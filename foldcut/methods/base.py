@@ -21,9 +21,10 @@ __all__ = ["Effort", "Made", "Problem", "Wishes", "require_one_loop"]
 
 @dataclass(frozen=True)
 class Effort:
-    """How long a method may search: ``name`` is one of ``EFFORTS``, ``seconds`` a limit instead, ``share`` of either.
+    """How long a method may search: as ``name``, one of ``EFFORTS``, says, or if they are given, for ``seconds``.
 
-    Raises ``BadInputError`` for what is none.
+    ``share``: the part of that time that the method gets. Raises ``BadInputError`` for an unknown name or a limit that
+    is not positive.
     """
 
     name: str = "normal"
@@ -43,13 +44,13 @@ class Effort:
 
 @dataclass(frozen=True)
 class Wishes:
-    """What a pattern is to be like, in mm; each method heeds what it has a say in.
+    """What a pattern is to be like, in mm; each method heeds those wishes that concern it.
 
     ``ribbon``: the half-width of the strip along the shape's boundary that is not folded, None for the method's
     default; ``min_crease``: the shortest crease allowed, None for the method's default; ``symmetry``: how far corners
     may be off for a mirror axis; ``adjust``: how far corners may be moved so that creases meet.
 
-    Raises ``BadInputError`` for what is negative or infinite, and ``RibbonError``, one of these, for the ribbon.
+    Raises ``BadInputError`` for a negative or infinite number, for the ribbon the subclass ``RibbonError``.
     """
 
     ribbon: float | None = None
@@ -104,9 +105,9 @@ class Made:
 
     ``laid``: the shape that was folded, on its sheet. ``ribbon``: the half-width in mm that the pattern has.
     ``actions``: how many straight folds a person makes, through one layer or more. ``first_folds``: lines across all of
-    the sheet, ``(2, 2)`` mm each, that are folded before all else. ``regions``: how the molecules hang together.
+    the sheet, ``(2, 2)`` mm each, that are folded before all else. ``regions``: where the molecules lie, as a tree.
     ``told``: how the pattern was made, in words, a line each; ``numbers``: the same for programs, by name.
-    ``interrupted``: by Ctrl-C, so that the search is not complete. ``detail``: what the method's own stages made.
+    ``interrupted``: Ctrl-C ended the search before it was complete. ``detail``: what the method's own stages made.
     """
 
     method: str
@@ -124,7 +125,7 @@ class Made:
 
 
 def straight_folds(creases: CreasePattern) -> int:
-    """Return how many straight folds a pattern is, each through one layer."""
+    """Return how many straight folds a pattern takes, each through one layer."""
     return crease_numbers(creases).lines
 
 

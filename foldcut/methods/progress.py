@@ -1,4 +1,4 @@
-"""How far the folding of a shape is: the stages, their times, and the part of all that is done."""
+"""How far the folding of a shape has come: the stages, their times, and how much of the whole is done."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 __all__ = ["Progress", "Stages"]
 
 Progress = Callable[[str, float], None]
-"""Called with a stage's name and the part of all that is done, from 0 to 1, which never gets smaller."""
+"""Called with a stage's name and how much of the whole is done, from 0 to 1, which never gets smaller."""
 
 
 class Stages:
@@ -22,7 +22,7 @@ class Stages:
         self.done = self.start = self.end = self.until = 0.0
 
     def up_to(self, done: float) -> None:
-        """End what came before, and say how much of all will be done when the stages that follow are over."""
+        """End what came before, and say how much of the whole will be done when the stages that follow are over."""
         self.done, self.end = max(self.done, self.end), done
 
     @contextmanager
