@@ -1,4 +1,4 @@
-"""Writers of finished patterns and jobs: one module for each format, and one table of them for each of the two.
+"""Exporters of finished patterns and of jobs: one module for each format, and a table for each of the two.
 
 An exporter of ``pattern/`` or ``solids/`` takes a ``FoldedPattern``, one of ``job/`` the ``Job`` for a machine; both
 take a ``Profile`` and return the bytes of a file. An exporter opens no file, prints nothing and changes no geometry;
@@ -53,8 +53,8 @@ JOB_EXPORTERS = {
 def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile | None = None) -> None:
     """Raise FileFormatError unless a file with this ending, such as ``".svg"``, can be written.
 
-    Without a ``machine`` only files of the pattern can. ``profile``: the one that they are made with, by default
-    "plain". Raises JobError: the profile makes no solid.
+    Without a ``machine``, only files of the pattern can be written. ``profile``: the one that they are made with, by
+    default "plain". Raises JobError: the profile makes no solid.
     """
     known = {**PATTERN_EXPORTERS, **(JOB_EXPORTERS if machine else {})}
     if suffix.lower() in known:
@@ -89,7 +89,7 @@ def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) 
 def check_job_export(
     suffix: str, profile: Profile, sheet: Sheet, *, material: str | None = None, tile: bool = False
 ) -> None:
-    """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would for any on this sheet."""
+    """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would raise for any on this sheet."""
     check_job(sheet, profile, material=material, tile=tile)
     size = (sheet.width, sheet.height)
     export_job(Job("", size, (0.0, 0.0), False, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)

@@ -20,14 +20,14 @@ __all__ = ["Limits", "parse_limits"]
 
 
 DEEPEST = 500
-"""The deepest ``nesting`` that may be set: Python stops recursion at 1000 by default, and GEOS crashes later on."""
+"""The deepest ``nesting`` that may be set: Python stops recursion at 1000 by default, and deeper still GEOS crashes."""
 
 
 @dataclass(frozen=True)
 class Limits:
     """The largest drawing: ``bytes`` of its file, ``points``, ``loops`` and ``pixels`` in it, and its ``nesting``.
 
-    The defaults are far beyond what anybody folds, and reading or refusing them takes less than 10 s and 1 GB.
+    The defaults are far beyond what anybody folds, and reading or refusing a file takes less than 10 s and 1 GB.
     ``nesting`` is how deep groups, clones, blocks, collections or brackets may lie within each other. It is never more
     than ``DEEPEST``, since some libraries read them by recursion.
     """

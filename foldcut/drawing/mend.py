@@ -74,7 +74,7 @@ class Prepared:
 
 
 def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
-    """Return ``loops``, in mm, mended and simplified; ``make_shape`` says whether they are a shape then.
+    """Return ``loops``, in mm, mended and simplified; ``make_shape`` says whether they then are a shape.
 
     Raises ``ShapeError`` if something would have to be mended and ``strict`` is set, and if the drawing cannot have so
     few corners.
@@ -130,7 +130,7 @@ def _noted(changes: list[str], loops: tuple[Floats, ...], change: str) -> tuple[
 
 
 def _shape(loops: Sequence[Floats]) -> Shape | None:
-    """Return the shape that loops are, or None."""
+    """Return the shape that loops make, or None if they make none."""
     try:
         return make_shape(loops)
     except ShapeError:
@@ -213,7 +213,7 @@ def _ring_areas(loop: Floats) -> list[shapely.Polygon]:
 
 
 def _thin(polygon: shapely.Polygon) -> bool:
-    """Whether a polygon is a sliver: its average thickness is about twice its area by its length."""
+    """Whether a polygon is a sliver: its mean thickness is about twice its area divided by its perimeter."""
     return bool(2 * polygon.area < SLIVER_MM * polygon.length)
 
 
@@ -263,7 +263,7 @@ def _set_apart(loops: tuple[Floats, ...], distance: float) -> tuple[tuple[Floats
 
 
 def _within_budget(loops: tuple[Floats, ...], budget: int) -> tuple[tuple[Floats, ...], str]:
-    """Return loops with at most ``budget`` corners, left out with the least tolerance that is found to do."""
+    """Return loops with at most ``budget`` corners, made with the smallest tolerance found to be enough."""
     before = sum(map(len, loops))
     size = float(np.ptp(np.concatenate(loops), axis=0).max())
     coarse, off = loops, 0.0

@@ -56,7 +56,7 @@ SMALLEST_SHAPE_MM = 0.1
 """A placed shape that is smaller than this across is taken for a mistake in the scale."""
 
 FIT_TOLERANCE = 1e-9
-"""How far rounding may take a corner over the margin, relative to the diagonal of the sheet."""
+"""How far rounding may take a corner into the margin, relative to the diagonal of the sheet."""
 
 ROTATIONS = 360
 """The number of angles that are tried; the best of them is then improved."""
@@ -65,9 +65,9 @@ ROTATIONS = 360
 def parse_sheet(text: str) -> Sheet:
     """Return the sheet that ``text`` names.
 
-    This is a name from ``NAMED_SHEETS`` in upper or lower case, perhaps with -portrait or -landscape after it (without
-    that, ``as_it_lies`` chooses), or width x height such as 200x300, 20cmx30cm, "200 mm x 300 mm" or 8.5x11in, where a
-    unit that is given once counts for both. Raises ``SheetError``.
+    ``text`` is a name from ``NAMED_SHEETS`` in upper or lower case, with -portrait or -landscape after it if wanted
+    (without that, ``as_it_lies`` chooses), or width x height such as 200x300, 20cmx30cm, "200 mm x 300 mm" or
+    8.5x11in, where a unit that is given once counts for both. Raises ``SheetError`` for any other text.
     """
     name, _, orientation = text.strip().lower().partition("-")
     if name in NAMED_SHEETS and orientation in ("", "portrait", "landscape"):
@@ -147,8 +147,8 @@ class Layout:
 
     ``margin``, ``scale`` and ``offset`` are as for ``place``. Instead of a scale, ``width`` or ``height`` give the size
     of the drawing; with both, it fits into them. ``rotation`` is in degrees, or "best" for the angle at which the
-    drawing fits largest. None means a quarter turn if the drawing then fits larger, or fits at all, and no offset is
-    given.
+    drawing fits largest. None means a quarter turn if no offset is given and the drawing then fits larger, or fits
+    only then.
     """
 
     sheet: Sheet

@@ -1,8 +1,8 @@
 """Make a valid shape from drawn loops, or say where the drawing is at fault.
 
 Closed loops in the drawing's own units -> ``Shape``. Nothing is moved: the corners keep their numbers. Only repeated
-and collinear ones are left out, and clockwise loops are reversed. What can be repaired is repaired before, by
-``drawing.mend``.
+and collinear ones are left out, and clockwise loops are reversed. What can be repaired has been repaired by
+``drawing.mend`` before.
 
 Invariants of the result, which ``invariant_faults`` checks: every loop is simple and counter-clockwise and has at least
 three corners, no three corners in a row are collinear, no two loops cross or touch, and ``parent`` names the innermost
@@ -39,7 +39,7 @@ ROUNDING_LIMIT = 1e-8
 """The rounding error of the coordinates may not exceed this (relative to the diagonal)."""
 
 LARGEST_NUMBER = 1e100
-"""Coordinates beyond this overflow when multiplied, as those of drawings smaller than its inverse underflow."""
+"""Coordinates beyond this overflow when they are multiplied; in a drawing smaller than its inverse they underflow."""
 
 _BATCH = 256
 """The number of corners or edges in one query; it bounds the memory that a tangle of edges can take."""
@@ -216,8 +216,8 @@ def _number_pairs(loop: ArrayLike, number: int) -> Floats:
 def _corner_indices(unit: Floats, number: int, frame: _Frame) -> list[int]:
     """Return which points are corners: all others are near an edge between corners, and no corner is straight.
 
-    Near means within the tolerance, or within a few times that where a corner between points that were left out turns
-    out to be straight itself.
+    Near means within the tolerance. Where points beside a corner were left out, and the corner then turns out to be
+    straight itself, it means within a few times the tolerance.
     """
     points = [complex(x, y) for x, y in unit.tolist()]
     start = int(np.hypot(*unit.T).argmax())  # the outermost point is a corner, unless all coincide

@@ -1,4 +1,4 @@
-"""A tree of boxes that stand in a row: which of them meet a query's box, among a run of the row.
+"""A tree over a row of boxes: finds which boxes in a run of the row, from one place to another, meet a query's box.
 
 The row is the layer order, and what could lie between two layers is a run of it. Eight neighbouring boxes, or nodes,
 are joined into one node of the next level, so a run that stays on one side of a fold is dismissed after one comparison,

@@ -28,15 +28,15 @@ NEARLY_SAME = 0.1
 """By how much, in radians, the best axis for all corners may differ from the one that was tried."""
 
 MOST_TURNS = 3
-"""How many ways to turn the shape are tried."""
+"""The largest number of turns that are tried."""
 
 
 @dataclass(frozen=True)
 class Axis:
     """A mirror axis through the mean of a shape's corners.
 
-    ``angle`` is its direction in radians, at least 0 and less than pi; ``deviation`` is how far a corner is from the
-    mirror image of its partner at most, in the shape's unit.
+    ``angle`` is its direction in radians, at least 0 and less than pi; ``deviation`` is the largest distance of a
+    corner from the mirror image of its partner, in the shape's unit.
     """
 
     angle: float
@@ -71,8 +71,8 @@ def mirror_axes(shape: Shape, allowed: float = 0.0) -> list[Axis]:
 def sheet_axes(shape: Shape, allowed: float, *, may_turn: bool) -> Iterator[tuple[float, tuple[int, ...]]]:
     """Yield turns in degrees after which mirror axes are parallel to the sheet's sides, and which axes these then are.
 
-    0 is an upright axis, 1 a level one; both come before either. ``allowed`` is as for ``mirror_axes``. Unless
-    ``may_turn``, the only turn is none.
+    0 is an upright axis, 1 a level one; where a turn gives both, both together come before each alone. ``allowed`` is
+    as for ``mirror_axes``. Unless ``may_turn``, the shape is not turned: the only turn is 0.
     """
     groups: dict[int, set[int]] = {}
     turns: dict[int, float] = {}

@@ -38,7 +38,7 @@ class Lay:
 
     @classmethod
     def on(cls, sheet: Sheet, bed: Bed | None) -> Lay:
-        """Lay a sheet in the corner of the bed's origin: upright if it fits that way, otherwise a quarter turn round.
+        """Lay a sheet in the corner of the bed's origin: upright if it fits that way, otherwise turned by a quarter.
 
         Without a bed it lies upright. Raises JobError: the sheet does not fit either way.
         """

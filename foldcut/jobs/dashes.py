@@ -24,8 +24,8 @@ def crease_pieces(
     """Yield the pieces, ``(2, 2)`` each, of every crease with this assignment, "M" or "V".
 
     A score is one piece for each straight line of creases. A perforation goes from vertex to vertex, with a clearance
-    at both ends, so that no two cuts meet (``dashes`` by assignment). Drawn lines are straight through, too, in the
-    dashes of ``style``: the Yoshizawa-Randlett notation.
+    at both ends, so that no two cuts meet; ``dashes`` are by assignment. Drawn lines, like scores, go straight through
+    vertices, in the dashes of ``style``: the Yoshizawa-Randlett notation.
     """
     edges = creases.edges_vertices[creases.edges_assignment == letter]
     points = creases.vertices_coords

@@ -4,7 +4,7 @@
 corner of the sheet as it lies on the bed (``bed``); ``Job.at`` says where on the bed that is.
 
 The steps come in this order: marks, mountains, valleys, and last the outline of the sheet, which is cut when everything
-else is done. No line is there twice. ``marks`` draws the marks, ``dashes`` divides creases into pieces, and
+else is done. No line is drawn twice. ``marks`` draws the marks, ``dashes`` divides creases into pieces, and
 ``pen_path`` orders the strokes of each step.
 """
 
@@ -32,9 +32,9 @@ Registration = Literal["corners", "holes", "pins"]
 
 @dataclass(frozen=True, eq=False)
 class JobStep:
-    """The strokes of one role, ``(n, 2)`` each, in the order and direction they are made.
+    """The strokes of one role, ``(n, 2)`` each, in the order and the direction in which they are made.
 
-    ``operation`` says what the machine calls it; ``setting`` is None where the material has none for it.
+    ``operation`` says what the machine calls the role; ``setting`` is None where the material has none for it.
     """
 
     role: Role

@@ -1,8 +1,8 @@
 """The path of the pen: the order and direction of strokes that makes the travel between them short.
 
 Runs -> the same runs in another order, some of them reversed. A *run* is the strokes of one crease or mark, ``(n, 2)``
-each, which stay together in their order: one stroke, or the dashes of a line. *Travel* is what the pen, the laser head
-or the knife moves between strokes, in mm.
+each, which stay together in their order: one stroke, or the dashes of a line. *Travel* is how far the pen, the laser
+head or the knife moves between strokes, in mm.
 
 The nearest free end comes next (greedy), and then stretches of the path are reversed for as long as that shortens it
 (2-opt). docs/jobs.md has how near to the shortest path that comes.
@@ -36,7 +36,7 @@ def travel(runs: Sequence[Sequence[Floats]], start: Floats) -> float:
 
 
 def ordered(runs: list[Run], start: Floats) -> list[Run]:
-    """Return the runs in an order, and each in a direction, that makes the travel from ``start`` on short."""
+    """Return the runs, some of them reversed, in an order that makes the travel from ``start`` on short."""
     ends = np.array([[run[0][0], run[-1][-1]] for run in runs])
     order, reverse = nearest_next(ends, start) if len(runs) <= MOST_RUNS else nearest_next_by_tree(ends, start)
     if len(runs) <= MOST_RUNS:

@@ -43,7 +43,7 @@ _REMEDIES = {
     errno.EDQUOT: "the disk quota is used up; make room and try again",
     errno.ENAMETOOLONG: "its name is too long; choose a shorter one",
 }
-"""What a message says about an error of the system, and what to do."""
+"""What a message says about an error of the operating system: what is wrong, and what to do."""
 
 
 def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
@@ -112,7 +112,7 @@ def _remove_stale(folder: Path) -> None:
 
 @contextmanager
 def _signals_wait() -> Iterator[None]:
-    """Let signals wait until the block is done, and then run their handlers; only the main thread can."""
+    """Let signals wait until the block is done, and then run their handlers; does nothing outside the main thread."""
     came: list[int] = []
 
     def remember(number: int, frame: FrameType | None) -> None:

@@ -37,7 +37,7 @@ class JobOptions:
 
 
 class Maker:
-    """Makes the files of a pattern; ``jobs``: those needed so far, by side."""
+    """Makes the files of a pattern; ``jobs``: its jobs for the machine, by side, once a file has needed them."""
 
     def __init__(self, pattern: FoldedPattern, profile: Profile | None, options: JobOptions) -> None:
         self.pattern, self.profile, self.options = pattern, profile, options

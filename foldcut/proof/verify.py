@@ -1,4 +1,4 @@
-"""Whether a crease pattern folds flat, in this layer order, so that one cut cuts out this shape.
+"""Whether a crease pattern folds flat, in the given layer order, so that one cut cuts out the given shape.
 
 Crease pattern, layer order and shape on the sheet (mm) -> findings; none means valid. Nothing is taken on trust: the
 folded state is computed anew from the creases, however the pattern was made.
@@ -74,7 +74,7 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
 def _verify_within(
     tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None, *, places: bool
 ) -> list[Finding]:
-    """Verify with one tolerance, in mm; with ``places``, also find crossings, the cause of many faults."""
+    """Verify with one tolerance, in mm; with ``places``, also find where edges cross, the cause of many faults."""
     sides = edge_sides(pattern)
     faces_of_edges = faces_of_sides(pattern, sides)
     findings = check_planar(pattern, sides, faces_of_edges, tolerance, places=places)

@@ -116,7 +116,7 @@ def closed_loops(
 def drawing_of(
     rings: Sequence[Floats], lines: Sequence[Floats], title: str, options: ReadOptions, ignored: Counter[str]
 ) -> Drawing:
-    """Return a drawing without a unit of the rings of polygons or, if there are none, of the loops that lines form."""
+    """Return a drawing, its unit unknown: the rings of polygons or, if there are none, the loops that lines form."""
     if rings:
         closed, repairs = closed_loops(rings, options, None)
         return Drawing(closed, None, title, ignored=counted(ignored + Counter(line=len(lines))), repairs=repairs)
@@ -335,7 +335,7 @@ def _winding(points: Floats, loop: Floats) -> np.ndarray[tuple[int], np.dtype[np
 
 
 def _nonzero(loops: Sequence[Floats]) -> list[Floats]:
-    """Return those of disjoint loops that have a winding number of zero on one side only."""
+    """Return those of some disjoint loops that have a winding number of zero on exactly one side."""
     rings = shapely.linearrings(np.concatenate(loops), indices=np.repeat(np.arange(len(loops)), list(map(len, loops))))
     own = np.where(shapely.is_ccw(rings), 1, -1)
     polygons, starts = shapely.polygons(rings), shapely.points([loop[0] for loop in loops])
