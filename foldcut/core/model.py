@@ -138,7 +138,7 @@ class FoldedPattern:
     """All that an exporter needs: the creases, how they fold, the sheet, the shape on it, and its name.
 
     ``first_folds``: straight lines across the whole sheet, each ``(2, 2)`` mm, to be folded away from you one after
-    another before anything else. ``regions``: how the molecules hang together, if that is known.
+    another before anything else. ``regions``: where the molecules lie, as a tree, if that is known.
     """
 
     creases: CreasePattern
