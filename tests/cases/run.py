@@ -6,9 +6,10 @@ import contextlib
 import io
 import json
 import os
-import resource
 import time
 import traceback
+
+from support.measured import peak_bytes
 
 from cases.table import CASES
 from foldcut.cli.main import main
@@ -41,7 +42,7 @@ def run() -> None:
         found[name] = {
             "status": status, "out": out.getvalue(), "error": error.getvalue(), "seconds": seconds, "left": left
         }  # fmt: skip
-    print(json.dumps({"cases": found, "gigabytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9}))
+    print(json.dumps({"cases": found, "gigabytes": peak_bytes() / 1e9}))
 
 
 if __name__ == "__main__":
