@@ -49,11 +49,11 @@ from foldcut.core.model import FoldedPattern
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry import box_tree as layertree
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks import packing
 from foldcut.methods.disks.boundary import boundary_disks
 from foldcut.methods.disks.layers import fold_layers
 from foldcut.methods.disks.molecules import build_molecules
+from foldcut.methods.disks.tolerance import Tolerance
 from foldcut.methods.disks.trees import assign_creases
 from foldcut.pattern import face_maps as flatfold
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from foldcut.core.arrays import Floats, Ragged, index_array, points_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.molecules import Kind, Molecules
 from foldcut.methods.disks.packing import Packing
+from foldcut.methods.disks.tolerance import Tolerance
 
 
 def build_molecules(packing: Packing, tolerance: Tolerance) -> Molecules:

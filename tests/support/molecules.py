@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from foldcut.core.arrays import Ragged
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.molecules import Molecules, build_molecules
 from foldcut.methods.disks.packing import Packing
+from foldcut.methods.disks.tolerance import Tolerance
 
 
 def one_molecule(centres: list[tuple[float, float]], radii: list[float]) -> Molecules:

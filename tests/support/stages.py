@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks
 from foldcut.methods.disks.molecules import Molecules, build_molecules
 from foldcut.methods.disks.packing import Packing, fill_gaps
+from foldcut.methods.disks.tolerance import Tolerance
 from foldcut.methods.disks.trees import Assignment, assign_creases
 
 

@@ -18,11 +18,11 @@ import numpy as np
 from foldcut.core.arrays import Bools, Floats, Ints, Ragged, index_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import left_normal
 from foldcut.methods.disks.disk_pairs import NEARLY_TOUCHING, near_disks, nearly_touching
 from foldcut.methods.disks.loops import Loop, loops_of, vertex_radii
 from foldcut.methods.disks.ribbon import require_tellable, too_wide
+from foldcut.methods.disks.tolerance import Tolerance
 
 __all__ = ["MAX_DISKS", "BoundaryDisks", "Limit", "boundary_disks"]
 

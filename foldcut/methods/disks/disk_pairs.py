@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 
 from foldcut.core.arrays import Bools, Floats, Ints
-from foldcut.geometry.tolerance import Tolerance
+from foldcut.methods.disks.tolerance import Tolerance
 
 __all__ = ["NEARLY_TOUCHING", "near_disks", "nearly_touching", "overlapping_disks", "touching_disks"]
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from foldcut.core.arrays import Floats, Ints, Numbers
 from foldcut.geometry.planar_graph import pair_keys
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import contains_point, signed_area
 from foldcut.methods.disks.chains import (
     TURN,
@@ -31,6 +30,7 @@ from foldcut.methods.disks.chains import (
 )
 from foldcut.methods.disks.disk_pairs import touching_disks
 from foldcut.methods.disks.rolling import Candidate, GrowingDisks, RolledDisks, largest_first
+from foldcut.methods.disks.tolerance import Tolerance
 
 __all__ = ["NEARLY", "Divider"]
 

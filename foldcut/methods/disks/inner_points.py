@@ -13,9 +13,9 @@ import numpy as np
 
 from foldcut.core.arrays import BLOCK, Bools, Floats, Numbers
 from foldcut.core.errors import UnfoldableError
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.packing import Packing
 from foldcut.methods.disks.templates import COINCIDENT, GUSSET, TRIANGLE
+from foldcut.methods.disks.tolerance import Tolerance
 
 __all__ = ["InnerPoints", "inner_points"]
 

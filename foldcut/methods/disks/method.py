@@ -8,13 +8,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from foldcut.core.model import CreasePattern, FoldedState
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.base import Effort, Made, Problem, require_one_loop, straight_folds
 from foldcut.methods.disks.boundary import boundary_disks
 from foldcut.methods.disks.layers import fold_layers
 from foldcut.methods.disks.molecules import Molecules, build_molecules, regions
 from foldcut.methods.disks.packing import Packing, fill_gaps
 from foldcut.methods.disks.ribbon import default_ribbon
+from foldcut.methods.disks.tolerance import Tolerance
 from foldcut.methods.disks.trees import Assignment, assign_creases
 
 __all__ = ["DiskStages", "fold"]

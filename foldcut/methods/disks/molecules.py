@@ -24,11 +24,11 @@ import numpy as np
 from foldcut.core.arrays import BLOCK, Bools, Bytes, Floats, Ints, Numbers, Ragged, points_array, sealed
 from foldcut.core.model import Region
 from foldcut.geometry.planar_graph import pair_keys
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import signed_area
 from foldcut.methods.disks.inner_points import InnerPoints, inner_points
 from foldcut.methods.disks.packing import Packing
 from foldcut.methods.disks.templates import GUSSET, TEMPLATES, Kind, Template
+from foldcut.methods.disks.tolerance import Tolerance
 
 __all__ = ["Kind", "Molecules", "build_molecules", "molecule_faults", "regions"]
 

@@ -22,13 +22,13 @@ import numpy as np
 from foldcut.core.arrays import Bools, Floats, Ints, Ragged, index_array, points_array
 from foldcut.core.compiled import COMPILED
 from foldcut.core.errors import UnfoldableError
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.geometry.vectors import signed_area
 from foldcut.methods.disks.boundary import BoundaryDisks
 from foldcut.methods.disks.chains import Chain, StuckError, flat
 from foldcut.methods.disks.disk_pairs import overlapping_disks
 from foldcut.methods.disks.dividing import NEARLY, Divider
 from foldcut.methods.disks.rolling import EQUAL, GrowingDisks, RolledOneByOne, RolledTogether
+from foldcut.methods.disks.tolerance import Tolerance
 
 if TYPE_CHECKING:
     from foldcut.methods.disks.packing_compiled import GapFiller

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Ints, Numbers
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.chains import Chain, Leaf, leaves
+from foldcut.methods.disks.tolerance import Tolerance
 
 if TYPE_CHECKING:
     from foldcut.methods.disks.packing_compiled import GapFiller

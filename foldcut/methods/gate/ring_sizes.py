@@ -13,11 +13,11 @@ import numpy as np
 from foldcut.core.arrays import Ints, Ragged, index_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.boundary import boundary_disks
 from foldcut.methods.disks.disk_pairs import overlapping_disks
 from foldcut.methods.disks.molecules import Molecules, build_molecules
 from foldcut.methods.disks.packing import Packing, fill_gaps
+from foldcut.methods.disks.tolerance import Tolerance
 from foldcut.methods.gate.joining import join
 from foldcut.methods.gate.parts import Parts, divide_faces
 from foldcut.methods.gate.rings import Ring, plan_rings, small_at_gates

@@ -10,8 +10,8 @@ from support.molecules import one_molecule
 from support.stages import run_stages
 from support.strategies import DISK_SHAPES, rectangle, star, star_shaped
 
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.molecules import Kind, Molecules, molecule_faults
+from foldcut.methods.disks.tolerance import Tolerance
 
 
 def kite(rise: float = 2.0) -> Molecules:

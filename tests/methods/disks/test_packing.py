@@ -11,10 +11,10 @@ from support.strategies import DISK_SHAPES, cross, rectangle, regular, star, sta
 
 from foldcut.core.model import Sheet
 from foldcut.drawing.shape import make_shape
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.boundary import boundary_disks
 from foldcut.methods.disks.packing import fill_gaps, packing_faults
 from foldcut.methods.disks.rolling import Candidate, GrowingDisks
+from foldcut.methods.disks.tolerance import Tolerance
 
 
 @pytest.mark.parametrize("name", DISK_SHAPES)

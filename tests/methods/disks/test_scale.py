@@ -29,7 +29,6 @@ from foldcut.geometry import box_tree as layertree
 from foldcut.geometry import planar_graph as planar
 from foldcut.geometry.box_tree import LayerTree
 from foldcut.geometry.planar_graph import edge_faces, edge_lengths, edge_sides, half_edges
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks import packing
 from foldcut.methods.disks.boundary import BoundaryDisks, boundary_disks
 from foldcut.methods.disks.chains import StuckError
@@ -40,6 +39,7 @@ from foldcut.methods.disks.loops import distances_to_edges as nearest_edges
 from foldcut.methods.disks.molecules import build_molecules
 from foldcut.methods.disks.packing import Packing, fill_gaps
 from foldcut.methods.disks.rolling import EQUAL
+from foldcut.methods.disks.tolerance import Tolerance
 from foldcut.methods.disks.trees import assign_creases
 from foldcut.pattern import face_maps as flatfold
 from foldcut.pattern.face_maps import fold_faces

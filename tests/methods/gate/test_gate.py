@@ -20,10 +20,10 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.planar_graph import edge_faces
-from foldcut.geometry.tolerance import Tolerance
 from foldcut.methods.disks.boundary import BoundaryDisks
 from foldcut.methods.disks.packing import packing_faults
 from foldcut.methods.disks.ribbon import default_ribbon
+from foldcut.methods.disks.tolerance import Tolerance
 from foldcut.methods.gate.parts import Parts, divide_faces
 from foldcut.methods.gate.ring_sizes import MOST_DISKS, ROOMS, build_gated, fold_gated
 from foldcut.methods.gate.rings import MOST, Ring, equal_sides, plan_rings
