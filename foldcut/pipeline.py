@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import shapely
@@ -33,6 +34,9 @@ from foldcut.methods.progress import Progress, Stages
 from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.proof.verify import verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
+
+if TYPE_CHECKING:
+    from foldcut.methods.disks.method import DiskStages
 
 __all__ = ["Progress", "Result", "fold"]
 
@@ -71,6 +75,11 @@ class Result:
     def foldability(self) -> Foldability:
         """How hard the pattern is to fold and to cut, if the sheet is office paper."""
         return foldability(self.folded_pattern, method=fewer_creases())
+
+    @property
+    def construction(self) -> DiskStages | None:
+        """The stages by which the pattern was built, for pictures of them; None where the method has no pictures."""
+        return cast("DiskStages", self.stages) if METHODS[self.method].construction else None
 
     @property
     def verified(self) -> bool:

@@ -40,7 +40,9 @@ COMMANDS = {
     "draw": Entry("draw:DRAW", "draw the pattern, the folded sheet, its layers, and what the cut leaves"),
     "guide": Entry("guide:GUIDE", "write step-by-step instructions to fold it by hand"),
     "batch": Entry("batch:BATCH", "compute the crease patterns of many drawings, on all cores or a cluster"),
-    "serve": Entry("serve:SERVE", "serve a page for the browser that does all of this, on this machine"),
+    "serve": Entry(
+        "serve:SERVE", "serve a page for the browser that folds drawings and makes their files, on this machine"
+    ),
     "check": Entry("check:CHECK", "verify that a FOLD file folds flat as it says"),
     "coupon": Entry("coupon:COUPON", "write a test card of scores and perforations for a machine"),
     "profiles": Entry("profiles:PROFILES", "list, show and validate the machines' profiles"),

@@ -44,8 +44,7 @@ def draw(args: Namespace) -> int:
     """Fold a drawing and draw pictures of it."""
     from foldcut.exporters.pattern.png import rendered
     from foldcut.exporters.pictures import pictures
-    from foldcut.methods.disks.method import DiskStages
-    from foldcut.pipeline import Result
+    from foldcut.foldfile.reopen import Reopened
     from foldcut.profiles import load_profile
 
     request = options.request(args)
@@ -56,7 +55,7 @@ def draw(args: Namespace) -> int:
     pictures.check(show, construction=args.method in METHODS and METHODS[args.method].construction)
 
     def drawn(result: Result | Reopened) -> bytes:
-        stages = result.stages if isinstance(result, Result) and isinstance(result.stages, DiskStages) else None
+        stages = None if isinstance(result, Reopened) else result.construction
         svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
         return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
 
