@@ -58,14 +58,18 @@ def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
 
 
 def _valid_solid(points: Floats, triangles: Numbers, plane: Numbers) -> Any:
-    """Return the solid, or None if a face has no area or Open CASCADE finds the solid invalid."""
+    """Return the solid, or None if a face has no area, an edge no length, or Open CASCADE finds the solid invalid."""
     from build123d import Solid
+    from OCP.StdFail import StdFail_NotDone
 
     faces = plane_faces(triangles, plane)
     places, normals = planes(points, faces)
     if not normals.any(axis=1).all() or max_off(points, faces, places, normals) > NEAR_MM:
         return None
-    solid = Solid(Builder(points).solid(faces, places, normals))
+    try:
+        solid = Solid(Builder(points).solid(faces, places, normals))
+    except StdFail_NotDone:  # the ends of an edge are nearer to each other than Open CASCADE's 1e-7 mm
+        return None
     return solid if solid.is_valid else None
 
 

@@ -150,6 +150,17 @@ def test_faces_that_are_not_plane_are_made_finer_before_open_cascade_sees_them(
     assert len(built) == 1
 
 
+@pytest.mark.parametrize("sample", ["house", "swan", "cat"])
+def test_an_edge_too_short_for_open_cascade_is_no_traceback(sample: str) -> None:
+    pytest.importorskip("build123d")
+    try:
+        data = export(folded_sample(sample, method="skeleton"), ".step", SHEET)
+    except FileFormatError as error:
+        assert "no valid solid for STEP; try .stl" in str(error)
+    else:
+        assert data.startswith(b"ISO-10303-21;")
+
+
 @pytest.mark.parametrize("letter", ["M", "V"])
 def test_a_groove_is_where_its_crease_is_and_as_deep(letter: str) -> None:
     pattern = book_fold(letter)
