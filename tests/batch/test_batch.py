@@ -288,7 +288,7 @@ def test_a_drawing_that_takes_too_long_or_kills_its_process_costs_only_itself(
     monkeypatch.setattr(sys, "path", [str(tmp_path / "site"), *sys.path])
     icons = draw(tmp_path / "icons", "a.json", "crash.json", "loops.json", "prints.json", "z.json")
     out = tmp_path / "out"
-    run_batch([icons], out, FOLD, jobs=1, timeout=20)
+    run_batch([icons], out, FOLD, jobs=1, timeout=10)
     found = {Path(row["file"]).stem: row for row in rows(out)}
     assert {name: row["status"] for name, row in found.items()} == {
         "a": "made",
@@ -298,7 +298,7 @@ def test_a_drawing_that_takes_too_long_or_kills_its_process_costs_only_itself(
         "z": "made",
     }
     assert "status -6, 2 times" in found["crash"]["error"]
-    assert "timed out after 20 s" in found["loops"]["error"]
+    assert "timed out after 10 s" in found["loops"]["error"]
 
 
 def test_a_mistake_in_a_stage_is_that_drawings_error(
