@@ -13,7 +13,7 @@ from foldcut.methods.disks.boundary import boundary_disks
 from foldcut.methods.disks.layers import fold_layers
 from foldcut.methods.disks.molecules import Molecules, build_molecules, regions
 from foldcut.methods.disks.packing import Packing, fill_gaps
-from foldcut.methods.disks.ribbon import default_ribbon
+from foldcut.methods.disks.ribbon import ribbon_or_default
 from foldcut.methods.disks.tolerance import Tolerance
 from foldcut.methods.disks.trees import Assignment, assign_creases
 
@@ -38,7 +38,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
     """
     shape, sheet, stages = problem.shape, problem.sheet, problem.stages
     require_one_loop(shape)
-    ribbon = default_ribbon(shape, sheet) if problem.wishes.ribbon is None else problem.wishes.ribbon
+    ribbon = ribbon_or_default(problem.wishes.ribbon, shape, sheet)
     tolerance = Tolerance.for_sheet(sheet)
     with stages("boundary disks", 0.1):
         boundary = boundary_disks(shape, sheet, ribbon, tolerance)

@@ -10,13 +10,18 @@ from foldcut.core.errors import RibbonError
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.disks.loops import loops_of, vertex_radii
 
-__all__ = ["DEFAULT_RIBBON_MM", "default_ribbon", "largest_ribbon", "require_tellable", "too_wide"]
+__all__ = ["DEFAULT_RIBBON_MM", "default_ribbon", "largest_ribbon", "require_tellable", "ribbon_or_default", "too_wide"]
 
 DEFAULT_RIBBON_MM = 0.25
 """A pencil line's width on either side of the boundary: less is hard to crease, more is a visible strip."""
 
 NARROWEST_RIBBON = 1e-7
 """Verification takes creases of a narrower ribbon, relative to the sheet's diagonal, for points on the cut line."""
+
+
+def ribbon_or_default(wished: float | None, shape: Shape, sheet: Sheet) -> float:
+    """Return the half-width in mm that is wished for, or the default for None; ``shape`` is in the sheet's mm."""
+    return default_ribbon(shape, sheet) if wished is None else wished
 
 
 def default_ribbon(shape: Shape, sheet: Sheet) -> float:

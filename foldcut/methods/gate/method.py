@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.disks.molecules import regions
-from foldcut.methods.disks.ribbon import default_ribbon
+from foldcut.methods.disks.ribbon import ribbon_or_default
 from foldcut.methods.gate.ring_sizes import fold_gated
 
 __all__ = ["fold"]
@@ -16,7 +16,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
     Raises ``UnfoldableError`` where the loops are too near to each other, or too many disks are needed.
     """
     shape, sheet = problem.shape, problem.sheet
-    ribbon = default_ribbon(shape, sheet) if problem.wishes.ribbon is None else problem.wishes.ribbon
+    ribbon = ribbon_or_default(problem.wishes.ribbon, shape, sheet)
     with problem.stages("gates"):
         made = fold_gated(shape, sheet, ribbon, effort=effort.name, seconds=effort.seconds)
     disks, count, rings = len(made.packing.radii), len(made.molecules.corners), len(made.rings)
