@@ -21,7 +21,7 @@ from foldcut.core.arrays import Floats, Indices, Ints, Ragged, index_array, seal
 from foldcut.core.compiled import COMPILED, compiled_copy, is_installed, is_ready
 from foldcut.geometry.straight_skeleton import wavefront
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
-from foldcut.geometry.straight_skeleton.tables import Arrays, Columns, Faces, Front, Lists, Sides, faces_of, front_of
+from foldcut.geometry.straight_skeleton.tables import Arrays, Faces, Front, Graphs, Lists, Tables, faces_of, front_of
 
 __all__ = ["Solver", "StraightSkeleton", "straight_skeleton"]
 
@@ -75,31 +75,31 @@ class StraightSkeleton:
         return contours
 
 
-def straight_skeleton(points: ArrayLike, edges: ArrayLike, *, columns: Columns | None = None) -> StraightSkeleton:
+def straight_skeleton(points: ArrayLike, edges: ArrayLike, *, tables: Tables | None = None) -> StraightSkeleton:
     """Return the straight skeleton of the graph of edges ``(m, 2)`` between points ``(n, 2)``.
 
-    ``columns``: where the work is done, ``Arrays()`` or ``Lists()``; the bits are the same.
+    ``tables``: where the work is done, ``Arrays()`` or ``Lists()``; the bits are the same.
     Raises ``ValueError`` with the place where points and edges are no planar graph.
     """
-    return Solver(graph_of(points, edges), columns).solve_one()
+    return Solver(graph_of(points, edges), tables).solve_one()
 
 
 class Solver:
     """Makes the straight skeletons of one graph with its points at many places.
 
-    ``columns``: where the work is done: ``Arrays()`` (compiled; ``ImportError`` without the extra ``fast``), ``Lists()``
+    ``tables``: where the work is done: ``Arrays()`` (compiled; ``ImportError`` without the extra ``fast``), ``Lists()``
     (plain Python), or what is faster for the time that this process has spent on skeletons so far. The bits are the
     same. A solver is for one thread at a time.
     """
 
-    def __init__(self, graph: Graph, columns: Columns | None = None) -> None:
+    def __init__(self, graph: Graph, tables: Tables | None = None) -> None:
         self.graph = graph
-        self.choice = columns
-        self.columns: Columns = Lists()
+        self.choice = tables
+        self.tables: Tables = Lists()
         self.room = 0
         self.front: Front
         self.faces: Faces
-        self.sides: Sides
+        self.sides: Graphs
 
     def solve(self, candidates: ArrayLike) -> list[StraightSkeleton]:
         """Return the skeleton for each of the candidates ``(c, n, 2)``: places of all points."""
@@ -111,11 +111,11 @@ class Solver:
         Edges must not cross there, which is not checked.
         """
         graph = self.graph if points is None else self.graph.moved_to(points)
-        columns = self.choice or DEFAULT.columns()
-        if not self.room or columns.compiled != self.columns.compiled:
-            self._make_room(columns, graph.side_count * (1 + SPARE) + 16)
-        kernel: Any = compiled_copy(wavefront) if columns.compiled else wavefront
-        started = 0.0 if columns.compiled else process_time()
+        tables = self.choice or DEFAULT.tables()
+        if not self.room or tables.compiled != self.tables.compiled:
+            self._make_room(tables, graph.side_count * (1 + SPARE) + 16)
+        kernel: Any = compiled_copy(wavefront) if tables.compiled else wavefront
+        started = 0.0 if tables.compiled else process_time()
         # a frame in which coordinates are within -1 and 1, a power of two smaller or larger, so nothing is rounded
         low, high = graph.points.min(axis=0), graph.points.max(axis=0)
         middle = (low + high) / 2
@@ -123,43 +123,40 @@ class Solver:
         local = (graph.points - middle) / scale
         noise = 2.0**-52 * max(1.0, float(np.abs(graph.points).max()) / scale)
         x, y = local.T
-        xs, ys = (np.ascontiguousarray(x), np.ascontiguousarray(y)) if columns.compiled else (x.tolist(), y.tolist())
+        xs, ys = (np.ascontiguousarray(x), np.ascontiguousarray(y)) if tables.compiled else (x.tolist(), y.tolist())
         while True:
             status = kernel.run(self.front, self.sides, xs, ys, noise)
             if status == wavefront.DONE and kernel.gather_faces(self.front, self.sides, self.faces):
                 break
             if status != wavefront.NO_ROOM:
                 raise ArithmeticError("the straight skeleton does not come to an end: a fault of this program")
-            self._make_room(columns, 2 * self.room)
-        if not columns.compiled:
+            self._make_room(tables, 2 * self.room)
+        if not tables.compiled:
             DEFAULT.spent += process_time() - started
         return self._result(graph, middle, scale)
 
-    def _make_room(self, columns: Columns, room: int) -> None:
+    def _make_room(self, tables: Tables, room: int) -> None:
         graph = self.graph
         count = graph.side_count
         cells = 1 if count <= wavefront.FEW else 2 * math.isqrt(room // (1 + SPARE)) + 2
-        self.columns, self.room = columns, room
-        self.front = front_of(columns, count, len(graph.points), room, cells)
-        self.faces = faces_of(columns, count, len(graph.points), room)
+        self.tables, self.room = tables, room
+        self.front = front_of(tables, count, len(graph.points), room, cells)
+        self.faces = faces_of(tables, count, len(graph.points), room)
         lists = (graph.tail, graph.head, graph.following, graph.source)
-        self.sides = Sides(*lists) if columns.compiled else Sides(*(array.tolist() for array in lists))
+        self.sides = Graphs(*lists) if tables.compiled else Graphs(*(array.tolist() for array in lists))
 
     def _result(self, graph: Graph, middle: Floats, scale: float) -> StraightSkeleton:
-        front, faces = self.front, self.faces
-        arcs, nodes = front.counts[wavefront.ARCS], front.counts[wavefront.NODES]
-        filled = faces.offsets[graph.side_count]
-        ends = np.array([front.arc_start[:arcs], front.arc_end[:arcs]], dtype=np.intp)
-        sides = np.array([front.arc_left[:arcs], front.arc_right[:arcs]], dtype=np.intp)
-        velocity = np.array([front.arc_vx[:arcs], front.arc_vy[:arcs]])
+        counts = self.front.counts
+        arcs = fields(self.front.arcs, counts[wavefront.ARCS], "start end left right vx vy")
+        nodes = fields(self.front.nodes, counts[wavefront.NODES], "x y time same_as")
+        (offsets,) = fields(self.faces.sides, graph.side_count + 1, "offset")
+        (values,) = fields(self.faces.items, offsets[-1], "value")
+        ends, sides, velocity = np.stack(arcs[:2]), np.stack(arcs[2:4]), np.stack(arcs[4:])
         kept = np.flatnonzero(ends[0] != ends[1])
-        if len(kept) < arcs:
+        if len(kept) < ends.shape[1]:
             ends, sides, velocity = ends[:, kept], sides[:, kept], velocity[:, kept]
-        places = np.array([front.node_x[:nodes], front.node_y[:nodes]]).T * scale + middle
-        time = np.array(front.node_time[:nodes]) * scale
-        values = np.array(faces.values[:filled], dtype=np.intp)
-        same = np.array(front.same_as[:nodes], dtype=np.intp)
-        numbers = np.arange(nodes)
+        places, time, same = np.stack(nodes[:2], axis=1) * scale + middle, nodes[2] * scale, nodes[3]
+        numbers = np.arange(len(same))
         if (same != numbers).any():
             unique = same == numbers
             place = np.append(np.cumsum(unique) - 1, -1)  # -1 stays -1
@@ -172,8 +169,15 @@ class Solver:
             sealed(np.ascontiguousarray(ends.T)),
             sealed(np.ascontiguousarray(sides.T)),
             sealed(np.ascontiguousarray(velocity.T)),
-            Ragged(sealed(values.astype(np.int32)), index_array(faces.offsets[: graph.side_count + 1])),
+            Ragged(sealed(values.astype(np.int32)), index_array(offsets)),
         )
+
+
+def fields(table: Any, count: int, names: str) -> list[Any]:
+    """Return the first entries of some fields of a table, each as a new array."""
+    if isinstance(table, np.ndarray):
+        return [table[name][:count].copy() for name in names.split()]
+    return [np.array([getattr(row, name) for row in table[:count]]) for name in names.split()]
 
 
 class Default:
@@ -185,11 +189,11 @@ class Default:
 
     def __init__(self) -> None:
         self.spent = 0.0
-        self.made: Columns = Lists()
+        self.made: Tables = Lists()
         self.is_decided = False
         self.lock = threading.Lock()
 
-    def columns(self) -> Columns:
+    def tables(self) -> Tables:
         """Return what to use now."""
         if not self.is_decided and (COMPILED.many_drawings or self.spent > PATIENCE):
             with self.lock:

@@ -1,206 +1,193 @@
-"""The columns in which the wavefront is kept: arrays for compiled code, plain lists without it.
+"""The tables in which the wavefront is kept: arrays of records for compiled code, plain lists without it.
 
-Every column has one entry for each side, vertex of the wavefront, node, arc or cell of the grid. The code in
-``wavefront`` only ever reads and writes single entries, ``front.x[vertex]``, which numba does fastest in arrays and
-Python fastest in lists. The same operations on the same doubles give the same bits.
+``wavefront`` only ever reads and writes single fields of single rows, ``front.vertices[vertex].x``, which numba does
+fastest in arrays of records, and Python in lists of objects. The same operations on the same doubles give the same bits.
 """
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-__all__ = ["Arrays", "Columns", "Faces", "Front", "Lists", "Sides", "faces_of", "front_of"]
+__all__ = ["Arrays", "Faces", "Front", "Graphs", "Lists", "Tables", "faces_of", "front_of"]
 
-Column = Any
-"""An array, or a list of numbers."""
+Table = Any
+"""An array or a list, of numbers or of rows with fields."""
+
+SIDE = "dx dy ox oy turn"
+"""Unit direction, a point of its line at time 0, and how uncertain the direction is, in radians."""
+
+VERTEX = (
+    "x y born vx vy error drift shrinks hits key "
+    "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place:"
+)
+"""Of a vertex of the wavefront, from its birth to its end.
+
+Place and time of birth, velocity, how uncertain place and velocity are; when the fragment from here to the next vertex
+has no length left, when this vertex hits a fragment, and the earlier of the two; the sides that arrive and leave, the
+neighbours, the node of birth, the state; start and end of the fragment to be hit; the last meeting that it was part of;
+where it is in the columns ``heap`` and ``live`` of the slots.
+"""
+
+NODE = "x y time error same_as:"
+"""``same_as`` is the node itself, or an older one at the same place."""
+
+ARC = "vx vy start: end: left: right: beyond:"
+"""Velocity; nodes, and the sides on its left and right; where it is unbounded, the arc next to it at the infinite."""
+
+RAY = "angle side: far: out:"
+"""A fragment that arrives at a meeting, or leaves it: its direction there, its side, the vertex at its other end."""
+
+SLOT = "heap: live: group: order: stack:"
+"""Five columns: vertices in a binary heap by key; those that live; those that meet; rays by angle; rays to be paired."""
+
+CELL = "fragments: vertices:"
+"""The first entry of each list."""
+
+ENTRY = "next: item:"
+"""The next entry of the list, and the fragment or vertex."""
+
+FACE = "first: offset:"
+"""Half-edges: the first of a list; then where the nodes of the side's face begin in ``values``."""
+
+HALF_EDGE = "following: at_node: face: value:"
+"""Of half-edges the next of the list; of nodes the half-edge that leaves it in a face, and which; nodes of faces."""
 
 
-class Sides(NamedTuple):
-    """The sides of a graph, one entry each; a cap is a side of no length at a dead end.
+class Graphs(NamedTuple):
+    """The sides of a graph, as lists or arrays of integers; see ``graph.Graph``."""
 
-    ``tail`` and ``head`` are points; ``following`` is the side that goes on at the head, around the same region.
-    ``source`` is the side itself, and for a cap the side that arrives at its dead end.
-    """
-
-    tail: Column
-    head: Column
-    following: Column
-    source: Column
+    tail: Table
+    head: Table
+    following: Table
+    source: Table
 
 
 class Front(NamedTuple):
     """The wavefront while it moves, and the skeleton that it has left behind.
 
     A *fragment* is a part of a side's wavefront between two consecutive vertices; it is known by the vertex at which it
-    starts.
+    starts. ``counts`` and ``numbers`` are what there is once.
     """
 
-    # of sides: unit direction, a point of its line at time 0, and how uncertain the direction is in radians
-    dx: Column
-    dy: Column
-    ox: Column
-    oy: Column
-    turn: Column
-    # of vertices: place and time of birth, velocity, and how uncertain place and velocity are
-    x: Column
-    y: Column
-    born: Column
-    vx: Column
-    vy: Column
-    error: Column
-    drift: Column
-    # of vertices: when the fragment from here to the next has no length left; when this one hits a fragment; the earlier
-    shrinks: Column
-    hits: Column
-    key: Column
-    # of vertices: the sides that arrive and leave, the neighbours, the node of birth, a state, the fragment to be hit
-    left: Column
-    right: Column
-    prev: Column
-    next: Column
-    node: Column
-    state: Column
-    target: Column
-    target_end: Column
-    mark: Column
-    # vertices in a binary heap by key, and where each is; vertices that live, and where each is
-    heap: Column
-    heap_place: Column
-    live: Column
-    live_place: Column
-    # of nodes; same_as is the node itself or another at the same place
-    node_x: Column
-    node_y: Column
-    node_time: Column
-    node_error: Column
-    same_as: Column
-    # of arcs; beyond is, where an arc is unbounded, the arc next to it around the infinite
-    arc_start: Column
-    arc_end: Column
-    arc_left: Column
-    arc_right: Column
-    arc_vx: Column
-    arc_vy: Column
-    arc_beyond: Column
-    # the vertices that meet at one place, and the ends of fragments around it
-    group: Column
-    ray_side: Column
-    ray_far: Column
-    ray_out: Column
-    ray_angle: Column
-    order: Column
-    stack: Column
-    # of cells: the first of the entries; of entries: the next, and the fragment or the vertex
-    cell_fragments: Column
-    cell_vertices: Column
-    entry_next: Column
-    entry_item: Column
-    # what there is once
-    counts: Column
-    numbers: Column
+    sides: Table
+    vertices: Table
+    nodes: Table
+    arcs: Table
+    rays: Table
+    slots: Table
+    cells: Table
+    entries: Table
+    counts: Table
+    numbers: Table
 
 
 class Faces(NamedTuple):
-    """The faces of the sides, and what is needed to put them together.
+    """The faces of the sides, and what is needed to put them together."""
 
-    The nodes of face k are ``values[offsets[k] : offsets[k + 1]]``.
-    """
+    sides: Table
+    items: Table
 
-    offsets: Column
-    values: Column
-    first: Column
-    following: Column
-    at_node: Column
-    node_face: Column
-
-
-FLOATS = frozenset(
-    [
-        *("dx", "dy", "ox", "oy", "turn", "x", "y", "born", "vx", "vy", "error", "drift", "shrinks", "hits", "key"),
-        *("node_x", "node_y", "node_time", "node_error", "arc_vx", "arc_vy", "ray_angle", "numbers"),
-    ]
-)
-OF_SIDES = frozenset(["dx", "dy", "ox", "oy", "turn"])
-OF_NODES = frozenset(["node_x", "node_y", "node_time", "node_error", "same_as"])
-OF_CELLS = frozenset(["cell_fragments", "cell_vertices"])
-OF_ENTRIES = frozenset(["entry_next", "entry_item"])
-ONCE = frozenset(["counts", "numbers"])
-
-HOW_MANY_ONCE = 16
-"""How many entries the columns ``counts`` and ``numbers`` have."""
 
 ENTRIES = 24
 """For how many entries of the grid there is room, for each side."""
 
+ONCE = 16
+"""How many counts and numbers there are, and some more."""
 
-class Columns:
-    """How to make columns."""
+
+class Tables:
+    """How to make tables."""
 
     compiled: bool
 
-    def floats(self, size: int) -> Column:
-        """Return a column of zeros."""
+    def numbers(self, size: int) -> Table:
+        """Return zeros."""
         raise NotImplementedError
 
-    def integers(self, size: int) -> Column:
-        """Return a column of zeros."""
+    def integers(self, size: int) -> Table:
+        """Return zeros."""
+        raise NotImplementedError
+
+    def rows(self, fields: str, size: int) -> Table:
+        """Return rows of zeros with some fields; a colon after its name makes a field an integer."""
         raise NotImplementedError
 
 
-class Lists(Columns):
-    """Columns as lists."""
+class Lists(Tables):
+    """Tables as lists."""
 
     compiled = False
 
-    def floats(self, size: int) -> Column:
+    def numbers(self, size: int) -> Table:
+        """Return zeros."""
         return [0.0] * size
 
-    def integers(self, size: int) -> Column:
+    def integers(self, size: int) -> Table:
+        """Return zeros."""
         return [0] * size
 
+    def rows(self, fields: str, size: int) -> Table:
+        """Return rows of zeros with some fields."""
+        row = _row_type(fields)
+        return [row() for _ in range(size)]
 
-class Arrays(Columns):
-    """Columns as arrays."""
+
+class Arrays(Tables):
+    """Tables as arrays."""
 
     compiled = True
 
-    def floats(self, size: int) -> Column:
+    def numbers(self, size: int) -> Table:
+        """Return zeros."""
         return np.zeros(size)
 
-    def integers(self, size: int) -> Column:
+    def integers(self, size: int) -> Table:
+        """Return zeros."""
         return np.zeros(size, dtype=np.int64)
 
+    def rows(self, fields: str, size: int) -> Table:
+        """Return rows of zeros with some fields."""
+        return np.zeros(size, dtype=_record(fields))
 
-def front_of(columns: Columns, sides: int, points: int, vertices: int, cells: int) -> Front:
+
+@cache
+def _record(fields: str) -> np.dtype[np.void]:
+    """Return the type of an array's rows with some fields."""
+    return np.dtype([(name.strip(":"), np.int64 if name.endswith(":") else np.float64) for name in fields.split()])
+
+
+@cache
+def _row_type(fields: str) -> type:
+    """Return the class of a list's rows with some fields."""
+    names = [name.strip(":") for name in fields.split()]
+    zeros = [0 if name.endswith(":") else 0.0 for name in fields.split()]
+
+    def __init__(self: Any) -> None:  # noqa: N807
+        for name, zero in zip(names, zeros, strict=True):
+            setattr(self, name, zero)
+
+    return type("Row", (), {"__slots__": names, "__init__": __init__})
+
+
+def front_of(tables: Tables, sides: int, points: int, vertices: int, cells: int) -> Front:
     """Return an empty front with room for so many sides, points, vertices in all, and cells along the grid's side."""
-    made = []
-    for name in Front._fields:
-        if name in OF_SIDES:
-            size = sides
-        elif name in OF_NODES:
-            size = points + vertices
-        elif name in OF_CELLS:
-            size = cells * cells
-        elif name in OF_ENTRIES:
-            size = ENTRIES * sides if cells > 1 else 1
-        elif name in ONCE:
-            size = HOW_MANY_ONCE
-        else:
-            size = vertices
-        made.append(columns.floats(size) if name in FLOATS else columns.integers(size))
-    return Front(*made)
+    return Front(
+        sides=tables.rows(SIDE, sides),
+        vertices=tables.rows(VERTEX, vertices),
+        nodes=tables.rows(NODE, points + vertices),
+        arcs=tables.rows(ARC, vertices),
+        rays=tables.rows(RAY, vertices),
+        slots=tables.rows(SLOT, vertices),
+        cells=tables.rows(CELL, cells * cells),
+        entries=tables.rows(ENTRY, ENTRIES * sides if cells > 1 else 1),
+        counts=tables.integers(ONCE),
+        numbers=tables.numbers(ONCE),
+    )
 
 
-def faces_of(columns: Columns, sides: int, points: int, vertices: int) -> Faces:
+def faces_of(tables: Tables, sides: int, points: int, vertices: int) -> Faces:
     """Return room for the faces of a front with so many sides, points and vertices in all."""
-    sizes = {
-        "offsets": sides + 1,
-        "values": 2 * sides + 3 * vertices,
-        "first": sides,
-        "following": 2 * vertices,
-        "at_node": points + vertices,
-        "node_face": points + vertices,
-    }
-    return Faces(*(columns.integers(sizes[name]) for name in Faces._fields))
+    return Faces(tables.rows(FACE, sides + 1), tables.rows(HALF_EDGE, 2 * sides + points + 3 * vertices))

@@ -66,48 +66,48 @@ DONE, NO_ROOM, STUCK = 0, 1, 2
 @compiled
 def rise(front, vertex):
     """Move a vertex towards the top of the heap, as far as its key wants."""
-    place = front.heap_place[vertex]
-    key = front.key[vertex]
+    place = front.vertices[vertex].heap_place
+    key = front.vertices[vertex].key
     while place > 0:
         above = (place - 1) >> 1
-        other = front.heap[above]
-        if front.key[other] <= key:
+        other = front.slots[above].heap
+        if front.vertices[other].key <= key:
             break
-        front.heap[place] = other
-        front.heap_place[other] = place
+        front.slots[place].heap = other
+        front.vertices[other].heap_place = place
         place = above
-    front.heap[place] = vertex
-    front.heap_place[vertex] = place
+    front.slots[place].heap = vertex
+    front.vertices[vertex].heap_place = place
 
 
 @compiled
 def sink(front, vertex):
     """Move a vertex towards the bottom of the heap, as far as its key wants."""
-    place = front.heap_place[vertex]
-    key = front.key[vertex]
+    place = front.vertices[vertex].heap_place
+    key = front.vertices[vertex].key
     count = front.counts[WAITING]
     while True:
         below = 2 * place + 1
         if below >= count:
             break
-        if below + 1 < count and front.key[front.heap[below + 1]] < front.key[front.heap[below]]:
+        if below + 1 < count and front.vertices[front.slots[below + 1].heap].key < front.vertices[front.slots[below].heap].key:
             below += 1
-        other = front.heap[below]
-        if front.key[other] >= key:
+        other = front.slots[below].heap
+        if front.vertices[other].key >= key:
             break
-        front.heap[place] = other
-        front.heap_place[other] = place
+        front.slots[place].heap = other
+        front.vertices[other].heap_place = place
         place = below
-    front.heap[place] = vertex
-    front.heap_place[vertex] = place
+    front.slots[place].heap = vertex
+    front.vertices[vertex].heap_place = place
 
 
 @compiled
 def set_next_event(front, vertex):
     """Put a vertex where it belongs in the heap, after one of its two events has changed."""
-    key = min(front.shrinks[vertex], front.hits[vertex])
-    old = front.key[vertex]
-    front.key[vertex] = key
+    key = min(front.vertices[vertex].shrinks, front.vertices[vertex].hits)
+    old = front.vertices[vertex].key
+    front.vertices[vertex].key = key
     if key < old:
         rise(front, vertex)
     elif key > old:
@@ -116,12 +116,12 @@ def set_next_event(front, vertex):
 
 @compiled
 def leave_heap(front, vertex):
-    place = front.heap_place[vertex]
+    place = front.vertices[vertex].heap_place
     front.counts[WAITING] -= 1
-    last = front.heap[front.counts[WAITING]]
+    last = front.slots[front.counts[WAITING]].heap
     if last != vertex:
-        front.heap[place] = last
-        front.heap_place[last] = place
+        front.slots[place].heap = last
+        front.vertices[last].heap_place = place
         rise(front, last)
         sink(front, last)
 
@@ -132,16 +132,16 @@ def leave_heap(front, vertex):
 @compiled
 def spread(front, vertex, time):
     """Return how far from its place at a time a vertex may be."""
-    error = SAFETY * (front.error[vertex] + front.drift[vertex] * abs(time - front.born[vertex]))
+    error = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(time - front.vertices[vertex].born))
     return min(error, MOST_ERROR * (1.0 + time))
 
 
 @compiled
 def distance_at(front, vertex, time, x, y):
     """Return how far a vertex is from a place at a time."""
-    late = time - front.born[vertex]
-    dx = front.x[vertex] + late * front.vx[vertex] - x
-    dy = front.y[vertex] + late * front.vy[vertex] - y
+    late = time - front.vertices[vertex].born
+    dx = front.vertices[vertex].x + late * front.vertices[vertex].vx - x
+    dy = front.vertices[vertex].y + late * front.vertices[vertex].vy - y
     return sqrt(dx * dx + dy * dy)
 
 
@@ -153,24 +153,24 @@ def new_vertex(front, left, right, node, is_start):
     where sides do not lie on each other.
     """
     vertex = front.counts[VERTICES]
-    if vertex >= len(front.x):
+    if vertex >= len(front.vertices):
         front.counts[STATUS] = NO_ROOM
         return 0
     front.counts[VERTICES] = vertex + 1
-    ax, ay, bx, by = front.dx[left], front.dy[left], front.dx[right], front.dy[right]
+    ax, ay, bx, by = front.sides[left].dx, front.sides[left].dy, front.sides[right].dx, front.sides[right].dy
     cross = ax * by - ay * bx
     dot = ax * bx + ay * by
-    uncertain = front.turn[left] + front.turn[right] + ULP
-    front.x[vertex] = front.node_x[node]
-    front.y[vertex] = front.node_y[node]
-    front.born[vertex] = front.node_time[node]
-    front.left[vertex] = left
-    front.right[vertex] = right
-    front.node[vertex] = node
-    front.mark[vertex] = 0
-    front.shrinks[vertex] = NEVER
-    front.hits[vertex] = NEVER
-    front.key[vertex] = NEVER
+    uncertain = front.sides[left].turn + front.sides[right].turn + ULP
+    front.vertices[vertex].x = front.nodes[node].x
+    front.vertices[vertex].y = front.nodes[node].y
+    front.vertices[vertex].born = front.nodes[node].time
+    front.vertices[vertex].left = left
+    front.vertices[vertex].right = right
+    front.vertices[vertex].node = node
+    front.vertices[vertex].mark = 0
+    front.vertices[vertex].shrinks = NEVER
+    front.vertices[vertex].hits = NEVER
+    front.vertices[vertex].key = NEVER
     if not is_start and dot < 0.0 and abs(cross) <= SAFETY * uncertain:
         make_closing(front, vertex)
     else:
@@ -179,42 +179,42 @@ def new_vertex(front, left, right, node, is_start):
         else:
             vx, vy = (bx - ax) / cross, (by - ay) / cross
         square = vx * vx + vy * vy
-        front.vx[vertex] = vx
-        front.vy[vertex] = vy
-        front.drift[vertex] = uncertain * square
-        front.error[vertex] = front.node_error[node] * (1.0 + sqrt(square))
-        front.state[vertex] = REFLEX if cross < 0.0 else CONVEX
+        front.vertices[vertex].vx = vx
+        front.vertices[vertex].vy = vy
+        front.vertices[vertex].drift = uncertain * square
+        front.vertices[vertex].error = front.nodes[node].error * (1.0 + sqrt(square))
+        front.vertices[vertex].state = REFLEX if cross < 0.0 else CONVEX
     place = front.counts[LIVING]
-    front.live[place] = vertex
-    front.live_place[vertex] = place
+    front.slots[place].live = vertex
+    front.vertices[vertex].live_place = place
     front.counts[LIVING] = place + 1
     place = front.counts[WAITING]
-    front.heap[place] = vertex
-    front.heap_place[vertex] = place
+    front.slots[place].heap = vertex
+    front.vertices[vertex].heap_place = place
     front.counts[WAITING] = place + 1
     return vertex
 
 
 @compiled
 def make_closing(front, vertex):
-    front.vx[vertex] = 0.0
-    front.vy[vertex] = 0.0
-    front.drift[vertex] = 0.0
-    front.error[vertex] = front.node_error[front.node[vertex]]
-    front.state[vertex] = CLOSING
+    front.vertices[vertex].vx = 0.0
+    front.vertices[vertex].vy = 0.0
+    front.vertices[vertex].drift = 0.0
+    front.vertices[vertex].error = front.nodes[front.vertices[vertex].node].error
+    front.vertices[vertex].state = CLOSING
 
 
 @compiled
 def end_vertex(front, vertex, node):
     """Take a vertex out of the wavefront at a node; the arc from the node where it was born is done."""
-    if root(front, front.node[vertex]) != root(front, node):
+    if root(front, front.vertices[vertex].node) != root(front, node):
         new_arc(front, vertex, node)
-    front.state[vertex] = DEAD
+    front.vertices[vertex].state = DEAD
     count = front.counts[LIVING] - 1
     front.counts[LIVING] = count
-    last = front.live[count]
-    front.live[front.live_place[vertex]] = last
-    front.live_place[last] = front.live_place[vertex]
+    last = front.slots[count].live
+    front.slots[front.vertices[vertex].live_place].live = last
+    front.vertices[last].live_place = front.vertices[vertex].live_place
     leave_heap(front, vertex)
 
 
@@ -222,21 +222,21 @@ def end_vertex(front, vertex, node):
 def new_arc(front, vertex, end):
     arc = front.counts[ARCS]
     front.counts[ARCS] = arc + 1
-    front.arc_start[arc] = front.node[vertex]
-    front.arc_end[arc] = end
-    front.arc_left[arc] = front.left[vertex]
-    front.arc_right[arc] = front.right[vertex]
-    front.arc_vx[arc] = front.vx[vertex]
-    front.arc_vy[arc] = front.vy[vertex]
-    front.arc_beyond[arc] = -1
+    front.arcs[arc].start = front.vertices[vertex].node
+    front.arcs[arc].end = end
+    front.arcs[arc].left = front.vertices[vertex].left
+    front.arcs[arc].right = front.vertices[vertex].right
+    front.arcs[arc].vx = front.vertices[vertex].vx
+    front.arcs[arc].vy = front.vertices[vertex].vy
+    front.arcs[arc].beyond = -1
     return arc
 
 
 @compiled
 def root(front, node):
     """Return the node that stands for all those at the place of this one."""
-    while front.same_as[node] != node:
-        node = front.same_as[node]
+    while front.nodes[node].same_as != node:
+        node = front.nodes[node].same_as
     return node
 
 
@@ -246,18 +246,18 @@ def root(front, node):
 @compiled
 def time_of_shrinking(front, start):
     """Return when the fragment that starts at a vertex has no length left."""
-    end = front.next[start]
-    if front.state[start] == CLOSING or front.state[end] == CLOSING:
+    end = front.vertices[start].next
+    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
         return NEVER
-    side = front.right[start]
-    dx, dy = front.dx[side], front.dy[side]
-    rate = (front.vx[start] - front.vx[end]) * dx + (front.vy[start] - front.vy[end]) * dy
-    if rate <= front.drift[start] + front.drift[end]:
+    side = front.vertices[start].right
+    dx, dy = front.sides[side].dx, front.sides[side].dy
+    rate = (front.vertices[start].vx - front.vertices[end].vx) * dx + (front.vertices[start].vy - front.vertices[end].vy) * dy
+    if rate <= front.vertices[start].drift + front.vertices[end].drift:
         return NEVER
-    since = max(front.born[start], front.born[end])
-    late, early = since - front.born[end], since - front.born[start]
-    length = (front.x[end] + late * front.vx[end] - front.x[start] - early * front.vx[start]) * dx
-    length += (front.y[end] + late * front.vy[end] - front.y[start] - early * front.vy[start]) * dy
+    since = max(front.vertices[start].born, front.vertices[end].born)
+    late, early = since - front.vertices[end].born, since - front.vertices[start].born
+    length = (front.vertices[end].x + late * front.vertices[end].vx - front.vertices[start].x - early * front.vertices[start].vx) * dx
+    length += (front.vertices[end].y + late * front.vertices[end].vy - front.vertices[start].y - early * front.vertices[start].vy) * dy
     time = since + length / rate
     return max(time, front.numbers[NOW]) if time <= LATEST else NEVER
 
@@ -265,38 +265,38 @@ def time_of_shrinking(front, start):
 @compiled
 def time_of_hit(front, vertex, start, latest):
     """Return when a reflex vertex hits the fragment that starts at another; ``NEVER`` if not before ``latest``."""
-    side = front.right[start]
-    if side == front.left[vertex] or side == front.right[vertex]:
+    side = front.vertices[start].right
+    if side == front.vertices[vertex].left or side == front.vertices[vertex].right:
         return NEVER
-    dx, dy = front.dx[side], front.dy[side]
-    rate = 1.0 + dy * front.vx[vertex] - dx * front.vy[vertex]
-    if rate <= front.drift[vertex]:
+    dx, dy = front.sides[side].dx, front.sides[side].dy
+    rate = 1.0 + dy * front.vertices[vertex].vx - dx * front.vertices[vertex].vy
+    if rate <= front.vertices[vertex].drift:
         return NEVER
-    x, y, born = front.x[vertex], front.y[vertex], front.born[vertex]
-    gap = dx * (y - front.oy[side]) - dy * (x - front.ox[side]) - born
+    x, y, born = front.vertices[vertex].x, front.vertices[vertex].y, front.vertices[vertex].born
+    gap = dx * (y - front.sides[side].oy) - dy * (x - front.sides[side].ox) - born
     time = born + gap / rate
     if not time < latest:
         return NEVER
-    end = front.next[start]
-    if front.state[start] == CLOSING or front.state[end] == CLOSING:
+    end = front.vertices[start].next
+    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
         return NEVER
     now = front.numbers[NOW]
-    slack = min(SAFETY * (front.error[vertex] + front.drift[vertex] * abs(now - born)) / rate, MOST_ERROR * (1.0 + now))
+    slack = min(SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate, MOST_ERROR * (1.0 + now))
     if time < now - slack:
         return NEVER
-    node = front.node[vertex]
-    if time <= born + slack and (front.node[start] == node or front.node[end] == node):
+    node = front.vertices[vertex].node
+    if time <= born + slack and (front.vertices[start].node == node or front.vertices[end].node == node):
         return NEVER
     time = max(time, now)
-    x += (time - born) * front.vx[vertex]
-    y += (time - born) * front.vy[vertex]
+    x += (time - born) * front.vertices[vertex].vx
+    y += (time - born) * front.vertices[vertex].vy
     near = spread(front, vertex, time)
-    late = time - front.born[start]
-    along = (x - front.x[start] - late * front.vx[start]) * dx + (y - front.y[start] - late * front.vy[start]) * dy
+    late = time - front.vertices[start].born
+    along = (x - front.vertices[start].x - late * front.vertices[start].vx) * dx + (y - front.vertices[start].y - late * front.vertices[start].vy) * dy
     if along < -near - spread(front, start, time):
         return NEVER
-    late = time - front.born[end]
-    along = (front.x[end] + late * front.vx[end] - x) * dx + (front.y[end] + late * front.vy[end] - y) * dy
+    late = time - front.vertices[end].born
+    along = (front.vertices[end].x + late * front.vertices[end].vx - x) * dx + (front.vertices[end].y + late * front.vertices[end].vy - y) * dy
     if along < -near - spread(front, end, time):
         return NEVER
     return time
@@ -305,41 +305,41 @@ def time_of_hit(front, vertex, start, latest):
 @compiled
 def consider(front, vertex, start):
     """Take a fragment as what a reflex vertex hits next, if that is earlier than what is known."""
-    time = time_of_hit(front, vertex, start, front.hits[vertex])
-    if time <= front.numbers[END] and time < front.hits[vertex]:
-        front.hits[vertex] = time
-        front.target[vertex] = start
-        front.target_end[vertex] = front.next[start]
-        if time < front.key[vertex]:
-            front.key[vertex] = time
+    time = time_of_hit(front, vertex, start, front.vertices[vertex].hits)
+    if time <= front.numbers[END] and time < front.vertices[vertex].hits:
+        front.vertices[vertex].hits = time
+        front.vertices[vertex].target = start
+        front.vertices[vertex].target_end = front.vertices[start].next
+        if time < front.vertices[vertex].key:
+            front.vertices[vertex].key = time
             rise(front, vertex)
 
 
 @compiled
 def look_for_hit(front, vertex):
     """Find what a reflex vertex hits next."""
-    front.hits[vertex] = NEVER
+    front.vertices[vertex].hits = NEVER
     set_next_event(front, vertex)
     if front.counts[GRID] > 0:
         enter_vertex(front, vertex, False)
         return
     for place in range(front.counts[LIVING]):
-        consider(front, vertex, front.live[place])
+        consider(front, vertex, front.slots[place].live)
 
 
 @compiled
 def fragment_changed(front, start):
     """Find when the fragment from a vertex to the next shrinks to nothing, and which reflex vertices hit it before."""
-    front.shrinks[start] = time_of_shrinking(front, start)
+    front.vertices[start].shrinks = time_of_shrinking(front, start)
     set_next_event(front, start)
-    if front.state[start] == CLOSING or front.state[front.next[start]] == CLOSING:
+    if front.vertices[start].state == CLOSING or front.vertices[front.vertices[start].next].state == CLOSING:
         return
     if front.counts[GRID] > 0:
         enter_fragment(front, start)
         return
     for place in range(front.counts[LIVING]):
-        vertex = front.live[place]
-        if front.state[vertex] == REFLEX:
+        vertex = front.slots[place].live
+        if front.vertices[vertex].state == REFLEX:
             consider(front, vertex, start)
 
 
@@ -349,9 +349,9 @@ def fragment_changed(front, start):
 @compiled
 def join(front, vertex):
     """Add a vertex to those that meet."""
-    if front.mark[vertex] != front.counts[MEETINGS]:
-        front.mark[vertex] = front.counts[MEETINGS]
-        front.group[front.counts[GROUP]] = vertex
+    if front.vertices[vertex].mark != front.counts[MEETINGS]:
+        front.vertices[vertex].mark = front.counts[MEETINGS]
+        front.slots[front.counts[GROUP]].group = vertex
         front.counts[GROUP] += 1
 
 
@@ -365,39 +365,39 @@ def meet(front, time, x, y, away, through):
     meeting = counts[MEETINGS]
     k = 0
     while k < counts[GROUP]:
-        vertex = front.group[k]
+        vertex = front.slots[k].group
         k += 1
-        other = front.prev[vertex]
-        if front.mark[other] != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
+        other = front.vertices[vertex].prev
+        if front.vertices[other].mark != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
             join(front, other)
-        other = front.next[vertex]
-        if front.mark[other] != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
+        other = front.vertices[vertex].next
+        if front.vertices[other].mark != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
             join(front, other)
-    if through >= 0 and (front.mark[through] == meeting or front.mark[front.next[through]] == meeting):
+    if through >= 0 and (front.vertices[through].mark == meeting or front.vertices[front.vertices[through].next].mark == meeting):
         through = -1
     node = node_at(front, time, x, y, away, through)
 
     rays = 0
     for k in range(counts[GROUP]):
-        vertex = front.group[k]
-        if front.mark[front.prev[vertex]] != meeting:
-            rays = new_ray(front, rays, front.left[vertex], front.prev[vertex], 0)
-        if front.mark[front.next[vertex]] != meeting:
-            rays = new_ray(front, rays, front.right[vertex], front.next[vertex], 1)
+        vertex = front.slots[k].group
+        if front.vertices[front.vertices[vertex].prev].mark != meeting:
+            rays = new_ray(front, rays, front.vertices[vertex].left, front.vertices[vertex].prev, 0)
+        if front.vertices[front.vertices[vertex].next].mark != meeting:
+            rays = new_ray(front, rays, front.vertices[vertex].right, front.vertices[vertex].next, 1)
     if through >= 0:
-        rays = new_ray(front, rays, front.right[through], through, 0)
-        rays = new_ray(front, rays, front.right[through], front.next[through], 1)
+        rays = new_ray(front, rays, front.vertices[through].right, through, 0)
+        rays = new_ray(front, rays, front.vertices[through].right, front.vertices[through].next, 1)
     for k in range(counts[GROUP]):
-        end_vertex(front, front.group[k], node)
+        end_vertex(front, front.slots[k].group, node)
     if rays > 0:
         pair_rays(front, rays, node)
 
 
 @compiled
 def new_ray(front, rays, side, far, is_leaving):
-    front.ray_side[rays] = side
-    front.ray_far[rays] = far
-    front.ray_out[rays] = is_leaving
+    front.rays[rays].side = side
+    front.rays[rays].far = far
+    front.rays[rays].out = is_leaving
     return rays + 1
 
 
@@ -405,63 +405,63 @@ def new_ray(front, rays, side, far, is_leaving):
 def pair_rays(front, rays, node):
     """Join each fragment that leaves a node to the one that arrives next to it, counter-clockwise."""
     first = 0
-    while front.ray_out[first] == 0:
+    while front.rays[first].out == 0:
         first += 1
-    side = front.ray_side[first]
-    dx, dy = front.dx[side], front.dy[side]
+    side = front.rays[first].side
+    dx, dy = front.sides[side].dx, front.sides[side].dy
     tie = 0.0
     for k in range(rays):
-        tie = max(tie, front.turn[front.ray_side[k]])
+        tie = max(tie, front.sides[front.rays[k].side].turn)
     tie = SAFETY * (2.0 * tie + ULP)
     for k in range(rays):
-        side = front.ray_side[k]
-        sign = 1.0 if front.ray_out[k] == 1 else -1.0
+        side = front.rays[k].side
+        sign = 1.0 if front.rays[k].out == 1 else -1.0
         angle = quarter_turns(
-            sign * (dx * front.dx[side] + dy * front.dy[side]), sign * (dx * front.dy[side] - dy * front.dx[side])
+            sign * (dx * front.sides[side].dx + dy * front.sides[side].dy), sign * (dx * front.sides[side].dy - dy * front.sides[side].dx)
         )
         if angle > 4.0 - tie:
             angle -= 4.0
         if k == first:
             angle = 0.0
-        front.ray_angle[k] = angle
+        front.rays[k].angle = angle
         place = k
         while place > 0:
-            other = front.order[place - 1]
-            gap = angle - front.ray_angle[other]
-            if gap > tie or (gap >= -tie and front.ray_out[other] >= front.ray_out[k]):
+            other = front.slots[place - 1].order
+            gap = angle - front.rays[other].angle
+            if gap > tie or (gap >= -tie and front.rays[other].out >= front.rays[k].out):
                 break
-            front.order[place] = other
+            front.slots[place].order = other
             place -= 1
-        front.order[place] = k
+        front.slots[place].order = k
     # as with brackets: what leaves opens one, what arrives closes the last that is open
     depth = 0
     made = 0
     for turn in range(2 * rays):
-        k = front.order[turn % rays]
-        if front.ray_out[k] == 1:
+        k = front.slots[turn % rays].order
+        if front.rays[k].out == 1:
             if turn < rays:
-                front.stack[depth] = k
+                front.slots[depth].stack = k
                 depth += 1
-        elif front.ray_out[k] == 0 and depth > 0:
+        elif front.rays[k].out == 0 and depth > 0:
             depth -= 1
-            other = front.stack[depth]
-            front.ray_out[k] = -1
-            front.group[made] = new_pair(front, other, k, node)
+            other = front.slots[depth].stack
+            front.rays[k].out = -1
+            front.slots[made].group = new_pair(front, other, k, node)
             made += 1
     for k in range(made):
-        vertex = front.group[k]
-        before = front.prev[vertex]
-        if front.state[vertex] == CLOSING:
-            front.shrinks[vertex] = front.numbers[NOW]
+        vertex = front.slots[k].group
+        before = front.vertices[vertex].prev
+        if front.vertices[vertex].state == CLOSING:
+            front.vertices[vertex].shrinks = front.numbers[NOW]
             set_next_event(front, vertex)
-            front.shrinks[before] = NEVER
+            front.vertices[before].shrinks = NEVER
             set_next_event(front, before)
         else:
             fragment_changed(front, before)
             fragment_changed(front, vertex)
     for k in range(made):
-        vertex = front.group[k]
-        if front.state[vertex] == REFLEX:
+        vertex = front.slots[k].group
+        if front.vertices[vertex].state == REFLEX:
             if front.counts[GRID] > 0:
                 enter_vertex(front, vertex, True)
             else:
@@ -479,13 +479,13 @@ def quarter_turns(cosine, sine):
 @compiled
 def new_pair(front, leaving, arriving, node):
     """Return a new vertex between a fragment that arrives at a node and one that leaves it."""
-    vertex = new_vertex(front, front.ray_side[arriving], front.ray_side[leaving], node, False)
-    before, after = front.ray_far[arriving], front.ray_far[leaving]
-    front.prev[vertex] = before
-    front.next[vertex] = after
-    front.next[before] = vertex
-    front.prev[after] = vertex
-    if before == after and front.state[vertex] != CLOSING:
+    vertex = new_vertex(front, front.rays[arriving].side, front.rays[leaving].side, node, False)
+    before, after = front.rays[arriving].far, front.rays[leaving].far
+    front.vertices[vertex].prev = before
+    front.vertices[vertex].next = after
+    front.vertices[before].next = vertex
+    front.vertices[after].prev = vertex
+    if before == after and front.vertices[vertex].state != CLOSING:
         make_closing(front, vertex)
     return vertex
 
@@ -495,24 +495,24 @@ def node_at(front, time, x, y, away, through):
     """Return the node where a group meets: one where some of it was born just now, or else a new one."""
     found = -1
     for k in range(front.counts[GROUP]):
-        vertex = front.group[k]
-        near = away + SAFETY * front.error[vertex]
-        dx, dy = front.x[vertex] - x, front.y[vertex] - y
-        if abs(time - front.born[vertex]) <= near and sqrt(dx * dx + dy * dy) <= near and front.born[vertex] > 0.0:
-            node = root(front, front.node[vertex])
+        vertex = front.slots[k].group
+        near = away + SAFETY * front.vertices[vertex].error
+        dx, dy = front.vertices[vertex].x - x, front.vertices[vertex].y - y
+        if abs(time - front.vertices[vertex].born) <= near and sqrt(dx * dx + dy * dy) <= near and front.vertices[vertex].born > 0.0:
+            node = root(front, front.vertices[vertex].node)
             if found < 0:
                 found = node
             elif found != node:
                 found, node = min(found, node), max(found, node)
-                front.same_as[node] = found
+                front.nodes[node].same_as = found
     if found >= 0:
         return found
     node = front.counts[NODES]
-    if node >= len(front.node_x):
+    if node >= len(front.nodes):
         front.counts[STATUS] = NO_ROOM
         return 0
     front.counts[NODES] = node + 1
-    front.same_as[node] = node
+    front.nodes[node].same_as = node
     place_node(front, node, time, x, y, away, through)
     return node
 
@@ -537,18 +537,18 @@ def place_node(front, node, time, x, y, away, through):
             if k == 2 * count:
                 if through < 0:
                     break
-                side = front.right[through]
+                side = front.vertices[through].right
             elif k & 1 == 0:
-                side = front.left[front.group[k >> 1]]
+                side = front.vertices[front.slots[k >> 1].group].left
             else:
-                vertex = front.group[k >> 1]
-                if front.mark[front.next[vertex]] == meeting:
+                vertex = front.slots[k >> 1].group
+                if front.vertices[front.vertices[vertex].next].mark == meeting:
                     continue
-                side = front.right[vertex]
-            nx, ny = -front.dy[side], front.dx[side]
-            rx, ry = x - front.ox[side], y - front.oy[side]
+                side = front.vertices[vertex].right
+            nx, ny = -front.sides[side].dy, front.sides[side].dx
+            rx, ry = x - front.sides[side].ox, y - front.sides[side].oy
             off = nx * rx + ny * ry - time
-            weight = noise / (noise * (1.0 + time) + front.turn[side] * sqrt(rx * rx + ry * ry))
+            weight = noise / (noise * (1.0 + time) + front.sides[side].turn * sqrt(rx * rx + ry * ry))
             weight = weight * weight
             xx += weight * nx * nx
             xy += weight * nx * ny
@@ -576,10 +576,10 @@ def place_node(front, node, time, x, y, away, through):
         # the trace of the inverse
         e = b * q - c
         error = 1.0 / xx + (1.0 + b * b) / p + (1.0 + q * q + e * e) / r
-    front.node_x[node] = x
-    front.node_y[node] = y
-    front.node_time[node] = time
-    front.node_error[node] = noise * sqrt(error)
+    front.nodes[node].x = x
+    front.nodes[node].y = y
+    front.nodes[node].time = time
+    front.nodes[node].error = noise * sqrt(error)
 
 
 @compiled
@@ -598,9 +598,9 @@ def meet_at_vertex(front, vertex, other, through, time):
         join(front, other)
         if spread(front, other, time) < spread(front, vertex, time):
             sure = other
-    late = time - front.born[sure]
-    x = front.x[sure] + late * front.vx[sure]
-    y = front.y[sure] + late * front.vy[sure]
+    late = time - front.vertices[sure].born
+    x = front.vertices[sure].x + late * front.vertices[sure].vx
+    y = front.vertices[sure].y + late * front.vertices[sure].vy
     away = spread(front, sure, time) if other < 0 else max(spread(front, vertex, time), spread(front, other, time))
     meet(front, time, x, y, away, through)
 
@@ -608,13 +608,13 @@ def meet_at_vertex(front, vertex, other, through, time):
 @compiled
 def hit(front, vertex, time):
     """Let a reflex vertex hit its fragment, or one of the fragment's ends."""
-    start, end = front.target[vertex], front.target_end[vertex]
-    if front.state[start] == DEAD or front.next[start] != end:
+    start, end = front.vertices[vertex].target, front.vertices[vertex].target_end
+    if front.vertices[start].state == DEAD or front.vertices[start].next != end:
         look_for_hit(front, vertex)
         return
-    late = time - front.born[vertex]
-    x = front.x[vertex] + late * front.vx[vertex]
-    y = front.y[vertex] + late * front.vy[vertex]
+    late = time - front.vertices[vertex].born
+    x = front.vertices[vertex].x + late * front.vertices[vertex].vx
+    y = front.vertices[vertex].y + late * front.vertices[vertex].vy
     near = spread(front, vertex, time)
     for other in (start, end):
         if distance_at(front, other, time, x, y) <= near + spread(front, other, time):
@@ -626,17 +626,17 @@ def hit(front, vertex, time):
 @compiled
 def close(front, vertex, time):
     """Let two sides that lie on each other end: as far as to the nearer of their other ends, they are done."""
-    before, after = front.prev[vertex], front.next[vertex]
-    x, y = front.x[vertex], front.y[vertex]
+    before, after = front.vertices[vertex].prev, front.vertices[vertex].next
+    x, y = front.vertices[vertex].x, front.vertices[vertex].y
     to_before = distance_at(front, before, time, x, y)
     to_after = distance_at(front, after, time, x, y)
     far = after if to_after <= to_before else before
     new_meeting(front)
     join(front, far)
     join(front, vertex)
-    late = time - front.born[far]
-    x = front.x[far] + late * front.vx[far]
-    y = front.y[far] + late * front.vy[far]
+    late = time - front.vertices[far].born
+    x = front.vertices[far].x + late * front.vertices[far].vx
+    y = front.vertices[far].y + late * front.vertices[far].vy
     meet(front, time, x, y, spread(front, far, time), -1)
 
 
@@ -653,26 +653,26 @@ def open_window(front):
     counts, numbers = front.counts, front.numbers
     count = counts[LIVING]
     for place in range(count):
-        front.hits[front.live[place]] = NEVER
-        set_next_event(front, front.live[place])
+        front.vertices[front.slots[place].live].hits = NEVER
+        set_next_event(front, front.slots[place].live)
     start = max(numbers[NOW], numbers[END])
     numbers[NOW] = start
     if count <= FEW:
         counts[GRID] = 0
         numbers[END] = LATEST
         for place in range(count):
-            vertex = front.live[place]
-            if front.state[vertex] == REFLEX:
+            vertex = front.slots[place].live
+            if front.vertices[vertex].state == REFLEX:
                 look_for_hit(front, vertex)
         return
     low_x, low_y, high_x, high_y = NEVER, NEVER, -NEVER, -NEVER
     for place in range(count):
-        vertex = front.live[place]
-        late = start - front.born[vertex]
-        x, y = front.x[vertex] + late * front.vx[vertex], front.y[vertex] + late * front.vy[vertex]
+        vertex = front.slots[place].live
+        late = start - front.vertices[vertex].born
+        x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
         low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
     grid = 1
-    most = int(sqrt(float(len(front.cell_fragments))) + 0.5)
+    most = int(sqrt(float(len(front.cells))) + 0.5)
     while grid * grid < 4 * count and grid < most:
         grid += 1
     counts[GRID] = grid
@@ -689,13 +689,13 @@ def open_window(front):
     numbers[END] = min(start + numbers[REACH] * size / grid, LATEST)
     counts[ENTRIES_USED] = 0
     for cell in range(grid * grid):
-        front.cell_fragments[cell] = -1
-        front.cell_vertices[cell] = -1
+        front.cells[cell].fragments = -1
+        front.cells[cell].vertices = -1
     for place in range(count):
-        enter_fragment(front, front.live[place])
+        enter_fragment(front, front.slots[place].live)
     for place in range(count):
-        if front.state[front.live[place]] == REFLEX:
-            enter_vertex(front, front.live[place], True)
+        if front.vertices[front.slots[place].live].state == REFLEX:
+            enter_vertex(front, front.slots[place].live, True)
 
 
 @compiled
@@ -703,16 +703,16 @@ def enter_fragment(front, start):
     """Enter a fragment into the cells that it passes, and see which reflex vertices there hit it."""
     numbers = front.numbers
     begin = numbers[NOW]
-    end = front.next[start]
-    side = front.right[start]
-    dx, dy = front.dx[side], front.dy[side]
-    ox, oy = front.ox[side] - begin * dy, front.oy[side] + begin * dx
+    end = front.vertices[start].next
+    side = front.vertices[start].right
+    dx, dy = front.sides[side].dx, front.sides[side].dy
+    ox, oy = front.sides[side].ox - begin * dy, front.sides[side].oy + begin * dx
     low, high = NEVER, -NEVER
     for k in range(4):
         vertex = start if k < 2 else end
-        late = (begin if k & 1 == 0 else numbers[END]) - front.born[vertex]
-        along = (front.x[vertex] + late * front.vx[vertex] - ox) * dx
-        along += (front.y[vertex] + late * front.vy[vertex] - oy) * dy
+        late = (begin if k & 1 == 0 else numbers[END]) - front.vertices[vertex].born
+        along = (front.vertices[vertex].x + late * front.vertices[vertex].vx - ox) * dx
+        along += (front.vertices[vertex].y + late * front.vertices[vertex].vy - oy) * dy
         low, high = min(low, along), max(high, along)
     ahead = numbers[END] - begin
     enter(front, start, ox + low * dx, oy + low * dy, ox + high * dx, oy + high * dy, -ahead * dy, ahead * dx, 0)
@@ -722,10 +722,10 @@ def enter_fragment(front, start):
 def enter_vertex(front, vertex, stays):
     """See which fragments a reflex vertex hits in the cells that it passes; enter it there if it ``stays``."""
     numbers = front.numbers
-    late = numbers[NOW] - front.born[vertex]
-    x, y = front.x[vertex] + late * front.vx[vertex], front.y[vertex] + late * front.vy[vertex]
+    late = numbers[NOW] - front.vertices[vertex].born
+    x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
     ahead = numbers[END] - numbers[NOW]
-    enter(front, vertex, x, y, x + ahead * front.vx[vertex], y + ahead * front.vy[vertex], 0.0, 0.0, 2 if stays else 1)
+    enter(front, vertex, x, y, x + ahead * front.vertices[vertex].vx, y + ahead * front.vertices[vertex].vy, 0.0, 0.0, 2 if stays else 1)
 
 
 @compiled
@@ -771,29 +771,29 @@ def cell_of(place, grid):
 @compiled
 def visit(front, cell, item, kind):
     """Compare a fragment with the vertices of a cell, or a vertex with its fragments, and enter it there."""
-    entry = front.cell_vertices[cell] if kind == 0 else front.cell_fragments[cell]
+    entry = front.cells[cell].vertices if kind == 0 else front.cells[cell].fragments
     while entry >= 0:
-        other = front.entry_item[entry]
+        other = front.entries[entry].item
         if kind == 0:
-            if front.state[other] == REFLEX:
+            if front.vertices[other].state == REFLEX:
                 consider(front, other, item)
-        elif front.state[other] != DEAD:
+        elif front.vertices[other].state != DEAD:
             consider(front, item, other)
-        entry = front.entry_next[entry]
+        entry = front.entries[entry].next
     if kind == 1:
         return
     entry = front.counts[ENTRIES_USED]
-    if entry >= len(front.entry_item):
+    if entry >= len(front.entries):
         front.counts[STATUS] = NO_ROOM
         return
     front.counts[ENTRIES_USED] = entry + 1
-    front.entry_item[entry] = item
+    front.entries[entry].item = item
     if kind == 0:
-        front.entry_next[entry] = front.cell_fragments[cell]
-        front.cell_fragments[cell] = entry
+        front.entries[entry].next = front.cells[cell].fragments
+        front.cells[cell].fragments = entry
     else:
-        front.entry_next[entry] = front.cell_vertices[cell]
-        front.cell_vertices[cell] = entry
+        front.entries[entry].next = front.cells[cell].vertices
+        front.cells[cell].vertices = entry
 
 
 # From the start to the end
@@ -809,11 +809,11 @@ def start(front, sides, x, y, noise):
     numbers[NOISE] = noise
     numbers[REACH] = 1.0
     for point in range(len(x)):
-        front.node_x[point] = x[point]
-        front.node_y[point] = y[point]
-        front.node_time[point] = 0.0
-        front.node_error[point] = noise
-        front.same_as[point] = point
+        front.nodes[point].x = x[point]
+        front.nodes[point].y = y[point]
+        front.nodes[point].time = 0.0
+        front.nodes[point].error = noise
+        front.nodes[point].same_as = point
     counts[NODES] = len(x)
     for side in range(len(sides.tail)):
         source = sides.source[side]
@@ -821,18 +821,18 @@ def start(front, sides, x, y, noise):
         dx, dy = x[head] - x[tail], y[head] - y[tail]
         length = sqrt(dx * dx + dy * dy)
         if source == side:
-            front.dx[side], front.dy[side] = dx / length, dy / length
+            front.sides[side].dx, front.sides[side].dy = dx / length, dy / length
         else:
-            front.dx[side], front.dy[side] = dy / length, -dx / length
-        front.ox[side], front.oy[side] = x[sides.tail[side]], y[sides.tail[side]]
-        front.turn[side] = noise / length
+            front.sides[side].dx, front.sides[side].dy = dy / length, -dx / length
+        front.sides[side].ox, front.sides[side].oy = x[sides.tail[side]], y[sides.tail[side]]
+        front.sides[side].turn = noise / length
     for side in range(len(sides.tail)):
         new_vertex(front, side, sides.following[side], sides.head[side], True)
     for side in range(len(sides.tail)):
-        front.next[side] = sides.following[side]
-        front.prev[sides.following[side]] = side
+        front.vertices[side].next = sides.following[side]
+        front.vertices[sides.following[side]].prev = side
     for vertex in range(len(sides.tail)):
-        front.shrinks[vertex] = time_of_shrinking(front, vertex)
+        front.vertices[vertex].shrinks = time_of_shrinking(front, vertex)
         set_next_event(front, vertex)
     open_window(front)
 
@@ -847,8 +847,8 @@ def run(front, sides, x, y, noise):
     counts, numbers = front.counts, front.numbers
     most = 64 * len(sides.tail) + 1024
     while counts[WAITING] > 0 and counts[STATUS] == DONE:
-        vertex = front.heap[0]
-        time = front.key[vertex]
+        vertex = front.slots[0].heap
+        time = front.vertices[vertex].key
         if time > numbers[END]:
             if numbers[END] >= LATEST:
                 break
@@ -856,10 +856,10 @@ def run(front, sides, x, y, noise):
             continue
         numbers[NOW] = max(numbers[NOW], time)
         time = numbers[NOW]
-        if front.state[vertex] == CLOSING:
+        if front.vertices[vertex].state == CLOSING:
             close(front, vertex, time)
-        elif front.shrinks[vertex] <= front.hits[vertex]:
-            meet_at_vertex(front, vertex, front.next[vertex], -1, time)
+        elif front.vertices[vertex].shrinks <= front.vertices[vertex].hits:
+            meet_at_vertex(front, vertex, front.vertices[vertex].next, -1, time)
         else:
             hit(front, vertex, time)
         if counts[MEETINGS] > most:
@@ -873,11 +873,11 @@ def run(front, sides, x, y, noise):
 def leave_for_ever(front):
     """Make the unbounded arcs of the vertices that nothing more happens to."""
     for place in range(front.counts[LIVING]):
-        vertex = front.live[place]
-        front.target[vertex] = new_arc(front, vertex, -1)
+        vertex = front.slots[place].live
+        front.vertices[vertex].target = new_arc(front, vertex, -1)
     for place in range(front.counts[LIVING]):
-        vertex = front.live[place]
-        front.arc_beyond[front.target[vertex]] = front.target[front.prev[vertex]]
+        vertex = front.slots[place].live
+        front.arcs[front.vertices[vertex].target].beyond = front.vertices[front.vertices[vertex].prev].target
 
 
 @compiled
@@ -889,55 +889,55 @@ def gather_faces(front, sides, faces):
     """
     count = len(sides.tail)
     for side in range(count):
-        faces.first[side] = -1
+        faces.sides[side].first = -1
     for node in range(front.counts[NODES]):
-        faces.node_face[node] = -1
+        faces.items[node].face = -1
     for arc in range(front.counts[ARCS]):
-        start = root(front, front.arc_start[arc])
-        end = front.arc_end[arc]
+        start = root(front, front.arcs[arc].start)
+        end = front.arcs[arc].end
         end = root(front, end) if end >= 0 else -1
-        front.arc_start[arc] = start
-        front.arc_end[arc] = end
+        front.arcs[arc].start = start
+        front.arcs[arc].end = end
         if start == end:
             continue
-        faces.following[2 * arc] = faces.first[front.arc_left[arc]]
-        faces.first[front.arc_left[arc]] = 2 * arc
-        faces.following[2 * arc + 1] = faces.first[front.arc_right[arc]]
-        faces.first[front.arc_right[arc]] = 2 * arc + 1
+        faces.items[2 * arc].following = faces.sides[front.arcs[arc].left].first
+        faces.sides[front.arcs[arc].left].first = 2 * arc
+        faces.items[2 * arc + 1].following = faces.sides[front.arcs[arc].right].first
+        faces.sides[front.arcs[arc].right].first = 2 * arc + 1
     filled = 0
     for side in range(count):
-        faces.offsets[side] = filled
+        faces.sides[side].offset = filled
         left = 0
-        half = faces.first[side]
+        half = faces.sides[side].first
         while half >= 0:
             arc = half >> 1
-            node = front.arc_start[arc] if half & 1 == 0 else front.arc_end[arc]
+            node = front.arcs[arc].start if half & 1 == 0 else front.arcs[arc].end
             if node >= 0:
-                if faces.node_face[node] == side:
+                if faces.items[node].face == side:
                     return False
-                faces.node_face[node] = side
-                faces.at_node[node] = half
+                faces.items[node].face = side
+                faces.items[node].at_node = half
             left += 1
-            half = faces.following[half]
+            half = faces.items[half].following
         tail, head = sides.tail[side], sides.head[side]
         node = tail
         if tail != head:
-            faces.values[filled] = tail
+            faces.items[filled].value = tail
             filled += 1
             node = head
         while True:
-            faces.values[filled] = node
+            faces.items[filled].value = node
             filled += 1
-            if faces.node_face[node] != side:
+            if faces.items[node].face != side:
                 return False
-            half = faces.at_node[node]
+            half = faces.items[node].at_node
             left -= 1
             arc = half >> 1
-            following = front.arc_end[arc] if half & 1 == 0 else front.arc_start[arc]
+            following = front.arcs[arc].end if half & 1 == 0 else front.arcs[arc].start
             if following < 0:
-                faces.values[filled] = -1
+                faces.items[filled].value = -1
                 filled += 1
-                following = front.arc_start[front.arc_beyond[arc]]
+                following = front.arcs[front.arcs[arc].beyond].start
                 left -= 1
             node = following
             if node == tail:
@@ -946,5 +946,5 @@ def gather_faces(front, sides, faces):
                 return False
         if left != 0:
             return False
-    faces.offsets[count] = filled
+    faces.sides[count].offset = filled
     return True
