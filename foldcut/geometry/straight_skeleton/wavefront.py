@@ -471,22 +471,31 @@ def pair_rays(front, rays, node):
             depth -= 1
             other = front.slots[depth].stack
             front.rays[k].out = -1
-            front.slots[made].group = new_pair(front, other, k, node)
+            if front.rays[k].side == front.rays[other].side:  # what was between two parts of a fragment is gone
+                before, after = front.rays[k].far, front.rays[other].far
+                front.vertices[before].next = after
+                front.vertices[after].prev = before
+                front.slots[made].group = before
+            else:
+                front.slots[made].group = new_pair(front, other, k, node)
             made += 1
     for k in range(made):
         vertex = front.slots[k].group
         before = front.vertices[vertex].prev
-        if front.vertices[vertex].state == CLOSING:
+        if front.vertices[vertex].node != node:  # an old vertex, whose fragment is longer now
+            fragment_changed(front, vertex)
+        elif front.vertices[vertex].state == CLOSING:
             front.vertices[vertex].shrinks = front.numbers[NOW]
             set_next_event(front, vertex)
-            front.vertices[before].shrinks = NEVER
-            set_next_event(front, before)
+            if front.vertices[before].state != CLOSING:
+                front.vertices[before].shrinks = NEVER
+                set_next_event(front, before)
         else:
             fragment_changed(front, before)
             fragment_changed(front, vertex)
     for k in range(made):
         vertex = front.slots[k].group
-        if front.vertices[vertex].state == REFLEX:
+        if front.vertices[vertex].state == REFLEX and front.vertices[vertex].node == node:
             if front.counts[GRID] > 0:
                 enter_vertex(front, vertex, True)
             else:
