@@ -39,8 +39,11 @@ SAFETY = 32
 MOST_ERROR = 1e-8
 """Places farther apart than this part of the drawing are never the same."""
 
-LATEST = 1 << 30
+LATEST = 1 << 60
 """When nothing more can happen: in sizes of the drawing."""
+
+FAR = 1 << 30
+"""Whether two bisectors are parallel, or meet farther away than this, doubles need not tell."""
 
 SURE = 1e-11
 """Where places that may be farther apart than this are taken as the same, doubles are not precise enough."""
@@ -277,12 +280,15 @@ def time_of_shrinking(front, start):
     side = front.vertices[start].right
     dx, dy = front.sides[side].dx, front.sides[side].dy
     rate = (front.vertices[start].vx - front.vertices[end].vx) * dx + (front.vertices[start].vy - front.vertices[end].vy) * dy
-    if rate <= front.vertices[start].drift + front.vertices[end].drift:
-        return NEVER
     since = max(front.vertices[start].born, front.vertices[end].born)
     late, early = since - front.vertices[end].born, since - front.vertices[start].born
     length = (front.vertices[end].x + late * front.vertices[end].vx - front.vertices[start].x - early * front.vertices[start].vx) * dx
     length += (front.vertices[end].y + late * front.vertices[end].vy - front.vertices[start].y - early * front.vertices[start].vy) * dy
+    drift = front.vertices[start].drift + front.vertices[end].drift
+    if rate <= drift:
+        if rate > -drift and length < FAR * (rate + drift):
+            front.counts[UNSURE] = 1
+        return NEVER
     time = since + length / rate
     return max(time, front.numbers[NOW]) if time <= LATEST else NEVER
 
