@@ -45,11 +45,9 @@ LATEST = 1 << 60
 FAR = 1 << 30
 """Whether two bisectors are parallel, or meet farther away than this, doubles need not tell."""
 
-SURE = 1e-11
-"""Where places that may be farther apart than this are taken as the same, doubles are not precise enough."""
-
-MANY = 1e4
-"""The same, in roundings of the coordinates."""
+SURE = 500
+"""Where places that are farther apart than so many roundings of the coordinates are taken as the same, or where a node
+is that uncertain, doubles are not precise enough."""
 
 SQUARE = 2.0**-22
 """The side of the squares by which nodes are found again; larger than any error."""
@@ -388,17 +386,17 @@ def fragment_changed(front, start):
 @compiled
 def is_near(front, vertex, time, x, y, away):
     """Return whether a vertex is at a place at a time; ``away`` is how uncertain the place is."""
-    near = away + spread(front, vertex, time)
-    if distance_at(front, vertex, time, x, y) > near:
+    distance = distance_at(front, vertex, time, x, y)
+    if distance > away + spread(front, vertex, time):
         return False
-    must_be_sure(front, near, time)
+    must_be_sure(front, distance, time)
     return True
 
 
 @compiled
-def must_be_sure(front, near, time):
-    """Note if places that were taken as the same may be too far apart for doubles to tell."""
-    if near > (SURE + MANY * front.numbers[NOISE]) * (1 + time):
+def must_be_sure(front, distance, time):
+    """Note if places that were taken as the same are farther apart than rounding explains, or a place is uncertain."""
+    if distance > SURE * front.numbers[NOISE] * (1 + time):
         front.counts[UNSURE] = 1
 
 
@@ -590,7 +588,7 @@ def join_born_here(front, time, x, y, away):
                     if found >= 0:
                         front.nodes[max(node, found)].same_as = min(node, found)
                     found = node if found < 0 else min(node, found)
-                    must_be_sure(front, near, time)
+                    must_be_sure(front, sqrt(dx * dx + dy * dy), time)
                     vertex = front.nodes[node].born
                     while vertex >= 0:
                         if front.vertices[vertex].state != DEAD:
@@ -680,7 +678,7 @@ def place_node(front, node, time, x, y, away, through):
     front.nodes[node].y = y
     front.nodes[node].time = time
     front.nodes[node].error = noise * sqrt(error)
-    must_be_sure(front, SAFETY * front.nodes[node].error, time)
+    must_be_sure(front, front.nodes[node].error / SAFETY, time)
 
 
 @compiled
