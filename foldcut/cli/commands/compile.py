@@ -13,6 +13,7 @@ EXAMPLES = """\
 examples:
   pip install 'foldcut[fast]'
   foldcut compile
+  foldcut compile --json
 """
 
 
@@ -37,8 +38,8 @@ def compile_(args: Namespace) -> int:
 
 
 COMPILE = Command(
-    "Compile once, for this machine, what folding spends most of its time in; it takes about half a minute. Patterns are "
-    "the same without it; only long searches take longer.",
+    "Compile once, for this machine, what folding spends most of its time in: half a minute. Patterns are the same "
+    "without it; only long searches take longer. It needs the extra fast.",
     EXAMPLES,
     add_options,
     compile_,
