@@ -11,7 +11,6 @@ from foldcut.core.errors import BadInputError, needed_extra
 
 EXAMPLES = """\
 examples:
-  pip install 'foldcut[fast]'
   foldcut compile
   foldcut compile --json
 """
