@@ -441,7 +441,7 @@ def _with_tips(loop: NDArray[np.int64], chosen: NDArray[np.bool_]) -> NDArray[np
 def hilbert(corners: int) -> Graph:
     """Return a closed Hilbert curve (Moore's) through a grid with steps of 1, of the order next to so many corners.
 
-    The orders have 4, 12, 52, 204, 820, 3276, 13108, 52428, 209716 corners; where the curve goes straight on there is none.
+    The orders have 4, 12, 52, 204, 820, 3276, 13108, 52428, 209716 corners; none where it goes straight on.
     """
     level = 1
     curve = np.zeros(1, dtype=complex)
