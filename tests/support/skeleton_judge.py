@@ -132,10 +132,10 @@ class Case:
             yield "an arc has a side that does not exist"
         if not np.isfinite(skeleton.arc_velocity).all():
             yield "an arc's velocity is not finite"
-        wrong = np.flatnonzero(np.diff(self.begin) < 3)
-        yield from _few(f"the face of {self.side(s)} has fewer than three nodes" for s in wrong.tolist())
+        cap = self.tail == self.head
+        wrong = np.flatnonzero(np.diff(self.begin) < np.where(cap, 2, 3))
+        yield from _few(f"the face of {self.side(s)} has too few nodes" for s in wrong.tolist())
         if len(wrong) == 0:
-            cap = self.tail == self.head
             first, second = self.values[self.begin[:-1]], self.values[self.begin[:-1] + 1]
             wrong = np.flatnonzero((first != self.tail) | (~cap & (second != self.head)))
             yield from _few(f"the face of {self.side(s)} does not begin with it" for s in wrong.tolist())
@@ -154,7 +154,7 @@ class Case:
     @cached_property
     def _tips(self) -> Indices:
         """The points of the caps, in the order of the graph."""
-        edges, tips = self.graph.edges, self.graph.side_tail[2 * len(self.graph.edges) :]
+        edges, tips = self.graph.edges, self.graph.tail[2 * len(self.graph.edges) :]
         degree = np.bincount(edges.reshape(-1), minlength=self.count)
         return tips if sorted(tips.tolist()) == np.flatnonzero(degree == 1).tolist() else np.flatnonzero(degree == 1)
 
@@ -223,8 +223,8 @@ class Case:
         graph = self.graph
         start = graph.points[self.tail]
         for name, ours, theirs in (
-            ("tail", self.tail, graph.side_tail),
-            ("head", self.head, graph.side_head),
+            ("tail", self.tail, graph.tail),
+            ("head", self.head, graph.head),
             ("start", start, graph.side_start),
         ):
             wrong = np.flatnonzero((np.asarray(theirs) != ours).reshape(len(ours), -1).any(axis=1))
@@ -357,7 +357,7 @@ class Case:
         allowed = self.allowed[start] + np.where(ends, self.allowed[end], 0)
         wait = np.where(ends, self.time[end] - self.time[start], 0)
         yield from self._wrong_arcs(wait < -allowed, "goes back in time")
-        yield from self._wrong_arcs(level & (wait != 0), "is level, but its ends differ in time")
+        yield from self._wrong_arcs(level & (wait > allowed), "is level, but its ends differ in time")
         step = self.places[end] - self.places[start]
         yield from self._wrong_arcs(ends & (start >= self.count) & (step == 0).all(axis=1), "has no length")
         off = np.hypot(*(step - wait[:, None] * velocity).T)
@@ -377,20 +377,19 @@ class Case:
         """
         half = BOX * max(self.size, float(np.abs(self.places - self.middle).max()))
         self.half = half
-        goes_on = self.skeleton.arcs[:, 1] < 0
         ray = {}
-        for k in np.flatnonzero(goes_on).tolist():
-            for side in self.skeleton.arc_sides[k].tolist():
-                ray[int(self.skeleton.arcs[k, 0]), side] = k
+        for k in np.flatnonzero(self.skeleton.arcs[:, 1] < 0).tolist():
+            for flank, side in enumerate(self.skeleton.arc_sides[k].tolist()):
+                ray[int(self.skeleton.arcs[k, 0]), side, flank] = k
         fence = self.grain * (2 + half / self.size)
-        corners = np.array([(1, -1), (1, 1), (-1, 1), (-1, -1)])
+        corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
         extra: dict[int, list[Floats]] = {}
         before = np.empty_like(self.after)
         before[self.after] = np.arange(len(self.after))
         for place in np.flatnonzero(self.values < 0).tolist():
             side = int(self.owner[place])
-            out = ray.get((int(self.values[before[place]]), side))
-            back = ray.get((int(self.values[self.after[place]]), side))
+            out = ray.get((int(self.values[before[place]]), side, 0))
+            back = ray.get((int(self.values[self.after[place]]), side, 1))
             if out is None or back is None:
                 extra[place] = []
                 continue
