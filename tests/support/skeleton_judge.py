@@ -20,8 +20,9 @@ at unit speed and two that meet do so on their bisector (3), until a node. After
 none there before (5), and the level set does not cross itself (4), so beyond the node each two neighbours in the order
 of angles are followed by their bisector, or go on face to face. That is how the wavefront is defined.
 
-All is measured in ulps of the drawing's coordinates, more far away from it, and more along the bisector of nearly
-parallel sides, where rounding moves a node farther than it changes its distances.
+All is measured in ulps of the drawing's coordinates. An ulp turns a short side, so it moves the side's line in
+proportion to how many lengths of the side one is away; and along the bisector of nearly parallel sides it moves a node
+farther than it changes the node's distances.
 """
 
 from __future__ import annotations
@@ -39,8 +40,10 @@ from numpy.typing import NDArray
 from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.geometry.straight_skeleton import StraightSkeleton
 
-ULPS = 4096.0
-"""How many ulps of its coordinates, and of the drawing's size, a node may be off: 1e-12 of the size of the drawing."""
+ULPS = 256.0
+"""How many ulps of the largest coordinate a node may be off from a side that is one length of the side away."""
+
+ULP = 2.0**-52
 
 MOST_TOLD = 4
 """How many findings of one kind are told."""
@@ -83,7 +86,7 @@ class Case:
         self.count, self.side_count = len(graph.points), len(skeleton.face_nodes)
         low, high = graph.points.min(axis=0), graph.points.max(axis=0)
         self.middle, self.size = (low + high) / 2, float(np.hypot(*(high - low)))
-        self.grain = ULPS * 2.0**-52 * (self.size + float(np.abs(graph.points).max()))
+        self.grain = ULPS * ULP * (self.size + float(np.abs(graph.points).max()))
         # the rows of the faces' nodes: whose face, where from, where to
         self.values = skeleton.face_nodes.values.astype(np.int64)
         self.owner = skeleton.face_nodes.rows.astype(np.int64)
@@ -303,10 +306,25 @@ class Case:
     # --- rule 3 ----------------------------------------------------------------------------------------------------
 
     @cached_property
+    def length(self) -> Floats:
+        """The length of each side, ``(s,)``; of a cap, that of its edge."""
+        lengths = np.hypot(*(self.graph.points[self.graph.edges[:, 1]] - self.graph.points[self.graph.edges[:, 0]]).T)
+        flanks = np.repeat(lengths, 2)
+        edge = np.zeros(self.count)
+        edge[self.head[: len(flanks)]] = flanks
+        return np.concatenate([flanks, edge[self._tips]])
+
+    @cached_property
     def allowed(self) -> Floats:
-        """How much the distance of each node from a side may be off."""
-        away = np.hypot(*(self.places - self.middle).T)
-        return self.grain * (1 + away / self.size)
+        """How much the distances of each node from its sides may be off."""
+        there = self.values >= 0
+        allowed = np.zeros(len(self.places))
+        np.maximum.at(allowed, self.values[there], self._allowed_of(self.values[there], self.owner[there]))
+        return allowed
+
+    def _allowed_of(self, nodes: Indices, sides: Indices) -> Floats:
+        away = np.hypot(*(self.places[nodes] - self.graph.points[self.tail[sides]]).T)
+        return self.grain * (1 + away / self.length[sides])
 
     @cached_property
     def spread(self) -> Floats:
@@ -330,7 +348,7 @@ class Case:
         yield from _few(f"{self.node(k)} is in no face" for k in unused.tolist())
         away = _dot(self.normal[side], self.places[node] - self.graph.points[self.tail[side]])
         off = np.abs(away - self.time[node])
-        wrong = np.flatnonzero(off > self.allowed[node])
+        wrong = np.flatnonzero(off > self._allowed_of(node, side))
         yield from _few(
             f"{self.node(int(node[k]))} is {away[k]:.17g} from {self.side(int(side[k]))}: {off[k] / self.size:.1e} off"
             for k in wrong[np.argsort(-off[wrong])].tolist()
@@ -343,15 +361,16 @@ class Case:
         speed = np.hypot(*velocity.T)
         together = _dot(self.normal[left], self.normal[right])
         level = speed == 0
-        ulps = ULPS * 2.0**-52
+        turn = ULPS * ULP + self.grain / self.length  # how much the direction of each side may be off
+        apart = np.hypot(*(self.normal[left] + self.normal[right]).T)
         yield from self._wrong_arcs(left == right, "has the same side twice")
-        yield from self._wrong_arcs(level & (together > ulps - 1), "is level, but its sides are not face to face")
+        yield from self._wrong_arcs(level & (apart > turn[left] + turn[right]), "is level; its sides are not face to face")
         # the bisector: both sides move along with it, and, should they be parallel, it is square to them
-        for sides in (left, right):
+        for sides, which in ((left, "left"), (right, "right")):
             off = np.abs(_dot(velocity, self.normal[sides]) - 1)
-            yield from self._wrong_arcs(~level & (off > ulps * (1 + speed)), f"does not keep up with {sides is right}")
+            yield from self._wrong_arcs(~level & (off > turn[sides] * (1 + speed)), f"loses the side on its {which}")
         off = np.abs(speed**2 * (1 + together) / 2 - 1)
-        yield from self._wrong_arcs(~level & (together > 0) & (off > ulps), "has a wrong speed")
+        yield from self._wrong_arcs(~level & (together > 0) & (off > turn[left] + turn[right]), "has a wrong speed")
         yield from self._wrong_arcs((end < 0) & level, "goes nowhere")
         ends = end >= 0
         allowed = self.allowed[start] + np.where(ends, self.allowed[end], 0)
@@ -361,7 +380,7 @@ class Case:
         step = self.places[end] - self.places[start]
         yield from self._wrong_arcs(ends & (start >= self.count) & (step == 0).all(axis=1), "has no length")
         off = np.hypot(*(step - wait[:, None] * velocity).T)
-        far = off > self.spread[start] + self.spread[end] + speed * allowed
+        far = off > self.spread[start] + self.spread[end] + speed * (allowed + wait * (turn[left] + turn[right]))
         yield from self._wrong_arcs(ends & ~level & far, "does not lead to its end")
 
     def _wrong_arcs(self, wrong: Bools, what: str) -> Iterator[str]:
@@ -381,7 +400,7 @@ class Case:
         for k in np.flatnonzero(self.skeleton.arcs[:, 1] < 0).tolist():
             for flank, side in enumerate(self.skeleton.arc_sides[k].tolist()):
                 ray[int(self.skeleton.arcs[k, 0]), side, flank] = k
-        fence = self.grain * (2 + half / self.size)
+        fence = self.grain * (2 + 2 * half / self.length.min())
         corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
         extra: dict[int, list[Floats]] = {}
         before = np.empty_like(self.after)
@@ -438,10 +457,13 @@ class Case:
         yield from _few(f"the face of {self.side(s)} goes to and fro along it" for s in wrong.tolist())
         yield from self._lower_chains(owner, start, u, time, nodes)
         # simple: found out by shapely, and where rounding may have spoiled it, chain by chain
-        rings = shapely.linearrings(places, indices=owner)
-        polygons = shapely.polygons(rings)
-        doubtful = ~shapely.is_valid(polygons) | ~shapely.is_ccw(rings)
-        crossed = [s for s in np.flatnonzero(doubtful).tolist() if self._crossed(s, u, v, spread, start)]
+        flat = np.diff(start) < 3
+        yield from _few(f"the face of {self.side(s)} has no area" for s in np.flatnonzero(flat).tolist())
+        full = ~flat[owner]
+        rings = shapely.linearrings(places[full], indices=np.cumsum(~flat)[owner[full]] - 1)
+        doubtful = ~shapely.is_valid(shapely.polygons(rings)) | ~shapely.is_ccw(rings)
+        sides = np.flatnonzero(~flat)[doubtful].tolist()
+        crossed = [s for s in sides if self._crossed(s, u, v, spread, start)]
         yield from _few(f"the face of {self.side(s)} crosses itself, or is clockwise" for s in crossed)
 
     def _lower_chains(
