@@ -11,14 +11,14 @@ side's line. The rules say:
    time along bisectors. So T has no jumps.
 4. *Faces* are simple, counter-clockwise, on the left of their side and monotone in its direction; their areas in a box
    around everything add up to the area of the box. With 2, they tile the plane.
-5. On the lower chain of a face, which leads from the side to the ends of the face, time only rises, and no arc is level.
-   So every place of a face is reached from the side straight away from it: T has no minimum in a face but the side.
+5. On the lower chain of a face, which leads from the side to the ends of the face, time only rises, and no arc is
+   level. So every place of a face is reached straight away from the side: T has no minimum in a face but the side.
 
-By these, T's level sets are the wavefront at every time, so the skeleton is the straight skeleton and no side is nearer
-in its wavefront. They are so just after time 0 (1). As time goes on, every piece of a level set moves away from its side
-at unit speed and two that meet do so on their bisector (3), until a node. After a node, no side has a piece that had
-none there before (5), and the level set does not cross itself (4), so beyond the node each two neighbours in the order
-of angles are followed by their bisector, or go on face to face. That is how the wavefront is defined.
+By these, T's level sets are the wavefront at every time, so the skeleton is the straight skeleton, and no side is
+nearer in its wavefront. They are so just after time 0 (1). As time goes on, every piece of a level set moves away from
+its side at unit speed, and two that meet do so on their bisector (3), until a node. After a node, no side has a piece
+that had none there before (5), and the level set does not cross itself (4), so beyond the node each two neighbours in
+the order of angles are followed by their bisector, or end face to face. That is how the wavefront is defined.
 
 All is measured in ulps of the drawing's coordinates. An ulp turns a short side, so it moves the side's line in
 proportion to how many lengths of the side one is away; and along the bisector of nearly parallel sides it moves a node
@@ -207,19 +207,28 @@ class Case:
     def _by_angle(self, sides: list[int]) -> list[int]:
         """Sort sides from one point by their angle, exactly."""
 
-        def direction(side: int) -> tuple[Fraction, Fraction]:
-            (ax, ay), (bx, by) = self.graph.points[[self.tail[side], self.head[side]]].tolist()
-            return Fraction(bx) - Fraction(ax), Fraction(by) - Fraction(ay)
-
         def compare(one: int, other: int) -> int:
-            (ax, ay), (bx, by) = direction(one), direction(other)
-            half_a, half_b = (ay, ax) < (0, 0), (by, bx) < (0, 0)  # the upper half of the turn comes first
-            if half_a != half_b:
-                return 1 if half_a else -1
-            cross = ax * by - ay * bx
-            return -1 if cross > 0 else int(cross < 0)
+            # the lower half of a turn comes first
+            half, other_half = (self.exact_direction(side)[::-1] > (0, 0) for side in (one, other))
+            if half != other_half:
+                return 1 if half else -1
+            turn = self.turn(one, other)
+            return -1 if turn > 0 else int(turn < 0)
 
         return sorted(sides, key=cmp_to_key(compare))
+
+    def exact_direction(self, side: int) -> tuple[Fraction, Fraction]:
+        """Return the direction of a side exactly, in any length."""
+        cap = self.tail[side] == self.head[side]
+        flank = int(np.flatnonzero(self.following == side)[0]) if cap else side
+        (ax, ay), (bx, by) = self.graph.points[[self.tail[flank], self.head[flank]]].tolist()
+        x, y = Fraction(bx) - Fraction(ax), Fraction(by) - Fraction(ay)
+        return (y, -x) if cap else (x, y)
+
+    def turn(self, one: int, other: int) -> Fraction:
+        """Return the cross product of two sides' exact directions: 0 if they are parallel."""
+        (ax, ay), (bx, by) = self.exact_direction(one), self.exact_direction(other)
+        return ax * by - ay * bx
 
     def sides(self) -> Iterator[str]:
         """The graph's sides are what its points and edges say."""
@@ -364,7 +373,9 @@ class Case:
         turn = ULPS * ULP + self.grain / self.length  # how much the direction of each side may be off
         apart = np.hypot(*(self.normal[left] + self.normal[right]).T)
         yield from self._wrong_arcs(left == right, "has the same side twice")
-        yield from self._wrong_arcs(level & (apart > turn[left] + turn[right]), "is level; its sides are not face to face")
+        yield from self._wrong_arcs(
+            level & (apart > turn[left] + turn[right]), "is level; its sides are not face to face"
+        )
         # the bisector: both sides move along with it, and, should they be parallel, it is square to them
         for sides, which in ((left, "left"), (right, "right")):
             off = np.abs(_dot(velocity, self.normal[sides]) - 1)
@@ -466,9 +477,7 @@ class Case:
         crossed = [s for s in sides if self._crossed(s, u, v, spread, start)]
         yield from _few(f"the face of {self.side(s)} crosses itself, or is clockwise" for s in crossed)
 
-    def _lower_chains(
-        self, owner: Indices, start: Indices, u: Floats, time: Floats, nodes: Indices
-    ) -> Iterator[str]:
+    def _lower_chains(self, owner: Indices, start: Indices, u: Floats, time: Floats, nodes: Indices) -> Iterator[str]:
         """Yield faces with time falling, or standing still, on the way from the side to either end."""
         count = np.diff(start)
         place = np.arange(len(owner)) - start[owner]  # 0 is the tail
@@ -478,10 +487,7 @@ class Case:
         order = np.lexsort((-place, u, owner))
         leftmost = place[order[start[:-1]]]
         leftmost[leftmost == 0] = count[leftmost == 0]
-        levels = {
-            tuple(ends)
-            for ends in self.skeleton.arcs[(self.skeleton.arc_velocity == 0).all(axis=1)].tolist()
-        }
+        levels = {tuple(ends) for ends in self.skeleton.arcs[(self.skeleton.arc_velocity == 0).all(axis=1)].tolist()}
         levels |= {ends[::-1] for ends in levels}
         after = place + 1
         to = start[owner] + after % count[owner]

@@ -1,0 +1,85 @@
+"""Compare the nodes of a straight skeleton with those that something else found."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+from oracles.straight_skeleton import Oracle
+from scipy.spatial import KDTree
+
+from foldcut.core.arrays import Floats
+from foldcut.geometry.straight_skeleton import StraightSkeleton
+from foldcut.geometry.union_find import groups
+from support.skeleton_judge import Case
+
+NEAR = 1e-9
+"""Nodes closer to each other than this, relative to the drawing's size, are compared as one: rounding may have made
+one of several, or several of one."""
+
+
+NEARLY_PARALLEL = 1e-7
+"""The sine of the angle between two sides below which rounding decides where, or whether, they meet."""
+
+
+def differences(skeleton: StraightSkeleton, oracle: Oracle) -> list[str]:
+    """Return where a skeleton and what the oracle found differ, in words: places, times, sides, arcs that never end.
+
+    From the time of the first node on that has two sides which are nearly parallel, several skeletons are right, so
+    only what is earlier is compared. Sides that are exactly parallel are no reason.
+    """
+    case = Case(skeleton)
+    first = case.count
+    ours, theirs = skeleton.nodes[first:], np.array([(node.x, node.y) for node in oracle.nodes]).reshape(-1, 2)
+    sides = [frozenset(skeleton.node_sides(node).tolist()) for node in range(first, len(skeleton.nodes))]
+    sides += [node.sides for node in oracle.nodes]
+    time = np.concatenate([skeleton.time[first:], [node.time for node in oracle.nodes]])
+    reach = np.concatenate([case.spread[first:], np.zeros(len(theirs))])
+    certain = min((time[k] for k in range(len(time)) if _has_nearly_parallel(case, sides[k])), default=np.inf)
+    found = []
+    for cluster in clusters(np.concatenate([ours, theirs]), time, reach + NEAR * case.size):
+        if time[cluster].max() >= certain - NEAR * case.size:
+            continue
+        here = [k for k in cluster if k < len(ours)]
+        there = [k for k in cluster if k >= len(ours)]
+        if here and there:
+            one, other = (frozenset().union(*(sides[k] for k in some)) for some in (here, there))
+            if one != other:
+                found.append(
+                    f"{case.node(first + here[0])} has sides {sorted(one)}, and there should be {sorted(other)}"
+                )
+        elif here:
+            found.append(f"{case.node(first + here[0])} with sides {sorted(sides[here[0]])} should not be there")
+        else:
+            node = oracle.nodes[there[0] - len(ours)]
+            found.append(f"there should be a node at ({node.x:.9g}, {node.y:.9g}) with sides {sorted(node.sides)}")
+    if np.isfinite(certain):
+        return found
+    unbounded = sorted(map(tuple, skeleton.arc_sides[skeleton.arcs[:, 1] < 0].tolist()))
+    if unbounded != sorted(oracle.unbounded):
+        wrong = sorted(set(unbounded) ^ set(oracle.unbounded))
+        found.append(f"of the arcs that never end these are only here, or only there: {wrong}")
+    return found
+
+
+def _has_nearly_parallel(case: Case, sides: frozenset[int]) -> bool:
+    """Return whether two of these sides are nearly parallel, but not exactly."""
+    return any(
+        abs(case.along[one] @ case.normal[other]) < NEARLY_PARALLEL and case.turn(one, other) != 0
+        for one, other in combinations(sorted(sides), 2)
+    )
+
+
+def clusters(places: Floats, time: Floats, reach: Floats) -> Iterator[list[int]]:
+    """Yield the numbers of nodes in groups: those that are within each other's reach in place and in time."""
+    pairs: list[tuple[int, int]] = []
+    if len(places):
+        tree = KDTree(places)
+        for node, near in enumerate(tree.query_ball_point(places, reach)):
+            pairs += [(node, other) for other in near if abs(time[node] - time[other]) <= reach[node]]
+    found = defaultdict(list)
+    for node, group in enumerate(groups(len(places), pairs)):
+        found[group].append(node)
+    yield from found.values()
