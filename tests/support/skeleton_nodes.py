@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import combinations
 
 import numpy as np
-from oracles.straight_skeleton import Oracle
+from oracles.straight_skeleton import ROUNDED, Oracle
 from scipy.spatial import KDTree
 
 from foldcut.core.arrays import Floats
@@ -20,15 +20,18 @@ NEAR = 1e-9
 one of several, or several of one."""
 
 
-NEARLY_PARALLEL = 1e-7
-"""The sine of the angle between two sides below which rounding decides where, or whether, they meet."""
+NEARLY_PARALLEL = (ROUNDED, 1e-7)
+"""The sine of the angle between two sides that are so nearly parallel that rounding decides where they meet."""
+
+FAR = 1e8
+"""Nodes farther away than this, by the size of the drawing, are not compared."""
 
 
 def differences(skeleton: StraightSkeleton, oracle: Oracle) -> list[str]:
     """Return where a skeleton and what the oracle found differ, in words: places, times, sides, arcs that never end.
 
-    From the time of the first node on that has two sides which are nearly parallel, several skeletons are right, so
-    only what is earlier is compared. Sides that are exactly parallel are no reason.
+    From the time on of the first node that has two sides which are nearly parallel, several skeletons are right, so
+    only what is earlier is compared.
     """
     case = Case(skeleton)
     first = case.count
@@ -38,6 +41,7 @@ def differences(skeleton: StraightSkeleton, oracle: Oracle) -> list[str]:
     time = np.concatenate([skeleton.time[first:], [node.time for node in oracle.nodes]])
     reach = np.concatenate([case.spread[first:], np.zeros(len(theirs))])
     certain = min((time[k] for k in range(len(time)) if _has_nearly_parallel(case, sides[k])), default=np.inf)
+    certain = min(certain, FAR * case.size)
     found = []
     for cluster in clusters(np.concatenate([ours, theirs]), time, reach + NEAR * case.size):
         if time[cluster].max() >= certain - NEAR * case.size:
@@ -55,7 +59,7 @@ def differences(skeleton: StraightSkeleton, oracle: Oracle) -> list[str]:
         else:
             node = oracle.nodes[there[0] - len(ours)]
             found.append(f"there should be a node at ({node.x:.9g}, {node.y:.9g}) with sides {sorted(node.sides)}")
-    if np.isfinite(certain):
+    if time.max(initial=0) >= certain:
         return found
     unbounded = sorted(map(tuple, skeleton.arc_sides[skeleton.arcs[:, 1] < 0].tolist()))
     if unbounded != sorted(oracle.unbounded):
@@ -65,11 +69,8 @@ def differences(skeleton: StraightSkeleton, oracle: Oracle) -> list[str]:
 
 
 def _has_nearly_parallel(case: Case, sides: frozenset[int]) -> bool:
-    """Return whether two of these sides are nearly parallel, but not exactly."""
-    return any(
-        abs(case.along[one] @ case.normal[other]) < NEARLY_PARALLEL and case.turn(one, other) != 0
-        for one, other in combinations(sorted(sides), 2)
-    )
+    low, high = NEARLY_PARALLEL
+    return any(low < abs(case.along[one] @ case.normal[other]) < high for one, other in combinations(sorted(sides), 2))
 
 
 def clusters(places: Floats, time: Floats, reach: Floats) -> Iterator[list[int]]:
