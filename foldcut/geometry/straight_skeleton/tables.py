@@ -20,19 +20,21 @@ SIDE = "dx dy ox oy turn"
 """Unit direction, a point of its line at time 0, and how uncertain the direction is, in radians."""
 
 VERTEX = (
-    "x y born vx vy error drift shrinks hits key "
-    "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place:"
+    "x y born vx vy error drift shrinks hits key entered "
+    "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place: sibling:"
 )
 """Of a vertex of the wavefront, from its birth to its end.
 
 Place and time of birth, velocity, how uncertain place and velocity are; when the fragment from here to the next vertex
-has no length left, when this vertex hits a fragment, and the earlier of the two; the sides that arrive and leave, the
+has no length left, when this vertex hits a fragment, and the earlier of the two; until when
+its path is in the grid; the sides that arrive and leave, the
 neighbours, the node of birth, the state; start and end of the fragment to be hit; the last meeting that it was part of;
-where it is in the columns ``heap`` and ``live`` of the slots.
+where it is in the columns ``heap`` and ``live`` of the slots; the one that was born at the same node before it.
 """
 
-NODE = "x y time error same_as:"
-"""``same_as`` is the node itself, or an older one at the same place."""
+NODE = "x y time error same_as: born: beside:"
+"""``same_as`` is the node itself, or an older one at the same place; the newest vertex that was born there; the next node
+in its bucket."""
 
 ARC = "vx vy start: end: left: right: beyond:"
 """Velocity; nodes, and the sides on its left and right; where it is unbounded, the arc next to it at the infinite."""
@@ -69,7 +71,8 @@ class Front(NamedTuple):
     """The wavefront while it moves, and the skeleton that it has left behind.
 
     A *fragment* is a part of a side's wavefront between two consecutive vertices; it is known by the vertex at which it
-    starts. ``counts`` and ``numbers`` are what there is once.
+    starts. ``buckets`` holds the newest node of each; ``counts`` and
+    ``numbers`` are what there is once.
     """
 
     sides: Table
@@ -80,6 +83,7 @@ class Front(NamedTuple):
     slots: Table
     cells: Table
     entries: Table
+    buckets: Table
     counts: Table
     numbers: Table
 
@@ -91,8 +95,8 @@ class Faces(NamedTuple):
     items: Table
 
 
-ENTRIES = 24
-"""For how many entries of the grid there is room, for each side."""
+ENTRIES = 8
+"""For how many entries of the grid there is room, for each vertex that there is room for."""
 
 ONCE = 16
 """How many counts and numbers there are, and some more."""
@@ -182,7 +186,8 @@ def front_of(tables: Tables, sides: int, points: int, vertices: int, cells: int)
         rays=tables.rows(RAY, vertices),
         slots=tables.rows(SLOT, vertices),
         cells=tables.rows(CELL, cells * cells),
-        entries=tables.rows(ENTRY, ENTRIES * sides if cells > 1 else 1),
+        entries=tables.rows(ENTRY, ENTRIES * vertices if cells > 1 else 1),
+        buckets=tables.integers(1 << (points + vertices).bit_length()),
         counts=tables.integers(ONCE),
         numbers=tables.numbers(ONCE),
     )

@@ -24,7 +24,7 @@ events); Huber, "Computing Straight Skeletons and Motorcycle Graphs", 2012, sect
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import floor, inf, sqrt
 
 from foldcut.core.compiled import compiled_in
 
@@ -41,17 +41,29 @@ MOST_ERROR = 1e-8
 LATEST = 2.0**30
 """When nothing more can happen: in sizes of the drawing."""
 
+SQUARE = 2.0**-24
+"""The side of the squares by which nodes are found again; larger than any error."""
+
 ULP = 2.0**-52
 """The rounding of a number near 1."""
 
 FEW = 300
 """With no more live vertices than this, all fragments are looked at; with more, those in the grid's cells."""
 
+LEAST_REACH = 2.0**-10
+"""The shortest time to look ahead, in which a vertex at unit speed passes this part of a cell."""
+
+LATE = 0.5
+"""From this time on little happens that is not already on its way to the infinite."""
+
+FEW_LATE = 3000
+"""The same as ``FEW``, from then on."""
+
 # states of a vertex
 DEAD, CONVEX, REFLEX, CLOSING = 0, 1, 2, 3
 
 # places in ``counts``
-VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE = range(11)
+VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE, FULL = range(12)
 
 # places in ``numbers``
 NOW, END, LOW_X, LOW_Y, WIDTH, HEIGHT, NOISE, REACH = range(8)
@@ -167,7 +179,10 @@ def new_vertex(front, left, right, node, is_start):
     front.vertices[vertex].left = left
     front.vertices[vertex].right = right
     front.vertices[vertex].node = node
+    front.vertices[vertex].sibling = front.nodes[node].born
+    front.nodes[node].born = vertex
     front.vertices[vertex].mark = 0
+    front.vertices[vertex].entered = NEVER
     front.vertices[vertex].shrinks = NEVER
     front.vertices[vertex].hits = NEVER
     front.vertices[vertex].key = NEVER
@@ -330,12 +345,20 @@ def look_for_hit(front, vertex):
 @compiled
 def fragment_changed(front, start):
     """Find when the fragment from a vertex to the next shrinks to nothing, and which reflex vertices hit it before."""
+    if front.vertices[start].state == CLOSING:
+        return
     front.vertices[start].shrinks = time_of_shrinking(front, start)
     set_next_event(front, start)
-    if front.vertices[start].state == CLOSING or front.vertices[front.vertices[start].next].state == CLOSING:
+    if front.vertices[front.vertices[start].next].state == CLOSING:
         return
     if front.counts[GRID] > 0:
         enter_fragment(front, start)
+        end = front.vertices[start].next
+        # the path of a vertex may have got longer
+        if front.vertices[start].state == REFLEX and end_of_path(front, start) > front.vertices[start].entered:
+            enter_vertex(front, start, True)
+        if front.vertices[end].state == REFLEX and end_of_path(front, end) > front.vertices[end].entered:
+            enter_vertex(front, end, True)
         return
     for place in range(front.counts[LIVING]):
         vertex = front.slots[place].live
@@ -363,6 +386,7 @@ def meet(front, time, x, y, away, through):
     """
     counts = front.counts
     meeting = counts[MEETINGS]
+    node = join_born_here(front, time, x, y, away)
     k = 0
     while k < counts[GROUP]:
         vertex = front.slots[k].group
@@ -375,7 +399,8 @@ def meet(front, time, x, y, away, through):
             join(front, other)
     if through >= 0 and (front.vertices[through].mark == meeting or front.vertices[front.vertices[through].next].mark == meeting):
         through = -1
-    node = node_at(front, time, x, y, away, through)
+    if node < 0:
+        node = new_node(front, time, x, y, away, through)
 
     rays = 0
     for k in range(counts[GROUP]):
@@ -446,22 +471,31 @@ def pair_rays(front, rays, node):
             depth -= 1
             other = front.slots[depth].stack
             front.rays[k].out = -1
-            front.slots[made].group = new_pair(front, other, k, node)
+            if front.rays[k].side == front.rays[other].side:  # what was between two parts of a fragment is gone
+                before, after = front.rays[k].far, front.rays[other].far
+                front.vertices[before].next = after
+                front.vertices[after].prev = before
+                front.slots[made].group = before
+            else:
+                front.slots[made].group = new_pair(front, other, k, node)
             made += 1
     for k in range(made):
         vertex = front.slots[k].group
         before = front.vertices[vertex].prev
-        if front.vertices[vertex].state == CLOSING:
+        if front.vertices[vertex].node != node:  # an old vertex, whose fragment is longer now
+            fragment_changed(front, vertex)
+        elif front.vertices[vertex].state == CLOSING:
             front.vertices[vertex].shrinks = front.numbers[NOW]
             set_next_event(front, vertex)
-            front.vertices[before].shrinks = NEVER
-            set_next_event(front, before)
+            if front.vertices[before].state != CLOSING:
+                front.vertices[before].shrinks = NEVER
+                set_next_event(front, before)
         else:
             fragment_changed(front, before)
             fragment_changed(front, vertex)
     for k in range(made):
         vertex = front.slots[k].group
-        if front.vertices[vertex].state == REFLEX:
+        if front.vertices[vertex].state == REFLEX and front.vertices[vertex].node == node:
             if front.counts[GRID] > 0:
                 enter_vertex(front, vertex, True)
             else:
@@ -491,29 +525,62 @@ def new_pair(front, leaving, arriving, node):
 
 
 @compiled
-def node_at(front, time, x, y, away, through):
-    """Return the node where a group meets: one where some of it was born just now, or else a new one."""
+def bucket_of(front, column, row):
+    """Return the bucket of a small square of the plane."""
+    return (column * 73856093 ^ row * 19349663) & (len(front.buckets) - 1)
+
+
+@compiled
+def square_of(place):
+    """Return the column or row of small squares that a place is in."""
+    return int(floor(place / SQUARE))
+
+
+@compiled
+def join_born_here(front, time, x, y, away):
+    """Join what was born just now at this place, in a meeting before; return its node, or -1 if there is none."""
     found = -1
-    for k in range(front.counts[GROUP]):
-        vertex = front.slots[k].group
-        near = away + SAFETY * front.vertices[vertex].error
-        dx, dy = front.vertices[vertex].x - x, front.vertices[vertex].y - y
-        if abs(time - front.vertices[vertex].born) <= near and sqrt(dx * dx + dy * dy) <= near and front.vertices[vertex].born > 0.0:
-            node = root(front, front.vertices[vertex].node)
-            if found < 0:
-                found = node
-            elif found != node:
-                found, node = min(found, node), max(found, node)
-                front.nodes[node].same_as = found
-    if found >= 0:
-        return found
+    if away > 0.25 * SQUARE:
+        away = 0.25 * SQUARE
+    first_row, last_row = square_of(y - away), square_of(y + away)
+    for column in range(square_of(x - away), square_of(x + away) + 1):
+        for row in range(first_row, last_row + 1):
+            node = front.buckets[bucket_of(front, column, row)]
+            while node >= 0:
+                dx, dy = front.nodes[node].x - x, front.nodes[node].y - y
+                near = away + SAFETY * front.nodes[node].error
+                if (
+                    dx * dx + dy * dy <= near * near
+                    and abs(front.nodes[node].time - time) <= near
+                    and front.nodes[node].same_as == node
+                    and node != found
+                ):
+                    if found >= 0:
+                        front.nodes[max(node, found)].same_as = min(node, found)
+                    found = node if found < 0 else min(node, found)
+                    vertex = front.nodes[node].born
+                    while vertex >= 0:
+                        if front.vertices[vertex].state != DEAD:
+                            join(front, vertex)
+                        vertex = front.vertices[vertex].sibling
+                node = front.nodes[node].beside
+    return found
+
+
+@compiled
+def new_node(front, time, x, y, away, through):
+    """Return a new node where a group meets."""
     node = front.counts[NODES]
     if node >= len(front.nodes):
         front.counts[STATUS] = NO_ROOM
         return 0
     front.counts[NODES] = node + 1
     front.nodes[node].same_as = node
+    front.nodes[node].born = -1
     place_node(front, node, time, x, y, away, through)
+    bucket = bucket_of(front, square_of(front.nodes[node].x), square_of(front.nodes[node].y))
+    front.nodes[node].beside = front.buckets[bucket]
+    front.buckets[bucket] = node
     return node
 
 
@@ -657,7 +724,7 @@ def open_window(front):
         set_next_event(front, front.slots[place].live)
     start = max(numbers[NOW], numbers[END])
     numbers[NOW] = start
-    if count <= FEW:
+    if count <= (FEW if start < LATE else FEW_LATE):
         counts[GRID] = 0
         numbers[END] = LATEST
         for place in range(count):
@@ -669,11 +736,14 @@ def open_window(front):
     for place in range(count):
         vertex = front.slots[place].live
         late = start - front.vertices[vertex].born
-        x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
+        x = front.vertices[vertex].x + late * front.vertices[vertex].vx
+        y = front.vertices[vertex].y + late * front.vertices[vertex].vy
         low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
+    most = 1.0 + 1.5 * start  # few vertices are so fast that they get farther
+    low_x, low_y, high_x, high_y = max(low_x, -most), max(low_y, -most), min(high_x, most), min(high_y, most)
     grid = 1
-    most = int(sqrt(float(len(front.cells))) + 0.5)
-    while grid * grid < 4 * count and grid < most:
+    widest = int(sqrt(float(len(front.cells))) + 0.5)
+    while grid * grid < 4 * count and grid < widest:
         grid += 1
     counts[GRID] = grid
     size = max(high_x - low_x, high_y - low_y) + ULP
@@ -682,20 +752,36 @@ def open_window(front):
     numbers[HEIGHT] = (high_y - low_y + MOST_ERROR * size) / grid
     happened = counts[MEETINGS] - counts[MEETINGS_BEFORE]
     counts[MEETINGS_BEFORE] = counts[MEETINGS]
-    if happened * 16 < count:
+    if happened * 16 < count and counts[FULL] == 0:
         numbers[REACH] *= 2.0
-    elif happened * 2 > count:
+    fill_window(front, start, size / grid)
+    while counts[FULL] == 1:
         numbers[REACH] *= 0.5
-    numbers[END] = min(start + numbers[REACH] * size / grid, LATEST)
+        if numbers[REACH] < LEAST_REACH:
+            counts[STATUS] = NO_ROOM
+            return
+        fill_window(front, start, size / grid)
+
+
+@compiled
+def fill_window(front, start, cell_size):
+    """Enter all fragments and reflex vertices into the grid, for as long a time as the window's reach says."""
+    counts, numbers = front.counts, front.numbers
+    numbers[END] = min(start + numbers[REACH] * cell_size, LATEST)
     counts[ENTRIES_USED] = 0
-    for cell in range(grid * grid):
+    counts[FULL] = 0
+    for cell in range(counts[GRID] * counts[GRID]):
         front.cells[cell].fragments = -1
         front.cells[cell].vertices = -1
-    for place in range(count):
+    for place in range(counts[LIVING]):
         enter_fragment(front, front.slots[place].live)
-    for place in range(count):
+        if counts[FULL] == 1:
+            return
+    for place in range(counts[LIVING]):
         if front.vertices[front.slots[place].live].state == REFLEX:
             enter_vertex(front, front.slots[place].live, True)
+            if counts[FULL] == 1:
+                return
 
 
 @compiled
@@ -703,6 +789,7 @@ def enter_fragment(front, start):
     """Enter a fragment into the cells that it passes, and see which reflex vertices there hit it."""
     numbers = front.numbers
     begin = numbers[NOW]
+    stop = max(min(numbers[END], front.vertices[start].shrinks), begin)
     end = front.vertices[start].next
     side = front.vertices[start].right
     dx, dy = front.sides[side].dx, front.sides[side].dy
@@ -710,12 +797,19 @@ def enter_fragment(front, start):
     low, high = NEVER, -NEVER
     for k in range(4):
         vertex = start if k < 2 else end
-        late = (begin if k & 1 == 0 else numbers[END]) - front.vertices[vertex].born
+        late = (begin if k & 1 == 0 else stop) - front.vertices[vertex].born
         along = (front.vertices[vertex].x + late * front.vertices[vertex].vx - ox) * dx
         along += (front.vertices[vertex].y + late * front.vertices[vertex].vy - oy) * dy
         low, high = min(low, along), max(high, along)
-    ahead = numbers[END] - begin
+    ahead = stop - begin
     enter(front, start, ox + low * dx, oy + low * dy, ox + high * dx, oy + high * dy, -ahead * dy, ahead * dx, 0)
+
+
+@compiled
+def end_of_path(front, vertex):
+    """Return until when the path of a reflex vertex matters: to the window's end, or until a fragment beside it is gone."""
+    before = front.vertices[front.vertices[vertex].prev].shrinks
+    return min(front.numbers[END], front.vertices[vertex].shrinks, before)
 
 
 @compiled
@@ -724,7 +818,10 @@ def enter_vertex(front, vertex, stays):
     numbers = front.numbers
     late = numbers[NOW] - front.vertices[vertex].born
     x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
-    ahead = numbers[END] - numbers[NOW]
+    stop = end_of_path(front, vertex)
+    if stays:
+        front.vertices[vertex].entered = stop
+    ahead = max(stop - numbers[NOW], 0.0)
     enter(front, vertex, x, y, x + ahead * front.vertices[vertex].vx, y + ahead * front.vertices[vertex].vy, 0.0, 0.0, 2 if stays else 1)
 
 
@@ -784,7 +881,7 @@ def visit(front, cell, item, kind):
         return
     entry = front.counts[ENTRIES_USED]
     if entry >= len(front.entries):
-        front.counts[STATUS] = NO_ROOM
+        front.counts[FULL] = 1
         return
     front.counts[ENTRIES_USED] = entry + 1
     front.entries[entry].item = item
@@ -807,14 +904,17 @@ def start(front, sides, x, y, noise):
         counts[k] = 0
         numbers[k] = 0.0
     numbers[NOISE] = noise
-    numbers[REACH] = 1.0
+    numbers[REACH] = 0.25
     for point in range(len(x)):
         front.nodes[point].x = x[point]
         front.nodes[point].y = y[point]
         front.nodes[point].time = 0.0
         front.nodes[point].error = noise
         front.nodes[point].same_as = point
+        front.nodes[point].born = -1
     counts[NODES] = len(x)
+    for bucket in range(len(front.buckets)):
+        front.buckets[bucket] = -1
     for side in range(len(sides.tail)):
         source = sides.source[side]
         tail, head = sides.tail[source], sides.head[source]
@@ -849,6 +949,10 @@ def run(front, sides, x, y, noise):
     while counts[WAITING] > 0 and counts[STATUS] == DONE:
         vertex = front.slots[0].heap
         time = front.vertices[vertex].key
+        if counts[FULL] == 1:
+            numbers[END] = numbers[NOW]
+            open_window(front)
+            continue
         if time > numbers[END]:
             if numbers[END] >= LATEST:
                 break
