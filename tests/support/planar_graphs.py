@@ -44,7 +44,7 @@ def kind_of(seed: int) -> str:
 
 def is_plane(points: Floats, edges: Edges) -> bool:
     """Return whether every point has an edge, points are apart, and edges meet at their ends only."""
-    if len(edges) == 0 or set(edges.ravel().tolist()) != set(range(len(points))):
+    if len(edges) == 0 or (edges[:, 0] == edges[:, 1]).any() or set(edges.ravel().tolist()) != set(range(len(points))):
         return False
     if len(np.unique(points, axis=0)) != len(points):
         return False
