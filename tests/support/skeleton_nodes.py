@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
-from oracles.straight_skeleton import ROUNDED, Oracle
+from oracles.straight_skeleton import ROUNDED, Node, Oracle
 from scipy.spatial import KDTree
 
 from foldcut.core.arrays import Floats
@@ -27,7 +27,7 @@ FAR = 1e8
 """Nodes farther away than this, by the size of the drawing, are not compared."""
 
 
-def differences(skeleton: StraightSkeleton, oracle: Oracle) -> list[str]:
+def differences(skeleton: StraightSkeleton, oracle: Oracle, near: float = NEAR) -> list[str]:
     """Return where a skeleton and what the oracle found differ, in words: places, times, sides, arcs that never end.
 
     From the time on of the first node that has two sides which are nearly parallel, several skeletons are right, so
@@ -43,8 +43,8 @@ def differences(skeleton: StraightSkeleton, oracle: Oracle) -> list[str]:
     certain = min((time[k] for k in range(len(time)) if _has_nearly_parallel(case, sides[k])), default=np.inf)
     certain = min(certain, FAR * case.size)
     found = []
-    for cluster in clusters(np.concatenate([ours, theirs]), time, reach + NEAR * case.size):
-        if time[cluster].max() >= certain - NEAR * case.size:
+    for cluster in clusters(np.concatenate([ours, theirs]), time, reach + near * case.size):
+        if time[cluster].max() >= certain - near * case.size:
             continue
         here = [k for k in cluster if k < len(ours)]
         there = [k for k in cluster if k >= len(ours)]
@@ -84,3 +84,22 @@ def clusters(places: Floats, time: Floats, reach: Floats) -> Iterator[list[int]]
     for node, group in enumerate(groups(len(places), pairs)):
         found[group].append(node)
     yield from found.values()
+
+
+def as_oracle(
+    skeleton: StraightSkeleton, sides: Sequence[int], place: Callable[[Floats], Floats], scale: float = 1.0
+) -> Oracle:
+    """Return a skeleton as the oracle of another, for ``differences``.
+
+    ``sides`` ``(s,)``: what each of its sides is called there; ``place`` takes its nodes ``(k, 2)`` there; ``scale`` is
+    what times are multiplied by.
+    """
+    first = len(skeleton.graph.points)
+    nodes = [
+        Node(x, y, scale * time, frozenset(sides[side] for side in skeleton.node_sides(first + k).tolist()))
+        for k, ((x, y), time) in enumerate(
+            zip(place(skeleton.nodes[first:]).tolist(), skeleton.time[first:].tolist(), strict=True)
+        )
+    ]
+    ends = skeleton.arc_sides[skeleton.arcs[:, 1] < 0].tolist()
+    return Oracle(nodes, [(sides[left], sides[right]) for left, right in ends])
