@@ -31,8 +31,8 @@ __all__ = ["Solver", "StraightSkeleton", "straight_skeleton"]
 SPARE = 3
 """For how many new vertices of the wavefront there is room, for each side."""
 
-MOST_DECIMAL = 3000
-"""Graphs with more sides are not computed once more with decimals: that would take more than a minute."""
+MOST_DECIMAL = 500
+"""Graphs with more sides are not computed once more with decimals, unless doubles fail: it takes more than a second."""
 
 PATIENCE = 1.0
 """After so many seconds of the processor without it, compiled code is loaded, which takes about half as long."""

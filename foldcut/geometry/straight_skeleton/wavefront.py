@@ -30,6 +30,7 @@ from math import floor, inf, sqrt
 from foldcut.core.compiled import compiled_in
 
 compiled = compiled_in(__name__)
+inlined = compiled_in(__name__, inline=True)
 
 NEVER = inf
 
@@ -159,7 +160,7 @@ def spread(front, vertex, time):
     return min(error, MOST_ERROR * (1 + time))
 
 
-@compiled
+@inlined
 def distance_at(front, vertex, time, x, y):
     """Return how far a vertex is from a place at a time."""
     late = time - front.vertices[vertex].born
@@ -258,7 +259,7 @@ def new_arc(front, vertex, end):
     return arc
 
 
-@compiled
+@inlined
 def root(front, node):
     """Return the node that stands for all those at the place of this one."""
     while front.nodes[node].same_as != node:
@@ -269,7 +270,7 @@ def root(front, node):
 # Events
 
 
-@compiled
+@inlined
 def time_of_shrinking(front, start):
     """Return when the fragment that starts at a vertex has no length left."""
     end = front.vertices[start].next
@@ -291,47 +292,57 @@ def time_of_shrinking(front, start):
     return max(time, front.numbers[NOW]) if time <= LATEST else NEVER
 
 
-@compiled
+@inlined
 def time_of_hit(front, vertex, start, latest):
-    """Return when a reflex vertex hits the fragment that starts at another; ``NEVER`` if not before ``latest``."""
+    """Return when a reflex vertex hits the fragment that starts at another; ``NEVER`` if not before ``latest``.
+
+    This is asked most of all, so what is seldom needed is computed last.
+    """
     side = front.vertices[start].right
     if side == front.vertices[vertex].left or side == front.vertices[vertex].right:
         return NEVER
     dx, dy = front.sides[side].dx, front.sides[side].dy
-    rate = 1 + dy * front.vertices[vertex].vx - dx * front.vertices[vertex].vy
+    vx, vy = front.vertices[vertex].vx, front.vertices[vertex].vy
+    rate = 1 + dy * vx - dx * vy
     if rate <= front.vertices[vertex].drift:
         return NEVER
     x, y, born = front.vertices[vertex].x, front.vertices[vertex].y, front.vertices[vertex].born
     gap = dx * (y - front.sides[side].oy) - dy * (x - front.sides[side].ox) - born
-    time = born + gap / rate
-    if not time < latest:
-        return NEVER
-    end = front.vertices[start].next
-    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
+    if not gap < (latest - born) * rate:
         return NEVER
     now = front.numbers[NOW]
-    slack = min(SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate, MOST_ERROR * (1 + now))
-    if time < now - slack:
-        return NEVER
+    time = born + gap / rate
+    if time <= now:
+        # behind the fragment already, or beside it at the node where both were born, or about to hit it
+        slack = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate
+        slack = min(slack, MOST_ERROR * (1 + now))
+        if time < now - slack:
+            return NEVER
+    end = front.vertices[start].next
     node = front.vertices[vertex].node
-    if time <= born + slack and (front.vertices[start].node == node or front.vertices[end].node == node):
+    if front.vertices[start].node == node or front.vertices[end].node == node:
+        slack = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate
+        if time <= born + min(slack, MOST_ERROR * (1 + now)):
+            return NEVER
+    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
         return NEVER
     time = max(time, now)
-    x += (time - born) * front.vertices[vertex].vx
-    y += (time - born) * front.vertices[vertex].vy
-    near = spread(front, vertex, time)
+    x += (time - born) * vx
+    y += (time - born) * vy
     late = time - front.vertices[start].born
-    along = (x - front.vertices[start].x - late * front.vertices[start].vx) * dx + (y - front.vertices[start].y - late * front.vertices[start].vy) * dy
-    if along < -near - spread(front, start, time):
+    along = (x - front.vertices[start].x - late * front.vertices[start].vx) * dx
+    along += (y - front.vertices[start].y - late * front.vertices[start].vy) * dy
+    if along < 0 and along < -spread(front, vertex, time) - spread(front, start, time):
         return NEVER
     late = time - front.vertices[end].born
-    along = (front.vertices[end].x + late * front.vertices[end].vx - x) * dx + (front.vertices[end].y + late * front.vertices[end].vy - y) * dy
-    if along < -near - spread(front, end, time):
+    along = (front.vertices[end].x + late * front.vertices[end].vx - x) * dx
+    along += (front.vertices[end].y + late * front.vertices[end].vy - y) * dy
+    if along < 0 and along < -spread(front, vertex, time) - spread(front, end, time):
         return NEVER
     return time
 
 
-@compiled
+@inlined
 def consider(front, vertex, start):
     """Take a fragment as what a reflex vertex hits next, if that is earlier than what is known."""
     time = time_of_hit(front, vertex, start, front.vertices[vertex].hits)
@@ -383,7 +394,7 @@ def fragment_changed(front, start):
 # What meets at one place
 
 
-@compiled
+@inlined
 def is_near(front, vertex, time, x, y, away):
     """Return whether a vertex is at a place at a time; ``away`` is how uncertain the place is."""
     distance = distance_at(front, vertex, time, x, y)
@@ -393,14 +404,14 @@ def is_near(front, vertex, time, x, y, away):
     return True
 
 
-@compiled
+@inlined
 def must_be_sure(front, distance, time):
     """Note if places that were taken as the same are farther apart than rounding explains, or a place is uncertain."""
     if distance > SURE * front.numbers[NOISE] * (1 + time):
         front.counts[UNSURE] = 1
 
 
-@compiled
+@inlined
 def join(front, vertex):
     """Add a vertex to those that meet."""
     if front.vertices[vertex].mark != front.counts[MEETINGS]:
@@ -449,7 +460,7 @@ def meet(front, time, x, y, away, through):
         pair_rays(front, rays, node)
 
 
-@compiled
+@inlined
 def new_ray(front, rays, side, far, is_leaving):
     front.rays[rays].side = side
     front.rays[rays].far = far
@@ -533,7 +544,7 @@ def pair_rays(front, rays, node):
                 look_for_hit(front, vertex)
 
 
-@compiled
+@inlined
 def quarter_turns(cosine, sine):
     """Return a measure of an angle from 0 to 4, which grows with it."""
     if sine >= 0:
@@ -555,13 +566,13 @@ def new_pair(front, leaving, arriving, node):
     return vertex
 
 
-@compiled
+@inlined
 def bucket_of(front, column, row):
     """Return the bucket of a small square of the plane."""
     return (column * 73856093 ^ row * 19349663) & (len(front.buckets) - 1)
 
 
-@compiled
+@inlined
 def square_of(place):
     """Return the column or row of small squares that a place is in."""
     return int(floor(place / SQUARE))
@@ -837,7 +848,7 @@ def enter_fragment(front, start):
     enter(front, start, ox + low * dx, oy + low * dy, ox + high * dx, oy + high * dy, -ahead * dy, ahead * dx, 0)
 
 
-@compiled
+@inlined
 def end_of_path(front, vertex):
     """Return until when the path of a reflex vertex matters: to the window's end, or until a fragment beside it is gone."""
     before = front.vertices[front.vertices[vertex].prev].shrinks
@@ -890,14 +901,14 @@ def enter(front, item, x0, y0, x1, y1, ex, ey, kind):
             visit(front, column * grid + row if is_steep else row * grid + column, item, kind)
 
 
-@compiled
+@inlined
 def cell_of(place, grid):
     if not place > 0.0:
         return 0
     return int(place) if place < grid else grid - 1
 
 
-@compiled
+@inlined
 def visit(front, cell, item, kind):
     """Compare a fragment with the vertices of a cell, or a vertex with its fragments, and enter it there."""
     entry = front.cells[cell].vertices if kind == 0 else front.cells[cell].fragments
