@@ -20,7 +20,6 @@ from foldcut.methods import ADJUST_MM
 from foldcut.methods.skeleton.budget import Budget, order_cost
 from foldcut.methods.skeleton.choices import exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
-from foldcut.methods.skeleton.layer_order import require_solver
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
 from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
@@ -71,7 +70,6 @@ def fold_skeletal(
     """
     if shape.corner_count > MOST_CORNERS:
         raise UnfoldableError(f"the drawing has {shape.corner_count} corners; this method takes at most {MOST_CORNERS}")
-    require_solver()  # once, not after each of hundreds of trials
     budget = Budget(share * (seconds if seconds is not None else SECONDS[effort]))
     search = Search(sheet, ribbon, budget, progress)
     patience = PATIENCE * budget.limit

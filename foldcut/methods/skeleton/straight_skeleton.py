@@ -24,7 +24,7 @@ import numpy as np
 import shapely
 
 from foldcut.core.arrays import Floats, index_array
-from foldcut.core.errors import UnfoldableError, needed_extra
+from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.planar_graph import trace_faces
 from foldcut.geometry.union_find import groups
@@ -105,7 +105,7 @@ class Skeleton:
 def straight_skeleton(shape: Shape, sheet: Sheet) -> Skeleton:
     """Return the straight skeleton of the plane around a shape on its sheet, as far as a frame far beyond the sheet.
 
-    Raises ``UnfoldableError`` without the extra ``skeleton``, and where CGAL's result is not exact enough.
+    Raises ``UnfoldableError`` where CGAL's result is not exact enough.
     """
     problem = ""
     for tie in TIES:
@@ -289,12 +289,10 @@ def _way(vertices: Vertices, first: int, last: int) -> Vertices:
 
 def _cgal_skeleton(outer: Floats, holes: Sequence[Floats]) -> tuple[Floats, list[Edge]]:
     """Return the points and the ridges of the straight skeleton of a polygon with holes."""
-    try:
-        # only the compiled part: the module around it takes 0.3 s to import, for graphs that are not needed here
-        from compas_cgal import _straight_skeleton_2 as cgal
-        from compas_cgal import _types_std  # noqa: F401  # the types that it returns
-    except ImportError as error:
-        raise UnfoldableError(needed_extra("straight skeletons", "skeleton")) from error
+    # only the compiled part: the module around it takes 0.3 s to import, for graphs that are not needed here
+    from compas_cgal import _straight_skeleton_2 as cgal
+    from compas_cgal import _types_std  # noqa: F401  # the types that it returns
+
     if not shapely.Polygon(outer, holes).is_valid:  # CGAL may crash on it
         raise UnfoldableError("sides of the shape cross or touch, so it has no straight skeleton")
     flat = [np.column_stack([loop, np.zeros(len(loop))]) for loop in (outer, *holes)]

@@ -102,7 +102,6 @@ def test_a_side_of_no_length_has_no_skeleton_and_is_not_moved() -> None:
 
 
 def test_a_crease_of_no_length_has_no_layer_order() -> None:
-    pytest.importorskip("pysat")
     folded = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, 0.0)])
     with pytest.raises(UnfoldableError, match="a crease has no length"):
         OrderConditions(folded, [[0, 1, 2], [0, 3, 2]], [((1, 3), (0, 1))], [True, False])

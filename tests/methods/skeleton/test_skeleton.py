@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from collections.abc import Iterable
 from itertools import islice, product
 from pathlib import Path
@@ -299,17 +298,6 @@ def test_a_ribbon_wider_than_the_skeleton_is_refused() -> None:
     assert foldcut.fold(HOLED, method="skeleton", ribbon=1.0).findings == ()
     with pytest.raises(UnfoldableError, match="within the ribbon of 60 mm"):
         foldcut.fold(HOLED, method="skeleton", ribbon=60.0)
-
-
-@pytest.mark.parametrize("module", ["compas_cgal", "pysat.solvers"])
-def test_without_the_extra_the_error_names_it_and_auto_takes_the_gate(
-    module: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(UnfoldableError, match=r"install it with pip install 'foldcut\[skeleton\]'"):
-        foldcut.fold(HOLED, method="skeleton")
-    result = foldcut.fold(HOLED, effort="fast")
-    assert (result.method, result.findings) == ("gate", ())
 
 
 def test_auto_takes_the_skeleton_for_several_loops_and_the_command_says_so(
