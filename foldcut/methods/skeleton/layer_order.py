@@ -26,7 +26,7 @@ from foldcut.core.arrays import Bools, Floats
 from foldcut.core.errors import UnfoldableError
 from foldcut.geometry.segments import collinear_overlap
 from foldcut.methods.skeleton.facets import Crease
-from foldcut.methods.skeleton.straight_skeleton import Vertices
+from foldcut.methods.skeleton.skeleton_faces import Vertices
 
 Ints = NDArray[np.intp]
 

@@ -15,7 +15,7 @@ import numpy as np
 from foldcut.core.arrays import Floats, Numbers, points_array
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.skeleton.perpendiculars import SNAP
-from foldcut.methods.skeleton.straight_skeleton import EXACT, Flank
+from foldcut.methods.skeleton.skeleton_faces import EXACT, Flank
 
 Tie = frozenset[Flank]
 """Flanks whose sides are to be equally far from one point: the node that they share."""

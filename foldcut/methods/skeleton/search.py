@@ -21,8 +21,8 @@ from foldcut.methods.skeleton.budget import Budget, order_cost
 from foldcut.methods.skeleton.choices import exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
+from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
-from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
 from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered
 from foldcut.pattern.ranking import FOLDABLE_MM, shortest_crease
 
@@ -106,7 +106,7 @@ def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float 
 
 def ridges_of(shape: Shape, sheet: Sheet, ribbon: float) -> Ridges:
     """Return the ridges of a shape's straight skeleton; raise ``UnfoldableError`` if some meet within the ribbon."""
-    skeleton = straight_skeleton(shape, sheet)
+    skeleton = skeleton_of(shape, sheet)
     ridges = Ridges(skeleton, sheet)
     lowest = min((float(skeleton.height[node]) for node in ridges.nodes), default=np.inf)
     if lowest <= ribbon:

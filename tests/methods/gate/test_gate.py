@@ -70,7 +70,7 @@ def no_skeleton(monkeypatch: pytest.MonkeyPatch) -> None:
     def none(*_: object) -> None:
         raise UnfoldableError("there is no straight skeleton")
 
-    monkeypatch.setattr("foldcut.methods.skeleton.search.straight_skeleton", none)
+    monkeypatch.setattr("foldcut.methods.skeleton.search.skeleton_of", none)
 
 
 @pytest.mark.usefixtures("no_skeleton")

@@ -14,7 +14,7 @@ from foldcut.methods.skeleton.facets import Division, divide_sheet
 from foldcut.methods.skeleton.layer_order import OrderConditions
 from foldcut.methods.skeleton.move_corners import DIFFERENCE, Meeting, with_corners_moved
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
-from foldcut.methods.skeleton.straight_skeleton import Flank, straight_skeleton
+from foldcut.methods.skeleton.skeleton_faces import Flank, skeleton_of
 
 SHEET = Sheet(200.0, 200.0)
 WIDE = make_shape([[(40.0, 60.0), (160.0, 60.0), (160.0, 140.0), (40.0, 140.0)]])
@@ -22,7 +22,7 @@ INSIDE = [Flank(side, True) for side in range(4)]  # of WIDE: its sides follow e
 
 
 def ridges_of_wide() -> Ridges:
-    return Ridges(straight_skeleton(WIDE, SHEET), SHEET)
+    return Ridges(skeleton_of(WIDE, SHEET), SHEET)
 
 
 def test_two_nodes_of_a_rectangle_need_a_perpendicular_and_its_chains_are_hit_where_they_are() -> None:
@@ -97,7 +97,7 @@ def test_a_side_of_no_length_has_no_skeleton_and_is_not_moved() -> None:
     loop = np.array([(40.0, 60.0), (160.0, 60.0), (160.0, 60.0), (160.0, 140.0)])
     flat = Shape((loop,), (-1,))
     with pytest.raises(UnfoldableError, match="a side of no length"):
-        straight_skeleton(flat, SHEET)
+        skeleton_of(flat, SHEET)
     assert with_corners_moved(flat, SHEET, [frozenset(INSIDE[:3])], []) is None
 
 
@@ -123,4 +123,4 @@ def test_a_trial_costs_what_its_facets_do_and_a_failed_one_what_is_typical() -> 
 
 def test_the_needed_perpendiculars_of_a_square_are_none() -> None:
     square = make_shape([[(x + 100, y + 100) for x, y in rectangle(80, 80)]])
-    assert Ridges(straight_skeleton(square, SHEET), SHEET).odd == []
+    assert Ridges(skeleton_of(square, SHEET), SHEET).odd == []

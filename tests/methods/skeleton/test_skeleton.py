@@ -28,8 +28,8 @@ from foldcut.methods.skeleton.facets import Facets, divide_sheet
 from foldcut.methods.skeleton.layer_order import OrderConditions, layer_order
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
 from foldcut.methods.skeleton.search import Skeletal, fold_skeletal
+from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
-from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
 from foldcut.pattern.ranking import shortest_crease
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
@@ -46,7 +46,7 @@ def placed(loops: list[Points], margin: float = 30.0) -> Shape:
 
 
 def perpendiculars(loops: list[Points]) -> Perpendiculars:
-    ridges = Ridges(straight_skeleton(placed(loops), SHEET), SHEET)
+    ridges = Ridges(skeleton_of(placed(loops), SHEET), SHEET)
     return trace(ridges, ridges.odd)
 
 
@@ -60,7 +60,7 @@ def rough(loops: list[Points], off: float, seed: int = 0) -> list[Points]:
 def test_the_skeleton_of_a_rectangle_has_the_two_nodes_that_one_expects() -> None:
     sheet = Sheet(200.0, 200.0)
     shape = make_shape([[(40, 60), (160, 60), (160, 140), (40, 140)]])
-    skeleton = straight_skeleton(shape, sheet)
+    skeleton = skeleton_of(shape, sheet)
     inside = skeleton.points[4:][skeleton.height[4:] > 0]
     inside = inside[(inside > 40).all(axis=1) & (inside < 160).all(axis=1)]
     np.testing.assert_allclose(inside[np.argsort(inside[:, 0])], [(80, 100), (120, 100)], atol=1e-9)
@@ -68,7 +68,7 @@ def test_the_skeleton_of_a_rectangle_has_the_two_nodes_that_one_expects() -> Non
 
 @pytest.mark.parametrize("loops", [HOLED, ROOF, random_loops(0, holes=True), random_loops(2, holes=False)])
 def test_nodes_are_equally_far_from_all_sides_around_them(loops: list[Points]) -> None:
-    skeleton = straight_skeleton(placed(loops), SHEET)
+    skeleton = skeleton_of(placed(loops), SHEET)
     for face in skeleton.faces:
         away = skeleton.points[face.vertices] - skeleton.starts[face.side]
         x, y = skeleton.along[face.side]
@@ -78,7 +78,7 @@ def test_nodes_are_equally_far_from_all_sides_around_them(loops: list[Points]) -
 
 
 def test_sides_on_one_line_share_their_face() -> None:
-    skeleton = straight_skeleton(placed(ROOF), SHEET)
+    skeleton = skeleton_of(placed(ROOF), SHEET)
     assert len(skeleton.faces) == 2 * 8 - 1  # inside the two halves of the roof are one
 
 
@@ -121,12 +121,12 @@ def test_corners_are_moved_so_that_nodes_of_a_roughly_drawn_star_meet() -> None:
     tied, moved = tie_nodes(drawn, SHEET, 0.1)
     assert 0 < moved <= 0.1
     assert moved == pytest.approx(np.hypot(*(tied.loops[0] - drawn.loops[0]).T).max())
-    assert len(Ridges(straight_skeleton(drawn, SHEET), SHEET).odd) > 0
-    assert Ridges(straight_skeleton(tied, SHEET), SHEET).odd == []
+    assert len(Ridges(skeleton_of(drawn, SHEET), SHEET).odd) > 0
+    assert Ridges(skeleton_of(tied, SHEET), SHEET).odd == []
     # not farther than allowed
     same, none = tie_nodes(drawn, SHEET, 1e-4)
     assert none <= 1e-4
-    assert Ridges(straight_skeleton(same, SHEET), SHEET).odd != []
+    assert Ridges(skeleton_of(same, SHEET), SHEET).odd != []
 
 
 def test_a_rough_star_has_ten_creases_once_its_nodes_are_tied() -> None:
@@ -140,7 +140,7 @@ def test_corners_are_moved_so_that_perpendiculars_come_to_the_nodes_that_they_ne
     swan = place(make_shape(read_shape(sample_path("swan")).loops), sheet)[0]
 
     def met(shape: Shape) -> int:
-        ridges = Ridges(straight_skeleton(shape, sheet), sheet)
+        ridges = Ridges(skeleton_of(shape, sheet), sheet)
         return sum(path.end >= 0 for path in trace(ridges, ridges.odd).paths)
 
     tied, moved = tie_perpendiculars(swan, sheet, 0.5)
@@ -166,7 +166,7 @@ def test_corners_are_not_moved_so_that_sides_cross() -> None:
             assert shapely.Polygon(tied.loops[0]).is_valid
     crossing = np.array([(0.0, 0), (9, 9), (9, 0), (0, 8)])
     with pytest.raises(UnfoldableError, match="sides of the shape cross or touch"):
-        straight_skeleton(Shape((crossing,), (-1,)), SHEET)
+        skeleton_of(Shape((crossing,), (-1,)), SHEET)
 
 
 def test_a_node_that_nearly_is_on_another_ridge_is_put_there() -> None:
