@@ -4,13 +4,27 @@ A few loops exist twice, in numpy and compiled with numba (extra ``fast``). Load
 of processor time, so a process that folds one drawing loads it only where it saves more than that. A process that folds
 many drawings calls ``expect_many_drawings()`` once, at its start. The setting changes how long folding takes, not the
 result.
+
+A module may also be written once and run in both ways: its functions are marked with ``compiled_in(__name__)``, which
+leaves them as they are, and ``compiled_copy`` loads the same file a second time, compiled.
 """
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from types import ModuleType
+from typing import Any, TypeVar
 
-__all__ = ["COMPILED", "CompiledCode", "expect_many_drawings"]
+__all__ = ["COMPILED", "CompiledCode", "compiled_copy", "compiled_in", "expect_many_drawings", "is_ready"]
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+COPY = "_compiled"
+"""What the name of a module's compiled copy ends in."""
 
 
 @dataclass
@@ -36,3 +50,46 @@ COMPILED = CompiledCode()
 def expect_many_drawings() -> None:
     """Use compiled code from now on wherever it is faster: for processes that fold one drawing after the other."""
     COMPILED.many_drawings = True
+
+
+def compiled_in(module: str) -> Callable[[Function], Function]:
+    """Return the decorator of a module's functions: it compiles them in a compiled copy, and elsewhere does nothing.
+
+    ``module`` is the module's ``__name__``.
+    """
+    if not module.endswith(COPY):
+        return lambda function: function
+    from numba import njit
+
+    decorate: Callable[[Function], Function] = njit(cache=True, nogil=True, error_model="numpy")
+    return decorate
+
+
+@cache
+def compiled_copy(module: ModuleType) -> ModuleType:
+    """Return a second copy of a module, whose marked functions are compiled; ``ImportError`` without numba.
+
+    What was compiled in an earlier process is read from numba's cache.
+    """
+    name = module.__name__ + COPY
+    spec = spec_from_file_location(name, module.__file__)
+    assert spec is not None
+    assert spec.loader is not None
+    copy = module_from_spec(spec)
+    sys.modules[name] = copy
+    spec.loader.exec_module(copy)
+    return copy
+
+
+def is_installed() -> bool:
+    """Tell whether numba is there."""
+    return find_spec("numba") is not None
+
+
+def is_ready(function: Any) -> bool:
+    """Tell whether a compiled function is in numba's cache for this machine, so that nobody waits for the compiler."""
+    if function.signatures:
+        return True
+    kept = function._cache  # numba has no public way to ask
+    known = kept._cache_file._load_index()
+    return any(key[1:] == kept._index_key(key[0], function.targetctx.codegen())[1:] for key in known)

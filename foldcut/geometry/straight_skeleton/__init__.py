@@ -1,0 +1,10 @@
+"""The straight skeleton of any planar graph.
+
+``graph`` is the input and its sides; ``wavefront`` moves the wavefront, in the columns of ``tables``; ``skeleton`` calls
+it and returns a ``StraightSkeleton``.
+"""
+
+from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
+from foldcut.geometry.straight_skeleton.skeleton import Solver, StraightSkeleton, straight_skeleton
+
+__all__ = ["Graph", "Solver", "StraightSkeleton", "graph_of", "straight_skeleton"]

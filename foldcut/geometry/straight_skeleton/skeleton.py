@@ -1,0 +1,207 @@
+"""The straight skeleton of a planar graph, on the whole plane.
+
+``straight_skeleton(points, edges)`` -> ``StraightSkeleton``; ``Solver`` for many placements of one graph.
+Source: Aichholzer and Aurenhammer, "Straight Skeletons for General Polygonal Figures", 1996.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from time import process_time
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from foldcut.core.arrays import Floats, Indices, Ints, Ragged, index_array, sealed
+from foldcut.core.compiled import COMPILED, compiled_copy, is_installed, is_ready
+from foldcut.geometry.straight_skeleton import wavefront
+from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
+from foldcut.geometry.straight_skeleton.tables import Arrays, Faces, Front, Graphs, Lists, Tables, faces_of, front_of
+
+__all__ = ["Solver", "StraightSkeleton", "straight_skeleton"]
+
+SPARE = 3
+"""For how many new vertices of the wavefront there is room, for each side."""
+
+PATIENCE = 1.0
+"""After so many seconds of the processor without it, compiled code is loaded, which takes about half as long."""
+
+
+@dataclass(frozen=True, eq=False)
+class StraightSkeleton:
+    """The straight skeleton of a graph.
+
+    ``nodes`` ``(k, 2)``: the first n are the graph's points. ``time`` ``(k,)``: how far each is from the lines of its
+    sides. ``arcs`` ``(a, 2)``: the nodes where an arc starts and ends, -1 where it goes on for ever; ``arc_sides``
+    ``(a, 2)``: the sides on its left and its right, as the wavefront moves; ``arc_velocity`` ``(a, 2)``: while t goes
+    from ``time[start]`` to ``time[end]`` the wavefront's vertex is at ``nodes[start] + (t - time[start]) * velocity``.
+    Where two sides come to lie on each other face to face, the arc between them is level, with velocity 0.
+    ``face_nodes``: the nodes of each side's face, counter-clockwise: the side's tail, its head, and so on; -1 stands for
+    the infinite. A cap has its point only once.
+    """
+
+    graph: Graph
+    nodes: Floats
+    time: Floats
+    arcs: Indices
+    arc_sides: Indices
+    arc_velocity: Floats
+    face_nodes: Ragged
+
+    def face(self, side: int) -> Ints:
+        """Return the nodes of a side's face, counter-clockwise from its tail; -1 stands for the infinite."""
+        return self.face_nodes[side]
+
+    @cached_property
+    def sides_of_nodes(self) -> Ragged:
+        """The sides whose faces have a node, for each node."""
+        order = np.argsort(self.face_nodes.values, kind="stable")
+        order = order[self.face_nodes.values[order] >= 0]
+        count = np.bincount(self.face_nodes.values[order], minlength=len(self.nodes))
+        return Ragged(sealed(self.face_nodes.rows[order]), index_array(np.concatenate([[0], np.cumsum(count)])))
+
+    def node_sides(self, node: int) -> Ints:
+        """Return the sides whose faces have a node, in ascending order."""
+        return self.sides_of_nodes[node]
+
+    def node_contours(self, node: int) -> Indices:
+        """Return the contours of a node's sides, in ascending order; several where parts of the graph meet."""
+        contours: Indices = np.unique(self.graph.side_contour[self.node_sides(node)])
+        return contours
+
+
+def straight_skeleton(points: ArrayLike, edges: ArrayLike, *, tables: Tables | None = None) -> StraightSkeleton:
+    """Return the straight skeleton of the graph of edges ``(m, 2)`` between points ``(n, 2)``.
+
+    ``tables``: where the work is done, ``Arrays()`` or ``Lists()``; the bits are the same.
+    Raises ``ValueError`` with the place where points and edges are no planar graph.
+    """
+    return Solver(graph_of(points, edges), tables).solve_one()
+
+
+class Solver:
+    """Makes the straight skeletons of one graph with its points at many places.
+
+    ``tables``: where the work is done: ``Arrays()`` (compiled; ``ImportError`` without the extra ``fast``), ``Lists()``
+    (plain Python), or what is faster for the time that this process has spent on skeletons so far. The bits are the
+    same. A solver is for one thread at a time.
+    """
+
+    def __init__(self, graph: Graph, tables: Tables | None = None) -> None:
+        self.graph = graph
+        self.choice = tables
+        self.tables: Tables = Lists()
+        self.room = 0
+        self.front: Front
+        self.faces: Faces
+        self.sides: Graphs
+
+    def solve(self, candidates: ArrayLike) -> list[StraightSkeleton]:
+        """Return the skeleton for each of the candidates ``(c, n, 2)``: places of all points."""
+        return [self.solve_one(points) for points in np.asarray(candidates, dtype=np.float64)]
+
+    def solve_one(self, points: Any = None) -> StraightSkeleton:
+        """Return the skeleton of the graph, with its points at other places ``(n, 2)`` if these are given.
+
+        Edges must not cross there, which is not checked.
+        """
+        graph = self.graph if points is None else self.graph.moved_to(points)
+        tables = self.choice or DEFAULT.tables()
+        if not self.room or tables.compiled != self.tables.compiled:
+            self._make_room(tables, graph.side_count * (1 + SPARE) + 16)
+        kernel: Any = compiled_copy(wavefront) if tables.compiled else wavefront
+        started = 0.0 if tables.compiled else process_time()
+        # a frame in which coordinates are within -1 and 1, a power of two smaller or larger, so nothing is rounded
+        low, high = graph.points.min(axis=0), graph.points.max(axis=0)
+        middle = (low + high) / 2
+        scale = 2.0 ** math.frexp(float((high - low).max()))[1]
+        local = (graph.points - middle) / scale
+        noise = 2.0**-52 * max(1.0, float(np.abs(graph.points).max()) / scale)
+        x, y = local.T
+        xs, ys = (np.ascontiguousarray(x), np.ascontiguousarray(y)) if tables.compiled else (x.tolist(), y.tolist())
+        while True:
+            status = kernel.run(self.front, self.sides, xs, ys, noise)
+            if status == wavefront.DONE and kernel.gather_faces(self.front, self.sides, self.faces):
+                break
+            if status != wavefront.NO_ROOM:
+                raise ArithmeticError("the straight skeleton does not come to an end: a fault of this program")
+            self._make_room(tables, 2 * self.room)
+        if not tables.compiled:
+            DEFAULT.spent += process_time() - started
+        return self._result(graph, middle, scale)
+
+    def _make_room(self, tables: Tables, room: int) -> None:
+        graph = self.graph
+        count = graph.side_count
+        cells = 1 if count <= wavefront.FEW else 2 * math.isqrt(room // (1 + SPARE)) + 2
+        self.tables, self.room = tables, room
+        self.front = front_of(tables, count, len(graph.points), room, cells)
+        self.faces = faces_of(tables, count, len(graph.points), room)
+        lists = (graph.tail, graph.head, graph.following, graph.source)
+        self.sides = Graphs(*lists) if tables.compiled else Graphs(*(array.tolist() for array in lists))
+
+    def _result(self, graph: Graph, middle: Floats, scale: float) -> StraightSkeleton:
+        counts = self.front.counts
+        arcs = fields(self.front.arcs, counts[wavefront.ARCS], "start end left right vx vy")
+        nodes = fields(self.front.nodes, counts[wavefront.NODES], "x y time same_as")
+        (offsets,) = fields(self.faces.sides, graph.side_count + 1, "offset")
+        (values,) = fields(self.faces.items, offsets[-1], "value")
+        ends, sides, velocity = np.stack(arcs[:2]), np.stack(arcs[2:4]), np.stack(arcs[4:])
+        kept = np.flatnonzero(ends[0] != ends[1])
+        if len(kept) < ends.shape[1]:
+            ends, sides, velocity = ends[:, kept], sides[:, kept], velocity[:, kept]
+        places, time, same = np.stack(nodes[:2], axis=1) * scale + middle, nodes[2] * scale, nodes[3]
+        numbers = np.arange(len(same))
+        if (same != numbers).any():
+            unique = same == numbers
+            place = np.append(np.cumsum(unique) - 1, -1)  # -1 stays -1
+            places, time, ends, values = places[unique], time[unique], place[ends], place[values]
+        places[: len(graph.points)] = graph.points
+        return StraightSkeleton(
+            graph,
+            sealed(places),
+            sealed(time),
+            sealed(np.ascontiguousarray(ends.T)),
+            sealed(np.ascontiguousarray(sides.T)),
+            sealed(np.ascontiguousarray(velocity.T)),
+            Ragged(sealed(values.astype(np.int32)), index_array(offsets)),
+        )
+
+
+def fields(table: Any, count: int, names: str) -> list[Any]:
+    """Return the first entries of some fields of a table, each as a new array."""
+    if isinstance(table, np.ndarray):
+        return [table[name][:count].copy() for name in names.split()]
+    return [np.array([getattr(row, name) for row in table[:count]]) for name in names.split()]
+
+
+class Default:
+    """Where the work is done if nobody says: in lists at first, and in compiled code once it has been worth loading.
+
+    Compiled code is only used if it is in numba's cache (``foldcut compile`` puts it there), so nobody waits for the
+    compiler.
+    """
+
+    def __init__(self) -> None:
+        self.spent = 0.0
+        self.made: Tables = Lists()
+        self.is_decided = False
+        self.lock = threading.Lock()
+
+    def tables(self) -> Tables:
+        """Return what to use now."""
+        if not self.is_decided and (COMPILED.many_drawings or self.spent > PATIENCE):
+            with self.lock:
+                self.is_decided = True
+                if is_installed() and is_ready(compiled_copy(wavefront).run):
+                    self.made = Arrays()
+        return self.made
+
+
+DEFAULT = Default()
+"""The choice of this process."""

@@ -1,0 +1,950 @@
+"""The wavefront of a planar graph, moved from event to event until it has vanished or nothing more happens to it.
+
+``Sides``, points -> nodes and arcs in ``Front``; then the faces in ``Faces``.
+
+Each side moves sideways at unit speed towards the region on its left. A *vertex* of the wavefront runs between two
+*fragments* of sides that follow each other, on the bisector of their lines. There are two kinds of events: a fragment
+shrinks to nothing, and a reflex vertex hits a fragment. Whatever meets at one place is treated as one: the fragments
+that end there are sorted by angle around the place, and each that leaves is joined to the one that arrives next to it,
+counter-clockwise (``meet``). Two sides that come to lie on each other, face to face, have a wedge of no angle between
+them; the vertex there runs along both at once, to the nearer of their other ends (``close``). So it does not matter in
+which order simultaneous events are found, nor how many things they bring together.
+
+Whether two things are at the same place is decided by how uncertain their places are: every vertex carries a bound on
+its error, which comes from the rounding of the graph's coordinates and from the angles of its sides. Nothing depends on
+the size of a drawing. A node's place is corrected to the lines of all its sides as soon as it is made, so errors do not
+add up.
+
+With many vertices, hits are looked for in a grid, for a short time ahead (``open_window``).
+
+This file is run as it is, on lists, or compiled, on arrays (see ``tables``); so it uses nothing but numbers and columns.
+Source: Aichholzer and Aurenhammer, "Straight Skeletons for General Polygonal Figures", 1996 (the wavefront and its
+events); Huber, "Computing Straight Skeletons and Motorcycle Graphs", 2012, section 2 (vertices of any degree).
+"""
+
+from __future__ import annotations
+
+from math import inf, sqrt
+
+from foldcut.core.compiled import compiled_in
+
+compiled = compiled_in(__name__)
+
+NEVER = inf
+
+SAFETY = 32.0
+"""How many times their estimated error two places may be apart and still be the same."""
+
+MOST_ERROR = 1e-8
+"""Places farther apart than this part of the drawing are never the same."""
+
+LATEST = 2.0**30
+"""When nothing more can happen: in sizes of the drawing."""
+
+ULP = 2.0**-52
+"""The rounding of a number near 1."""
+
+FEW = 300
+"""With no more live vertices than this, all fragments are looked at; with more, those in the grid's cells."""
+
+# states of a vertex
+DEAD, CONVEX, REFLEX, CLOSING = 0, 1, 2, 3
+
+# places in ``counts``
+VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE = range(11)
+
+# places in ``numbers``
+NOW, END, LOW_X, LOW_Y, WIDTH, HEIGHT, NOISE, REACH = range(8)
+
+# values of the status
+DONE, NO_ROOM, STUCK = 0, 1, 2
+
+
+# The heap of vertices by their next event
+
+
+@compiled
+def rise(front, vertex):
+    """Move a vertex towards the top of the heap, as far as its key wants."""
+    place = front.vertices[vertex].heap_place
+    key = front.vertices[vertex].key
+    while place > 0:
+        above = (place - 1) >> 1
+        other = front.slots[above].heap
+        if front.vertices[other].key <= key:
+            break
+        front.slots[place].heap = other
+        front.vertices[other].heap_place = place
+        place = above
+    front.slots[place].heap = vertex
+    front.vertices[vertex].heap_place = place
+
+
+@compiled
+def sink(front, vertex):
+    """Move a vertex towards the bottom of the heap, as far as its key wants."""
+    place = front.vertices[vertex].heap_place
+    key = front.vertices[vertex].key
+    count = front.counts[WAITING]
+    while True:
+        below = 2 * place + 1
+        if below >= count:
+            break
+        if below + 1 < count and front.vertices[front.slots[below + 1].heap].key < front.vertices[front.slots[below].heap].key:
+            below += 1
+        other = front.slots[below].heap
+        if front.vertices[other].key >= key:
+            break
+        front.slots[place].heap = other
+        front.vertices[other].heap_place = place
+        place = below
+    front.slots[place].heap = vertex
+    front.vertices[vertex].heap_place = place
+
+
+@compiled
+def set_next_event(front, vertex):
+    """Put a vertex where it belongs in the heap, after one of its two events has changed."""
+    key = min(front.vertices[vertex].shrinks, front.vertices[vertex].hits)
+    old = front.vertices[vertex].key
+    front.vertices[vertex].key = key
+    if key < old:
+        rise(front, vertex)
+    elif key > old:
+        sink(front, vertex)
+
+
+@compiled
+def leave_heap(front, vertex):
+    place = front.vertices[vertex].heap_place
+    front.counts[WAITING] -= 1
+    last = front.slots[front.counts[WAITING]].heap
+    if last != vertex:
+        front.slots[place].heap = last
+        front.vertices[last].heap_place = place
+        rise(front, last)
+        sink(front, last)
+
+
+# Vertices
+
+
+@compiled
+def spread(front, vertex, time):
+    """Return how far from its place at a time a vertex may be."""
+    error = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(time - front.vertices[vertex].born))
+    return min(error, MOST_ERROR * (1.0 + time))
+
+
+@compiled
+def distance_at(front, vertex, time, x, y):
+    """Return how far a vertex is from a place at a time."""
+    late = time - front.vertices[vertex].born
+    dx = front.vertices[vertex].x + late * front.vertices[vertex].vx - x
+    dy = front.vertices[vertex].y + late * front.vertices[vertex].vy - y
+    return sqrt(dx * dx + dy * dy)
+
+
+@compiled
+def new_vertex(front, left, right, node, is_start):
+    """Make a vertex at a node between the side that arrives and the side that leaves, and return it.
+
+    Its neighbours are still to be set. It is closing if the wedge between the sides has no angle; not at the start,
+    where sides do not lie on each other.
+    """
+    vertex = front.counts[VERTICES]
+    if vertex >= len(front.vertices):
+        front.counts[STATUS] = NO_ROOM
+        return 0
+    front.counts[VERTICES] = vertex + 1
+    ax, ay, bx, by = front.sides[left].dx, front.sides[left].dy, front.sides[right].dx, front.sides[right].dy
+    cross = ax * by - ay * bx
+    dot = ax * bx + ay * by
+    uncertain = front.sides[left].turn + front.sides[right].turn + ULP
+    front.vertices[vertex].x = front.nodes[node].x
+    front.vertices[vertex].y = front.nodes[node].y
+    front.vertices[vertex].born = front.nodes[node].time
+    front.vertices[vertex].left = left
+    front.vertices[vertex].right = right
+    front.vertices[vertex].node = node
+    front.vertices[vertex].mark = 0
+    front.vertices[vertex].shrinks = NEVER
+    front.vertices[vertex].hits = NEVER
+    front.vertices[vertex].key = NEVER
+    if not is_start and dot < 0.0 and abs(cross) <= SAFETY * uncertain:
+        make_closing(front, vertex)
+    else:
+        if dot >= 0.0:
+            vx, vy = -(ay + by) / (1.0 + dot), (ax + bx) / (1.0 + dot)
+        else:
+            vx, vy = (bx - ax) / cross, (by - ay) / cross
+        square = vx * vx + vy * vy
+        front.vertices[vertex].vx = vx
+        front.vertices[vertex].vy = vy
+        front.vertices[vertex].drift = uncertain * square
+        front.vertices[vertex].error = front.nodes[node].error * (1.0 + sqrt(square))
+        front.vertices[vertex].state = REFLEX if cross < 0.0 else CONVEX
+    place = front.counts[LIVING]
+    front.slots[place].live = vertex
+    front.vertices[vertex].live_place = place
+    front.counts[LIVING] = place + 1
+    place = front.counts[WAITING]
+    front.slots[place].heap = vertex
+    front.vertices[vertex].heap_place = place
+    front.counts[WAITING] = place + 1
+    return vertex
+
+
+@compiled
+def make_closing(front, vertex):
+    front.vertices[vertex].vx = 0.0
+    front.vertices[vertex].vy = 0.0
+    front.vertices[vertex].drift = 0.0
+    front.vertices[vertex].error = front.nodes[front.vertices[vertex].node].error
+    front.vertices[vertex].state = CLOSING
+
+
+@compiled
+def end_vertex(front, vertex, node):
+    """Take a vertex out of the wavefront at a node; the arc from the node where it was born is done."""
+    if root(front, front.vertices[vertex].node) != root(front, node):
+        new_arc(front, vertex, node)
+    front.vertices[vertex].state = DEAD
+    count = front.counts[LIVING] - 1
+    front.counts[LIVING] = count
+    last = front.slots[count].live
+    front.slots[front.vertices[vertex].live_place].live = last
+    front.vertices[last].live_place = front.vertices[vertex].live_place
+    leave_heap(front, vertex)
+
+
+@compiled
+def new_arc(front, vertex, end):
+    arc = front.counts[ARCS]
+    front.counts[ARCS] = arc + 1
+    front.arcs[arc].start = front.vertices[vertex].node
+    front.arcs[arc].end = end
+    front.arcs[arc].left = front.vertices[vertex].left
+    front.arcs[arc].right = front.vertices[vertex].right
+    front.arcs[arc].vx = front.vertices[vertex].vx
+    front.arcs[arc].vy = front.vertices[vertex].vy
+    front.arcs[arc].beyond = -1
+    return arc
+
+
+@compiled
+def root(front, node):
+    """Return the node that stands for all those at the place of this one."""
+    while front.nodes[node].same_as != node:
+        node = front.nodes[node].same_as
+    return node
+
+
+# Events
+
+
+@compiled
+def time_of_shrinking(front, start):
+    """Return when the fragment that starts at a vertex has no length left."""
+    end = front.vertices[start].next
+    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
+        return NEVER
+    side = front.vertices[start].right
+    dx, dy = front.sides[side].dx, front.sides[side].dy
+    rate = (front.vertices[start].vx - front.vertices[end].vx) * dx + (front.vertices[start].vy - front.vertices[end].vy) * dy
+    if rate <= front.vertices[start].drift + front.vertices[end].drift:
+        return NEVER
+    since = max(front.vertices[start].born, front.vertices[end].born)
+    late, early = since - front.vertices[end].born, since - front.vertices[start].born
+    length = (front.vertices[end].x + late * front.vertices[end].vx - front.vertices[start].x - early * front.vertices[start].vx) * dx
+    length += (front.vertices[end].y + late * front.vertices[end].vy - front.vertices[start].y - early * front.vertices[start].vy) * dy
+    time = since + length / rate
+    return max(time, front.numbers[NOW]) if time <= LATEST else NEVER
+
+
+@compiled
+def time_of_hit(front, vertex, start, latest):
+    """Return when a reflex vertex hits the fragment that starts at another; ``NEVER`` if not before ``latest``."""
+    side = front.vertices[start].right
+    if side == front.vertices[vertex].left or side == front.vertices[vertex].right:
+        return NEVER
+    dx, dy = front.sides[side].dx, front.sides[side].dy
+    rate = 1.0 + dy * front.vertices[vertex].vx - dx * front.vertices[vertex].vy
+    if rate <= front.vertices[vertex].drift:
+        return NEVER
+    x, y, born = front.vertices[vertex].x, front.vertices[vertex].y, front.vertices[vertex].born
+    gap = dx * (y - front.sides[side].oy) - dy * (x - front.sides[side].ox) - born
+    time = born + gap / rate
+    if not time < latest:
+        return NEVER
+    end = front.vertices[start].next
+    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
+        return NEVER
+    now = front.numbers[NOW]
+    slack = min(SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate, MOST_ERROR * (1.0 + now))
+    if time < now - slack:
+        return NEVER
+    node = front.vertices[vertex].node
+    if time <= born + slack and (front.vertices[start].node == node or front.vertices[end].node == node):
+        return NEVER
+    time = max(time, now)
+    x += (time - born) * front.vertices[vertex].vx
+    y += (time - born) * front.vertices[vertex].vy
+    near = spread(front, vertex, time)
+    late = time - front.vertices[start].born
+    along = (x - front.vertices[start].x - late * front.vertices[start].vx) * dx + (y - front.vertices[start].y - late * front.vertices[start].vy) * dy
+    if along < -near - spread(front, start, time):
+        return NEVER
+    late = time - front.vertices[end].born
+    along = (front.vertices[end].x + late * front.vertices[end].vx - x) * dx + (front.vertices[end].y + late * front.vertices[end].vy - y) * dy
+    if along < -near - spread(front, end, time):
+        return NEVER
+    return time
+
+
+@compiled
+def consider(front, vertex, start):
+    """Take a fragment as what a reflex vertex hits next, if that is earlier than what is known."""
+    time = time_of_hit(front, vertex, start, front.vertices[vertex].hits)
+    if time <= front.numbers[END] and time < front.vertices[vertex].hits:
+        front.vertices[vertex].hits = time
+        front.vertices[vertex].target = start
+        front.vertices[vertex].target_end = front.vertices[start].next
+        if time < front.vertices[vertex].key:
+            front.vertices[vertex].key = time
+            rise(front, vertex)
+
+
+@compiled
+def look_for_hit(front, vertex):
+    """Find what a reflex vertex hits next."""
+    front.vertices[vertex].hits = NEVER
+    set_next_event(front, vertex)
+    if front.counts[GRID] > 0:
+        enter_vertex(front, vertex, False)
+        return
+    for place in range(front.counts[LIVING]):
+        consider(front, vertex, front.slots[place].live)
+
+
+@compiled
+def fragment_changed(front, start):
+    """Find when the fragment from a vertex to the next shrinks to nothing, and which reflex vertices hit it before."""
+    front.vertices[start].shrinks = time_of_shrinking(front, start)
+    set_next_event(front, start)
+    if front.vertices[start].state == CLOSING or front.vertices[front.vertices[start].next].state == CLOSING:
+        return
+    if front.counts[GRID] > 0:
+        enter_fragment(front, start)
+        return
+    for place in range(front.counts[LIVING]):
+        vertex = front.slots[place].live
+        if front.vertices[vertex].state == REFLEX:
+            consider(front, vertex, start)
+
+
+# What meets at one place
+
+
+@compiled
+def join(front, vertex):
+    """Add a vertex to those that meet."""
+    if front.vertices[vertex].mark != front.counts[MEETINGS]:
+        front.vertices[vertex].mark = front.counts[MEETINGS]
+        front.slots[front.counts[GROUP]].group = vertex
+        front.counts[GROUP] += 1
+
+
+@compiled
+def meet(front, time, x, y, away, through):
+    """Let all that is at one place at a time meet there: the joined vertices, and those beside them.
+
+    ``away`` is how uncertain the place is; ``through`` the start of a fragment that passes through it, or -1.
+    """
+    counts = front.counts
+    meeting = counts[MEETINGS]
+    k = 0
+    while k < counts[GROUP]:
+        vertex = front.slots[k].group
+        k += 1
+        other = front.vertices[vertex].prev
+        if front.vertices[other].mark != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
+            join(front, other)
+        other = front.vertices[vertex].next
+        if front.vertices[other].mark != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
+            join(front, other)
+    if through >= 0 and (front.vertices[through].mark == meeting or front.vertices[front.vertices[through].next].mark == meeting):
+        through = -1
+    node = node_at(front, time, x, y, away, through)
+
+    rays = 0
+    for k in range(counts[GROUP]):
+        vertex = front.slots[k].group
+        if front.vertices[front.vertices[vertex].prev].mark != meeting:
+            rays = new_ray(front, rays, front.vertices[vertex].left, front.vertices[vertex].prev, 0)
+        if front.vertices[front.vertices[vertex].next].mark != meeting:
+            rays = new_ray(front, rays, front.vertices[vertex].right, front.vertices[vertex].next, 1)
+    if through >= 0:
+        rays = new_ray(front, rays, front.vertices[through].right, through, 0)
+        rays = new_ray(front, rays, front.vertices[through].right, front.vertices[through].next, 1)
+    for k in range(counts[GROUP]):
+        end_vertex(front, front.slots[k].group, node)
+    if rays > 0:
+        pair_rays(front, rays, node)
+
+
+@compiled
+def new_ray(front, rays, side, far, is_leaving):
+    front.rays[rays].side = side
+    front.rays[rays].far = far
+    front.rays[rays].out = is_leaving
+    return rays + 1
+
+
+@compiled
+def pair_rays(front, rays, node):
+    """Join each fragment that leaves a node to the one that arrives next to it, counter-clockwise."""
+    first = 0
+    while front.rays[first].out == 0:
+        first += 1
+    side = front.rays[first].side
+    dx, dy = front.sides[side].dx, front.sides[side].dy
+    tie = 0.0
+    for k in range(rays):
+        tie = max(tie, front.sides[front.rays[k].side].turn)
+    tie = SAFETY * (2.0 * tie + ULP)
+    for k in range(rays):
+        side = front.rays[k].side
+        sign = 1.0 if front.rays[k].out == 1 else -1.0
+        angle = quarter_turns(
+            sign * (dx * front.sides[side].dx + dy * front.sides[side].dy), sign * (dx * front.sides[side].dy - dy * front.sides[side].dx)
+        )
+        if angle > 4.0 - tie:
+            angle -= 4.0
+        if k == first:
+            angle = 0.0
+        front.rays[k].angle = angle
+        place = k
+        while place > 0:
+            other = front.slots[place - 1].order
+            gap = angle - front.rays[other].angle
+            if gap > tie or (gap >= -tie and front.rays[other].out >= front.rays[k].out):
+                break
+            front.slots[place].order = other
+            place -= 1
+        front.slots[place].order = k
+    # as with brackets: what leaves opens one, what arrives closes the last that is open
+    depth = 0
+    made = 0
+    for turn in range(2 * rays):
+        k = front.slots[turn % rays].order
+        if front.rays[k].out == 1:
+            if turn < rays:
+                front.slots[depth].stack = k
+                depth += 1
+        elif front.rays[k].out == 0 and depth > 0:
+            depth -= 1
+            other = front.slots[depth].stack
+            front.rays[k].out = -1
+            front.slots[made].group = new_pair(front, other, k, node)
+            made += 1
+    for k in range(made):
+        vertex = front.slots[k].group
+        before = front.vertices[vertex].prev
+        if front.vertices[vertex].state == CLOSING:
+            front.vertices[vertex].shrinks = front.numbers[NOW]
+            set_next_event(front, vertex)
+            front.vertices[before].shrinks = NEVER
+            set_next_event(front, before)
+        else:
+            fragment_changed(front, before)
+            fragment_changed(front, vertex)
+    for k in range(made):
+        vertex = front.slots[k].group
+        if front.vertices[vertex].state == REFLEX:
+            if front.counts[GRID] > 0:
+                enter_vertex(front, vertex, True)
+            else:
+                look_for_hit(front, vertex)
+
+
+@compiled
+def quarter_turns(cosine, sine):
+    """Return a measure of an angle from 0 to 4, which grows with it."""
+    if sine >= 0.0:
+        return sine / (sine + cosine) if cosine >= 0.0 else 1.0 - cosine / (sine - cosine)
+    return 2.0 + sine / (sine + cosine) if cosine < 0.0 else 3.0 + cosine / (cosine - sine)
+
+
+@compiled
+def new_pair(front, leaving, arriving, node):
+    """Return a new vertex between a fragment that arrives at a node and one that leaves it."""
+    vertex = new_vertex(front, front.rays[arriving].side, front.rays[leaving].side, node, False)
+    before, after = front.rays[arriving].far, front.rays[leaving].far
+    front.vertices[vertex].prev = before
+    front.vertices[vertex].next = after
+    front.vertices[before].next = vertex
+    front.vertices[after].prev = vertex
+    if before == after and front.vertices[vertex].state != CLOSING:
+        make_closing(front, vertex)
+    return vertex
+
+
+@compiled
+def node_at(front, time, x, y, away, through):
+    """Return the node where a group meets: one where some of it was born just now, or else a new one."""
+    found = -1
+    for k in range(front.counts[GROUP]):
+        vertex = front.slots[k].group
+        near = away + SAFETY * front.vertices[vertex].error
+        dx, dy = front.vertices[vertex].x - x, front.vertices[vertex].y - y
+        if abs(time - front.vertices[vertex].born) <= near and sqrt(dx * dx + dy * dy) <= near and front.vertices[vertex].born > 0.0:
+            node = root(front, front.vertices[vertex].node)
+            if found < 0:
+                found = node
+            elif found != node:
+                found, node = min(found, node), max(found, node)
+                front.nodes[node].same_as = found
+    if found >= 0:
+        return found
+    node = front.counts[NODES]
+    if node >= len(front.nodes):
+        front.counts[STATUS] = NO_ROOM
+        return 0
+    front.counts[NODES] = node + 1
+    front.nodes[node].same_as = node
+    place_node(front, node, time, x, y, away, through)
+    return node
+
+
+@compiled
+def place_node(front, node, time, x, y, away, through):
+    """Put a node where it is equally far from its sides, by least squares, near to the place where it was found.
+
+    Each side weighs by how certain its line is there, and so does the place itself, for directions in which the sides
+    do not tell.
+    """
+    noise = front.numbers[NOISE]
+    meeting = front.counts[MEETINGS]
+    prior = noise / max(away / SAFETY, noise)
+    prior = prior * prior
+    error = 0.0
+    for _ in range(2):
+        xx, xy, xt, yy, yt, tt = prior, 0.0, 0.0, prior, 0.0, prior
+        fx, fy, ft = 0.0, 0.0, 0.0
+        count = front.counts[GROUP]
+        for k in range(2 * count + 1):
+            if k == 2 * count:
+                if through < 0:
+                    break
+                side = front.vertices[through].right
+            elif k & 1 == 0:
+                side = front.vertices[front.slots[k >> 1].group].left
+            else:
+                vertex = front.slots[k >> 1].group
+                if front.vertices[front.vertices[vertex].next].mark == meeting:
+                    continue
+                side = front.vertices[vertex].right
+            nx, ny = -front.sides[side].dy, front.sides[side].dx
+            rx, ry = x - front.sides[side].ox, y - front.sides[side].oy
+            off = nx * rx + ny * ry - time
+            weight = noise / (noise * (1.0 + time) + front.sides[side].turn * sqrt(rx * rx + ry * ry))
+            weight = weight * weight
+            xx += weight * nx * nx
+            xy += weight * nx * ny
+            yy += weight * ny * ny
+            xt -= weight * nx
+            yt -= weight * ny
+            tt += weight
+            fx -= weight * nx * off
+            fy -= weight * ny * off
+            ft += weight * off
+        # the matrix (xx xy xt; xy yy yt; xt yt tt) as a product of triangles
+        b = xy / xx
+        c = xt / xx
+        p = max(yy - b * xy, prior)
+        q = (yt - c * xy) / p
+        r = max(tt - c * xt - q * q * p, prior)
+        gy = fy - b * fx
+        gt = ft - c * fx - q * gy
+        dt = gt / r
+        dy = gy / p - q * dt
+        dx = fx / xx - b * dy - c * dt
+        x += dx
+        y += dy
+        time += dt
+        # the trace of the inverse
+        e = b * q - c
+        error = 1.0 / xx + (1.0 + b * b) / p + (1.0 + q * q + e * e) / r
+    front.nodes[node].x = x
+    front.nodes[node].y = y
+    front.nodes[node].time = time
+    front.nodes[node].error = noise * sqrt(error)
+
+
+@compiled
+def new_meeting(front):
+    front.counts[MEETINGS] += 1
+    front.counts[GROUP] = 0
+
+
+@compiled
+def meet_at_vertex(front, vertex, other, through, time):
+    """Let a vertex, and another or a fragment that it hits, meet where the more certain of the two vertices is."""
+    new_meeting(front)
+    join(front, vertex)
+    sure = vertex
+    if other >= 0:
+        join(front, other)
+        if spread(front, other, time) < spread(front, vertex, time):
+            sure = other
+    late = time - front.vertices[sure].born
+    x = front.vertices[sure].x + late * front.vertices[sure].vx
+    y = front.vertices[sure].y + late * front.vertices[sure].vy
+    away = spread(front, sure, time) if other < 0 else max(spread(front, vertex, time), spread(front, other, time))
+    meet(front, time, x, y, away, through)
+
+
+@compiled
+def hit(front, vertex, time):
+    """Let a reflex vertex hit its fragment, or one of the fragment's ends."""
+    start, end = front.vertices[vertex].target, front.vertices[vertex].target_end
+    if front.vertices[start].state == DEAD or front.vertices[start].next != end:
+        look_for_hit(front, vertex)
+        return
+    late = time - front.vertices[vertex].born
+    x = front.vertices[vertex].x + late * front.vertices[vertex].vx
+    y = front.vertices[vertex].y + late * front.vertices[vertex].vy
+    near = spread(front, vertex, time)
+    for other in (start, end):
+        if distance_at(front, other, time, x, y) <= near + spread(front, other, time):
+            meet_at_vertex(front, vertex, other, -1, time)
+            return
+    meet_at_vertex(front, vertex, -1, start, time)
+
+
+@compiled
+def close(front, vertex, time):
+    """Let two sides that lie on each other end: as far as to the nearer of their other ends, they are done."""
+    before, after = front.vertices[vertex].prev, front.vertices[vertex].next
+    x, y = front.vertices[vertex].x, front.vertices[vertex].y
+    to_before = distance_at(front, before, time, x, y)
+    to_after = distance_at(front, after, time, x, y)
+    far = after if to_after <= to_before else before
+    new_meeting(front)
+    join(front, far)
+    join(front, vertex)
+    late = time - front.vertices[far].born
+    x = front.vertices[far].x + late * front.vertices[far].vx
+    y = front.vertices[far].y + late * front.vertices[far].vy
+    meet(front, time, x, y, spread(front, far, time), -1)
+
+
+# The grid
+
+
+@compiled
+def open_window(front):
+    """Look ahead for a while: put all fragments and reflex vertices into the cells that they pass until then.
+
+    The grid covers the vertices as they are now and has some cells for each; what is outside goes to its outermost
+    cells. How far to look ahead follows from how much has happened in the window before.
+    """
+    counts, numbers = front.counts, front.numbers
+    count = counts[LIVING]
+    for place in range(count):
+        front.vertices[front.slots[place].live].hits = NEVER
+        set_next_event(front, front.slots[place].live)
+    start = max(numbers[NOW], numbers[END])
+    numbers[NOW] = start
+    if count <= FEW:
+        counts[GRID] = 0
+        numbers[END] = LATEST
+        for place in range(count):
+            vertex = front.slots[place].live
+            if front.vertices[vertex].state == REFLEX:
+                look_for_hit(front, vertex)
+        return
+    low_x, low_y, high_x, high_y = NEVER, NEVER, -NEVER, -NEVER
+    for place in range(count):
+        vertex = front.slots[place].live
+        late = start - front.vertices[vertex].born
+        x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
+        low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
+    grid = 1
+    most = int(sqrt(float(len(front.cells))) + 0.5)
+    while grid * grid < 4 * count and grid < most:
+        grid += 1
+    counts[GRID] = grid
+    size = max(high_x - low_x, high_y - low_y) + ULP
+    numbers[LOW_X], numbers[LOW_Y] = low_x, low_y
+    numbers[WIDTH] = (high_x - low_x + MOST_ERROR * size) / grid
+    numbers[HEIGHT] = (high_y - low_y + MOST_ERROR * size) / grid
+    happened = counts[MEETINGS] - counts[MEETINGS_BEFORE]
+    counts[MEETINGS_BEFORE] = counts[MEETINGS]
+    if happened * 16 < count:
+        numbers[REACH] *= 2.0
+    elif happened * 2 > count:
+        numbers[REACH] *= 0.5
+    numbers[END] = min(start + numbers[REACH] * size / grid, LATEST)
+    counts[ENTRIES_USED] = 0
+    for cell in range(grid * grid):
+        front.cells[cell].fragments = -1
+        front.cells[cell].vertices = -1
+    for place in range(count):
+        enter_fragment(front, front.slots[place].live)
+    for place in range(count):
+        if front.vertices[front.slots[place].live].state == REFLEX:
+            enter_vertex(front, front.slots[place].live, True)
+
+
+@compiled
+def enter_fragment(front, start):
+    """Enter a fragment into the cells that it passes, and see which reflex vertices there hit it."""
+    numbers = front.numbers
+    begin = numbers[NOW]
+    end = front.vertices[start].next
+    side = front.vertices[start].right
+    dx, dy = front.sides[side].dx, front.sides[side].dy
+    ox, oy = front.sides[side].ox - begin * dy, front.sides[side].oy + begin * dx
+    low, high = NEVER, -NEVER
+    for k in range(4):
+        vertex = start if k < 2 else end
+        late = (begin if k & 1 == 0 else numbers[END]) - front.vertices[vertex].born
+        along = (front.vertices[vertex].x + late * front.vertices[vertex].vx - ox) * dx
+        along += (front.vertices[vertex].y + late * front.vertices[vertex].vy - oy) * dy
+        low, high = min(low, along), max(high, along)
+    ahead = numbers[END] - begin
+    enter(front, start, ox + low * dx, oy + low * dy, ox + high * dx, oy + high * dy, -ahead * dy, ahead * dx, 0)
+
+
+@compiled
+def enter_vertex(front, vertex, stays):
+    """See which fragments a reflex vertex hits in the cells that it passes; enter it there if it ``stays``."""
+    numbers = front.numbers
+    late = numbers[NOW] - front.vertices[vertex].born
+    x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
+    ahead = numbers[END] - numbers[NOW]
+    enter(front, vertex, x, y, x + ahead * front.vertices[vertex].vx, y + ahead * front.vertices[vertex].vy, 0.0, 0.0, 2 if stays else 1)
+
+
+@compiled
+def enter(front, item, x0, y0, x1, y1, ex, ey, kind):
+    """Visit the cells that a line from (x0, y0) to (x1, y1) passes while it moves by (ex, ey).
+
+    ``kind`` is 0 for a fragment, 1 for a reflex vertex, 2 for one that is entered as well.
+    """
+    numbers = front.numbers
+    grid = front.counts[GRID]
+    # in cells, with the axis along which the line is longer first
+    low_x, low_y, width, height = numbers[LOW_X], numbers[LOW_Y], numbers[WIDTH], numbers[HEIGHT]
+    x0, x1, ex = (x0 - low_x) / width, (x1 - low_x) / width, ex / width
+    y0, y1, ey = (y0 - low_y) / height, (y1 - low_y) / height, ey / height
+    is_steep = abs(y1 - y0) > abs(x1 - x0)
+    if is_steep:
+        x0, y0, x1, y1, ex, ey = y0, x0, y1, x1, ey, ex
+    if x1 < x0:
+        x0, y0, x1, y1 = x1, y1, x0, y0
+    slope = (y1 - y0) / (x1 - x0) if x1 > x0 else 0.0
+    margin = 1e-3
+    least_ex, most_ex, least_ey, most_ey = min(ex, 0.0), max(ex, 0.0), min(ey, 0.0), max(ey, 0.0)
+    first = cell_of(x0 + least_ex - margin, grid)
+    last = cell_of(x1 + most_ex + margin, grid)
+    for column in range(first, last + 1):
+        # where on the line this column can come from
+        begin = x0 if column == 0 else min(max(column - margin - most_ex, x0), x1)
+        stop = x1 if column == grid - 1 else min(max(column + 1 + margin - least_ex, x0), x1)
+        from_y, to_y = y0 + (begin - x0) * slope, y0 + (stop - x0) * slope
+        bottom = cell_of(min(from_y, to_y) + least_ey - margin, grid)
+        top = cell_of(max(from_y, to_y) + most_ey + margin, grid)
+        for row in range(bottom, top + 1):
+            visit(front, column * grid + row if is_steep else row * grid + column, item, kind)
+
+
+@compiled
+def cell_of(place, grid):
+    if not place > 0.0:
+        return 0
+    return int(place) if place < grid else grid - 1
+
+
+@compiled
+def visit(front, cell, item, kind):
+    """Compare a fragment with the vertices of a cell, or a vertex with its fragments, and enter it there."""
+    entry = front.cells[cell].vertices if kind == 0 else front.cells[cell].fragments
+    while entry >= 0:
+        other = front.entries[entry].item
+        if kind == 0:
+            if front.vertices[other].state == REFLEX:
+                consider(front, other, item)
+        elif front.vertices[other].state != DEAD:
+            consider(front, item, other)
+        entry = front.entries[entry].next
+    if kind == 1:
+        return
+    entry = front.counts[ENTRIES_USED]
+    if entry >= len(front.entries):
+        front.counts[STATUS] = NO_ROOM
+        return
+    front.counts[ENTRIES_USED] = entry + 1
+    front.entries[entry].item = item
+    if kind == 0:
+        front.entries[entry].next = front.cells[cell].fragments
+        front.cells[cell].fragments = entry
+    else:
+        front.entries[entry].next = front.cells[cell].vertices
+        front.cells[cell].vertices = entry
+
+
+# From the start to the end
+
+
+@compiled
+def start(front, sides, x, y, noise):
+    """Set the wavefront of a graph on its points: it has a vertex at the head of every side."""
+    counts, numbers = front.counts, front.numbers
+    for k in range(len(counts)):
+        counts[k] = 0
+        numbers[k] = 0.0
+    numbers[NOISE] = noise
+    numbers[REACH] = 1.0
+    for point in range(len(x)):
+        front.nodes[point].x = x[point]
+        front.nodes[point].y = y[point]
+        front.nodes[point].time = 0.0
+        front.nodes[point].error = noise
+        front.nodes[point].same_as = point
+    counts[NODES] = len(x)
+    for side in range(len(sides.tail)):
+        source = sides.source[side]
+        tail, head = sides.tail[source], sides.head[source]
+        dx, dy = x[head] - x[tail], y[head] - y[tail]
+        length = sqrt(dx * dx + dy * dy)
+        if source == side:
+            front.sides[side].dx, front.sides[side].dy = dx / length, dy / length
+        else:
+            front.sides[side].dx, front.sides[side].dy = dy / length, -dx / length
+        front.sides[side].ox, front.sides[side].oy = x[sides.tail[side]], y[sides.tail[side]]
+        front.sides[side].turn = noise / length
+    for side in range(len(sides.tail)):
+        new_vertex(front, side, sides.following[side], sides.head[side], True)
+    for side in range(len(sides.tail)):
+        front.vertices[side].next = sides.following[side]
+        front.vertices[sides.following[side]].prev = side
+    for vertex in range(len(sides.tail)):
+        front.vertices[vertex].shrinks = time_of_shrinking(front, vertex)
+        set_next_event(front, vertex)
+    open_window(front)
+
+
+@compiled
+def run(front, sides, x, y, noise):
+    """Move the wavefront of a graph from the points with these coordinates to its end; return the status.
+
+    ``noise`` is the rounding of the coordinates, which must be within -1 and 1.
+    """
+    start(front, sides, x, y, noise)
+    counts, numbers = front.counts, front.numbers
+    most = 64 * len(sides.tail) + 1024
+    while counts[WAITING] > 0 and counts[STATUS] == DONE:
+        vertex = front.slots[0].heap
+        time = front.vertices[vertex].key
+        if time > numbers[END]:
+            if numbers[END] >= LATEST:
+                break
+            open_window(front)
+            continue
+        numbers[NOW] = max(numbers[NOW], time)
+        time = numbers[NOW]
+        if front.vertices[vertex].state == CLOSING:
+            close(front, vertex, time)
+        elif front.vertices[vertex].shrinks <= front.vertices[vertex].hits:
+            meet_at_vertex(front, vertex, front.vertices[vertex].next, -1, time)
+        else:
+            hit(front, vertex, time)
+        if counts[MEETINGS] > most:
+            counts[STATUS] = STUCK
+    if counts[STATUS] == DONE:
+        leave_for_ever(front)
+    return counts[STATUS]
+
+
+@compiled
+def leave_for_ever(front):
+    """Make the unbounded arcs of the vertices that nothing more happens to."""
+    for place in range(front.counts[LIVING]):
+        vertex = front.slots[place].live
+        front.vertices[vertex].target = new_arc(front, vertex, -1)
+    for place in range(front.counts[LIVING]):
+        vertex = front.slots[place].live
+        front.arcs[front.vertices[vertex].target].beyond = front.vertices[front.vertices[vertex].prev].target
+
+
+@compiled
+def gather_faces(front, sides, faces):
+    """Put the nodes of every face in order, counter-clockwise from its side's tail; -1 for the infinite.
+
+    Half-edge 2k runs along arc k with the face on its left, 2k + 1 against it. Returns False where half-edges do not
+    make one outline.
+    """
+    count = len(sides.tail)
+    for side in range(count):
+        faces.sides[side].first = -1
+    for node in range(front.counts[NODES]):
+        faces.items[node].face = -1
+    for arc in range(front.counts[ARCS]):
+        start = root(front, front.arcs[arc].start)
+        end = front.arcs[arc].end
+        end = root(front, end) if end >= 0 else -1
+        front.arcs[arc].start = start
+        front.arcs[arc].end = end
+        if start == end:
+            continue
+        faces.items[2 * arc].following = faces.sides[front.arcs[arc].left].first
+        faces.sides[front.arcs[arc].left].first = 2 * arc
+        faces.items[2 * arc + 1].following = faces.sides[front.arcs[arc].right].first
+        faces.sides[front.arcs[arc].right].first = 2 * arc + 1
+    filled = 0
+    for side in range(count):
+        faces.sides[side].offset = filled
+        left = 0
+        half = faces.sides[side].first
+        while half >= 0:
+            arc = half >> 1
+            node = front.arcs[arc].start if half & 1 == 0 else front.arcs[arc].end
+            if node >= 0:
+                if faces.items[node].face == side:
+                    return False
+                faces.items[node].face = side
+                faces.items[node].at_node = half
+            left += 1
+            half = faces.items[half].following
+        tail, head = sides.tail[side], sides.head[side]
+        node = tail
+        if tail != head:
+            faces.items[filled].value = tail
+            filled += 1
+            node = head
+        while True:
+            faces.items[filled].value = node
+            filled += 1
+            if faces.items[node].face != side:
+                return False
+            half = faces.items[node].at_node
+            left -= 1
+            arc = half >> 1
+            following = front.arcs[arc].end if half & 1 == 0 else front.arcs[arc].start
+            if following < 0:
+                faces.items[filled].value = -1
+                filled += 1
+                following = front.arcs[front.arcs[arc].beyond].start
+                left -= 1
+            node = following
+            if node == tail:
+                break
+            if left <= 0:
+                return False
+        if left != 0:
+            return False
+    faces.sides[count].offset = filled
+    return True
