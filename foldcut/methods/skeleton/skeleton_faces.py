@@ -184,7 +184,8 @@ def _equidistant(plane: StraightSkeleton, point: Floats, nodes: Vertices, exact:
     change = np.linalg.lstsq(rows, middle - away, rcond=1e-12)[0]
     if np.abs(rows @ change + away - middle).max() > exact:
         return None
-    return np.array([*point, middle]) + change
+    place: Floats = np.array([*point, middle]) + change
+    return place
 
 
 def _shared(plane: StraightSkeleton, count: int, exact: float) -> list[int]:
