@@ -14,7 +14,7 @@ are done to that:
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -133,18 +133,16 @@ def skeleton_of(shape: Shape, sheet: Sheet) -> Skeleton:
     except ValueError as error:
         raise UnfoldableError(f"the shape has no straight skeleton: {error}") from error
     points, height, joined = _joined(plane, NEAR * sheet.diagonal, EXACT * sheet.diagonal)
-    sharing: dict[int, list[int]] = defaultdict(list)
-    for side, first_side in enumerate(_shared(plane, 2 * count, EXACT * sheet.diagonal)):
-        sharing[first_side].append(side)
+    outlines = _outlines(plane, joined, EXACT * sheet.diagonal)
     inside_is_left = np.repeat([shape.depth(k) % 2 == 0 for k in range(len(shape.loops))], np.diff(first))
     base = {edge: number for number, edge in enumerate(edges[:count])}
     bare = Skeleton(points, height, starts, plane.graph.side_along[: 2 * count : 2], (), base)
     faces = []
-    for sides in sharing.values():
+    for sides, outline in outlines:
         flanks = tuple(Flank(side // 2, side % 2 == 0) for side in sides)
-        sign = 1 if flanks[0].left == inside_is_left[flanks[0].side] else -1
-        parts = [[a for a, b in half_edges(joined[plane.face(side)].tolist()) if a != b] for side in sides]
-        faces.append(_face(bare, flanks, sign, _outline(parts)))
+        if flanks[0].side < count:
+            sign = 1 if flanks[0].left == inside_is_left[flanks[0].side] else -1
+            faces.append(_face(bare, flanks, sign, outline))
     return replace(bare, faces=faces)
 
 
@@ -188,19 +186,33 @@ def _equidistant(plane: StraightSkeleton, point: Floats, nodes: Vertices, exact:
     return place
 
 
-def _shared(plane: StraightSkeleton, count: int, exact: float) -> list[int]:
-    """Return for each of the first ``count`` sides the first of those on one line with which it shares its face."""
+def _outlines(plane: StraightSkeleton, joined: Numbers, exact: float) -> list[tuple[list[int], Vertices]]:
+    """Return the sides whose face it is and the vertices, counter-clockwise, of each face within the frame.
+
+    Sides on one line whose faces have an arc between them share a face. A node in which no more than two faces meet,
+    since others share one, lies on a straight ridge and is left out.
+    """
     graph = plane.graph
-    one, other = plane.arc_sides[(plane.arc_sides < count).all(axis=1)].T
+    one, other = plane.arc_sides.T
     turn = np.hypot(*(graph.side_along[one] - graph.side_along[other]).T)
     away = (left_normal(graph.side_along[one]) * (graph.side_start[other] - graph.side_start[one])).sum(axis=1)
     on_one_line = (turn <= PARALLEL) & (np.abs(away) <= exact)
-    return groups(count, np.column_stack([one, other])[on_one_line].tolist())
+    sharing: dict[int, list[int]] = defaultdict(list)
+    for side, first in enumerate(groups(len(graph.side_along), plane.arc_sides[on_one_line].tolist())):
+        sharing[first].append(side)
+    outlines = []
+    for sides in sharing.values():
+        faces = [plane.face(side) for side in sides]
+        if min(face.min() for face in faces) >= 0:  # not beyond the frame
+            outlines.append((sides, _outline([joined[face].tolist() for face in faces])))
+    meeting = Counter(vertex for _, outline in outlines for vertex in outline)
+    corners = len(graph.points)
+    return [(sides, [v for v in outline if v < corners or meeting[v] > 2]) for sides, outline in outlines]
 
 
 def _outline(faces: Sequence[Vertices]) -> Vertices:
     """Return the vertices around faces that border on each other, counter-clockwise from the first one's first."""
-    pairs = {pair for face in faces for pair in half_edges(face)}
+    pairs = {(a, b) for face in faces for a, b in half_edges(face) if a != b}
     following = {a: b for a, b in pairs if (b, a) not in pairs}
     outline = [faces[0][0]]
     while (vertex := following[outline[-1]]) != outline[0]:

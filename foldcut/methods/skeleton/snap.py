@@ -20,7 +20,7 @@ from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.union_find import groups
 from foldcut.methods.skeleton.choices import away_from_roots, fewest_pieces
 from foldcut.methods.skeleton.facets import divide_sheet
-from foldcut.methods.skeleton.move_corners import Meeting, Tie, with_corners_moved
+from foldcut.methods.skeleton.move_corners import Line, Meeting, Tie, with_corners_moved
 from foldcut.methods.skeleton.perpendiculars import Ridges, trace
 from foldcut.methods.skeleton.skeleton_faces import Edge, Skeleton, half_edges, skeleton_of
 
@@ -47,12 +47,16 @@ MOST_MISSES = 8
 
 @dataclass
 class Moves:
-    """A shape whose corners are moved as little as possible, and the ties and meetings for which they are."""
+    """A shape whose corners are moved as little as possible, and the ties and meetings for which they are.
+
+    Sides on one of the ``lines`` stay on one line.
+    """
 
     original: Shape
     sheet: Sheet
     near: float
     now: Shape
+    lines: list[Line] = field(default_factory=list)
     ties: list[Tie] = field(default_factory=list)
     meetings: list[Meeting] = field(default_factory=list)
 
@@ -63,7 +67,7 @@ class Moves:
         """
         kept = [known for known in self.ties if not any(known < tie for tie in ties)]
         ties, meetings = [*kept, *ties], [*self.meetings, *meetings]
-        moved = with_corners_moved(self.original, self.sheet, ties, meetings)
+        moved = with_corners_moved(self.original, self.sheet, ties, meetings, self.lines)
         if moved is None or _farthest(moved, self.original) > self.near:
             return False
         if not shapely.multilinestrings([shapely.linearrings(loop) for loop in moved.loops]).is_simple:
@@ -113,7 +117,8 @@ def tie_perpendiculars(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, 
 
 def _tied(shape: Shape, sheet: Sheet, near: float) -> Moves:
     """Tie nodes that are near to each other, all at once; then shrink ridges to nothing, one after the other."""
-    moves = Moves(shape, sheet, near, shape)
+    lines = {tuple(flank.side for flank in face.flanks) for face in skeleton_of(shape, sheet).faces}
+    moves = Moves(shape, sheet, near, shape, sorted(line for line in lines if len(line) > 1))
     refused: set[Tie] = set()
     for _ in range(ROUNDS):
         found = list(_near_nodes(skeleton_of(moves.now, sheet), near))
