@@ -91,8 +91,8 @@ class Faces(NamedTuple):
     items: Table
 
 
-ENTRIES = 24
-"""For how many entries of the grid there is room, for each side."""
+ENTRIES = 8
+"""For how many entries of the grid there is room, for each vertex that there is room for."""
 
 ONCE = 16
 """How many counts and numbers there are, and some more."""
@@ -182,7 +182,7 @@ def front_of(tables: Tables, sides: int, points: int, vertices: int, cells: int)
         rays=tables.rows(RAY, vertices),
         slots=tables.rows(SLOT, vertices),
         cells=tables.rows(CELL, cells * cells),
-        entries=tables.rows(ENTRY, ENTRIES * sides if cells > 1 else 1),
+        entries=tables.rows(ENTRY, ENTRIES * vertices if cells > 1 else 1),
         counts=tables.integers(ONCE),
         numbers=tables.numbers(ONCE),
     )

@@ -47,11 +47,14 @@ ULP = 2.0**-52
 FEW = 300
 """With no more live vertices than this, all fragments are looked at; with more, those in the grid's cells."""
 
+LEAST_REACH = 2.0**-10
+"""The shortest time to look ahead, in which a vertex at unit speed passes this part of a cell."""
+
 # states of a vertex
 DEAD, CONVEX, REFLEX, CLOSING = 0, 1, 2, 3
 
 # places in ``counts``
-VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE = range(11)
+VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE, FULL = range(12)
 
 # places in ``numbers``
 NOW, END, LOW_X, LOW_Y, WIDTH, HEIGHT, NOISE, REACH = range(8)
@@ -682,20 +685,38 @@ def open_window(front):
     numbers[HEIGHT] = (high_y - low_y + MOST_ERROR * size) / grid
     happened = counts[MEETINGS] - counts[MEETINGS_BEFORE]
     counts[MEETINGS_BEFORE] = counts[MEETINGS]
-    if happened * 16 < count:
+    if happened * 16 < count and counts[FULL] == 0:
         numbers[REACH] *= 2.0
     elif happened * 2 > count:
         numbers[REACH] *= 0.5
-    numbers[END] = min(start + numbers[REACH] * size / grid, LATEST)
+    fill_window(front, start, size / grid)
+    while counts[FULL] == 1:
+        numbers[REACH] *= 0.5
+        if numbers[REACH] < LEAST_REACH:
+            counts[STATUS] = NO_ROOM
+            return
+        fill_window(front, start, size / grid)
+
+
+@compiled
+def fill_window(front, start, cell_size):
+    """Enter all fragments and reflex vertices into the grid, for as long a time as the window's reach says."""
+    counts, numbers = front.counts, front.numbers
+    numbers[END] = min(start + numbers[REACH] * cell_size, LATEST)
     counts[ENTRIES_USED] = 0
-    for cell in range(grid * grid):
+    counts[FULL] = 0
+    for cell in range(counts[GRID] * counts[GRID]):
         front.cells[cell].fragments = -1
         front.cells[cell].vertices = -1
-    for place in range(count):
+    for place in range(counts[LIVING]):
         enter_fragment(front, front.slots[place].live)
-    for place in range(count):
+        if counts[FULL] == 1:
+            return
+    for place in range(counts[LIVING]):
         if front.vertices[front.slots[place].live].state == REFLEX:
             enter_vertex(front, front.slots[place].live, True)
+            if counts[FULL] == 1:
+                return
 
 
 @compiled
@@ -784,7 +805,7 @@ def visit(front, cell, item, kind):
         return
     entry = front.counts[ENTRIES_USED]
     if entry >= len(front.entries):
-        front.counts[STATUS] = NO_ROOM
+        front.counts[FULL] = 1
         return
     front.counts[ENTRIES_USED] = entry + 1
     front.entries[entry].item = item
@@ -849,6 +870,10 @@ def run(front, sides, x, y, noise):
     while counts[WAITING] > 0 and counts[STATUS] == DONE:
         vertex = front.slots[0].heap
         time = front.vertices[vertex].key
+        if counts[FULL] == 1:
+            numbers[END] = numbers[NOW]
+            open_window(front)
+            continue
         if time > numbers[END]:
             if numbers[END] >= LATEST:
                 break
