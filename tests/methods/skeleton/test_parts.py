@@ -85,6 +85,19 @@ def test_all_four_sides_of_a_rectangle_tied_make_it_a_square() -> None:
     assert 80 < width < 120
 
 
+def test_sides_on_a_line_that_is_to_be_kept_stay_on_it() -> None:
+    # nearly a square, with a bay that divides its right side in two, 1 and 5; the square's sides are tied
+    loop = [(0, 0), (90, 0), (90, 40), (121, 40), (121, 70), (90, 70), (90, 95), (0, 95)]
+    tie = frozenset(Flank(side, True) for side in (0, 1, 6, 7))
+    off = []
+    for lines in ([], [(1, 5)]):
+        moved = with_corners_moved(make_shape([loop]), SHEET, [tie], [], lines)
+        assert moved is not None
+        right = moved.loops[0][[1, 2, 5, 6]]
+        off.append(np.linalg.svd(right - right.mean(axis=0), compute_uv=False)[1])
+    assert off[1] < 1e-9 < 0.1 < off[0]
+
+
 def test_a_side_that_vanishes_where_derivatives_are_taken_is_no_error() -> None:
     # moved by that difference, the last corner comes to lie exactly on the first
     tiny = DIFFERENCE * SHEET.diagonal
