@@ -20,13 +20,14 @@ SIDE = "dx dy ox oy turn"
 """Unit direction, a point of its line at time 0, and how uncertain the direction is, in radians."""
 
 VERTEX = (
-    "x y born vx vy error drift shrinks hits key "
+    "x y born vx vy error drift shrinks hits key entered "
     "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place:"
 )
 """Of a vertex of the wavefront, from its birth to its end.
 
 Place and time of birth, velocity, how uncertain place and velocity are; when the fragment from here to the next vertex
-has no length left, when this vertex hits a fragment, and the earlier of the two; the sides that arrive and leave, the
+has no length left, when this vertex hits a fragment, and the earlier of the two; until when
+its path is in the grid; the sides that arrive and leave, the
 neighbours, the node of birth, the state; start and end of the fragment to be hit; the last meeting that it was part of;
 where it is in the columns ``heap`` and ``live`` of the slots.
 """

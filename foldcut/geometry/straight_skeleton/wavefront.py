@@ -50,6 +50,12 @@ FEW = 300
 LEAST_REACH = 2.0**-10
 """The shortest time to look ahead, in which a vertex at unit speed passes this part of a cell."""
 
+LATE = 0.5
+"""From this time on little happens that is not already on its way to the infinite."""
+
+FEW_LATE = 3000
+"""The same as ``FEW``, from then on."""
+
 # states of a vertex
 DEAD, CONVEX, REFLEX, CLOSING = 0, 1, 2, 3
 
@@ -171,6 +177,7 @@ def new_vertex(front, left, right, node, is_start):
     front.vertices[vertex].right = right
     front.vertices[vertex].node = node
     front.vertices[vertex].mark = 0
+    front.vertices[vertex].entered = NEVER
     front.vertices[vertex].shrinks = NEVER
     front.vertices[vertex].hits = NEVER
     front.vertices[vertex].key = NEVER
@@ -339,6 +346,12 @@ def fragment_changed(front, start):
         return
     if front.counts[GRID] > 0:
         enter_fragment(front, start)
+        end = front.vertices[start].next
+        # the path of a vertex may have got longer
+        if front.vertices[start].state == REFLEX and end_of_path(front, start) > front.vertices[start].entered:
+            enter_vertex(front, start, True)
+        if front.vertices[end].state == REFLEX and end_of_path(front, end) > front.vertices[end].entered:
+            enter_vertex(front, end, True)
         return
     for place in range(front.counts[LIVING]):
         vertex = front.slots[place].live
@@ -660,7 +673,7 @@ def open_window(front):
         set_next_event(front, front.slots[place].live)
     start = max(numbers[NOW], numbers[END])
     numbers[NOW] = start
-    if count <= FEW:
+    if count <= (FEW if start < LATE else FEW_LATE):
         counts[GRID] = 0
         numbers[END] = LATEST
         for place in range(count):
@@ -672,11 +685,14 @@ def open_window(front):
     for place in range(count):
         vertex = front.slots[place].live
         late = start - front.vertices[vertex].born
-        x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
+        x = front.vertices[vertex].x + late * front.vertices[vertex].vx
+        y = front.vertices[vertex].y + late * front.vertices[vertex].vy
         low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
+    most = 1.0 + 1.5 * start  # few vertices are so fast that they get farther
+    low_x, low_y, high_x, high_y = max(low_x, -most), max(low_y, -most), min(high_x, most), min(high_y, most)
     grid = 1
-    most = int(sqrt(float(len(front.cells))) + 0.5)
-    while grid * grid < 4 * count and grid < most:
+    widest = int(sqrt(float(len(front.cells))) + 0.5)
+    while grid * grid < 4 * count and grid < widest:
         grid += 1
     counts[GRID] = grid
     size = max(high_x - low_x, high_y - low_y) + ULP
@@ -687,8 +703,6 @@ def open_window(front):
     counts[MEETINGS_BEFORE] = counts[MEETINGS]
     if happened * 16 < count and counts[FULL] == 0:
         numbers[REACH] *= 2.0
-    elif happened * 2 > count:
-        numbers[REACH] *= 0.5
     fill_window(front, start, size / grid)
     while counts[FULL] == 1:
         numbers[REACH] *= 0.5
@@ -724,6 +738,7 @@ def enter_fragment(front, start):
     """Enter a fragment into the cells that it passes, and see which reflex vertices there hit it."""
     numbers = front.numbers
     begin = numbers[NOW]
+    stop = max(min(numbers[END], front.vertices[start].shrinks), begin)
     end = front.vertices[start].next
     side = front.vertices[start].right
     dx, dy = front.sides[side].dx, front.sides[side].dy
@@ -731,12 +746,19 @@ def enter_fragment(front, start):
     low, high = NEVER, -NEVER
     for k in range(4):
         vertex = start if k < 2 else end
-        late = (begin if k & 1 == 0 else numbers[END]) - front.vertices[vertex].born
+        late = (begin if k & 1 == 0 else stop) - front.vertices[vertex].born
         along = (front.vertices[vertex].x + late * front.vertices[vertex].vx - ox) * dx
         along += (front.vertices[vertex].y + late * front.vertices[vertex].vy - oy) * dy
         low, high = min(low, along), max(high, along)
-    ahead = numbers[END] - begin
+    ahead = stop - begin
     enter(front, start, ox + low * dx, oy + low * dy, ox + high * dx, oy + high * dy, -ahead * dy, ahead * dx, 0)
+
+
+@compiled
+def end_of_path(front, vertex):
+    """Return until when the path of a reflex vertex matters: to the window's end, or until a fragment beside it is gone."""
+    before = front.vertices[front.vertices[vertex].prev].shrinks
+    return min(front.numbers[END], front.vertices[vertex].shrinks, before)
 
 
 @compiled
@@ -745,7 +767,10 @@ def enter_vertex(front, vertex, stays):
     numbers = front.numbers
     late = numbers[NOW] - front.vertices[vertex].born
     x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
-    ahead = numbers[END] - numbers[NOW]
+    stop = end_of_path(front, vertex)
+    if stays:
+        front.vertices[vertex].entered = stop
+    ahead = max(stop - numbers[NOW], 0.0)
     enter(front, vertex, x, y, x + ahead * front.vertices[vertex].vx, y + ahead * front.vertices[vertex].vy, 0.0, 0.0, 2 if stays else 1)
 
 
@@ -828,7 +853,7 @@ def start(front, sides, x, y, noise):
         counts[k] = 0
         numbers[k] = 0.0
     numbers[NOISE] = noise
-    numbers[REACH] = 1.0
+    numbers[REACH] = 0.25
     for point in range(len(x)):
         front.nodes[point].x = x[point]
         front.nodes[point].y = y[point]
