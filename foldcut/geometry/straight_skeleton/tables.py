@@ -21,7 +21,7 @@ SIDE = "dx dy ox oy turn"
 
 VERTEX = (
     "x y born vx vy error drift shrinks hits key entered "
-    "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place:"
+    "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place: sibling:"
 )
 """Of a vertex of the wavefront, from its birth to its end.
 
@@ -29,11 +29,12 @@ Place and time of birth, velocity, how uncertain place and velocity are; when th
 has no length left, when this vertex hits a fragment, and the earlier of the two; until when
 its path is in the grid; the sides that arrive and leave, the
 neighbours, the node of birth, the state; start and end of the fragment to be hit; the last meeting that it was part of;
-where it is in the columns ``heap`` and ``live`` of the slots.
+where it is in the columns ``heap`` and ``live`` of the slots; the one that was born at the same node before it.
 """
 
-NODE = "x y time error same_as:"
-"""``same_as`` is the node itself, or an older one at the same place."""
+NODE = "x y time error same_as: born: beside:"
+"""``same_as`` is the node itself, or an older one at the same place; the newest vertex that was born there; the next node
+in its bucket."""
 
 ARC = "vx vy start: end: left: right: beyond:"
 """Velocity; nodes, and the sides on its left and right; where it is unbounded, the arc next to it at the infinite."""
@@ -70,7 +71,8 @@ class Front(NamedTuple):
     """The wavefront while it moves, and the skeleton that it has left behind.
 
     A *fragment* is a part of a side's wavefront between two consecutive vertices; it is known by the vertex at which it
-    starts. ``counts`` and ``numbers`` are what there is once.
+    starts. ``buckets`` holds the newest node of each; ``counts`` and
+    ``numbers`` are what there is once.
     """
 
     sides: Table
@@ -81,6 +83,7 @@ class Front(NamedTuple):
     slots: Table
     cells: Table
     entries: Table
+    buckets: Table
     counts: Table
     numbers: Table
 
@@ -184,6 +187,7 @@ def front_of(tables: Tables, sides: int, points: int, vertices: int, cells: int)
         slots=tables.rows(SLOT, vertices),
         cells=tables.rows(CELL, cells * cells),
         entries=tables.rows(ENTRY, ENTRIES * vertices if cells > 1 else 1),
+        buckets=tables.integers(1 << (points + vertices).bit_length()),
         counts=tables.integers(ONCE),
         numbers=tables.numbers(ONCE),
     )

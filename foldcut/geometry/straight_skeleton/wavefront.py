@@ -24,7 +24,7 @@ events); Huber, "Computing Straight Skeletons and Motorcycle Graphs", 2012, sect
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import floor, inf, sqrt
 
 from foldcut.core.compiled import compiled_in
 
@@ -40,6 +40,9 @@ MOST_ERROR = 1e-8
 
 LATEST = 2.0**30
 """When nothing more can happen: in sizes of the drawing."""
+
+SQUARE = 2.0**-24
+"""The side of the squares by which nodes are found again; larger than any error."""
 
 ULP = 2.0**-52
 """The rounding of a number near 1."""
@@ -176,6 +179,8 @@ def new_vertex(front, left, right, node, is_start):
     front.vertices[vertex].left = left
     front.vertices[vertex].right = right
     front.vertices[vertex].node = node
+    front.vertices[vertex].sibling = front.nodes[node].born
+    front.nodes[node].born = vertex
     front.vertices[vertex].mark = 0
     front.vertices[vertex].entered = NEVER
     front.vertices[vertex].shrinks = NEVER
@@ -340,9 +345,11 @@ def look_for_hit(front, vertex):
 @compiled
 def fragment_changed(front, start):
     """Find when the fragment from a vertex to the next shrinks to nothing, and which reflex vertices hit it before."""
+    if front.vertices[start].state == CLOSING:
+        return
     front.vertices[start].shrinks = time_of_shrinking(front, start)
     set_next_event(front, start)
-    if front.vertices[start].state == CLOSING or front.vertices[front.vertices[start].next].state == CLOSING:
+    if front.vertices[front.vertices[start].next].state == CLOSING:
         return
     if front.counts[GRID] > 0:
         enter_fragment(front, start)
@@ -379,6 +386,7 @@ def meet(front, time, x, y, away, through):
     """
     counts = front.counts
     meeting = counts[MEETINGS]
+    node = join_born_here(front, time, x, y, away)
     k = 0
     while k < counts[GROUP]:
         vertex = front.slots[k].group
@@ -391,7 +399,8 @@ def meet(front, time, x, y, away, through):
             join(front, other)
     if through >= 0 and (front.vertices[through].mark == meeting or front.vertices[front.vertices[through].next].mark == meeting):
         through = -1
-    node = node_at(front, time, x, y, away, through)
+    if node < 0:
+        node = new_node(front, time, x, y, away, through)
 
     rays = 0
     for k in range(counts[GROUP]):
@@ -507,29 +516,62 @@ def new_pair(front, leaving, arriving, node):
 
 
 @compiled
-def node_at(front, time, x, y, away, through):
-    """Return the node where a group meets: one where some of it was born just now, or else a new one."""
+def bucket_of(front, column, row):
+    """Return the bucket of a small square of the plane."""
+    return (column * 73856093 ^ row * 19349663) & (len(front.buckets) - 1)
+
+
+@compiled
+def square_of(place):
+    """Return the column or row of small squares that a place is in."""
+    return int(floor(place / SQUARE))
+
+
+@compiled
+def join_born_here(front, time, x, y, away):
+    """Join what was born just now at this place, in a meeting before; return its node, or -1 if there is none."""
     found = -1
-    for k in range(front.counts[GROUP]):
-        vertex = front.slots[k].group
-        near = away + SAFETY * front.vertices[vertex].error
-        dx, dy = front.vertices[vertex].x - x, front.vertices[vertex].y - y
-        if abs(time - front.vertices[vertex].born) <= near and sqrt(dx * dx + dy * dy) <= near and front.vertices[vertex].born > 0.0:
-            node = root(front, front.vertices[vertex].node)
-            if found < 0:
-                found = node
-            elif found != node:
-                found, node = min(found, node), max(found, node)
-                front.nodes[node].same_as = found
-    if found >= 0:
-        return found
+    if away > 0.25 * SQUARE:
+        away = 0.25 * SQUARE
+    first_row, last_row = square_of(y - away), square_of(y + away)
+    for column in range(square_of(x - away), square_of(x + away) + 1):
+        for row in range(first_row, last_row + 1):
+            node = front.buckets[bucket_of(front, column, row)]
+            while node >= 0:
+                dx, dy = front.nodes[node].x - x, front.nodes[node].y - y
+                near = away + SAFETY * front.nodes[node].error
+                if (
+                    dx * dx + dy * dy <= near * near
+                    and abs(front.nodes[node].time - time) <= near
+                    and front.nodes[node].same_as == node
+                    and node != found
+                ):
+                    if found >= 0:
+                        front.nodes[max(node, found)].same_as = min(node, found)
+                    found = node if found < 0 else min(node, found)
+                    vertex = front.nodes[node].born
+                    while vertex >= 0:
+                        if front.vertices[vertex].state != DEAD:
+                            join(front, vertex)
+                        vertex = front.vertices[vertex].sibling
+                node = front.nodes[node].beside
+    return found
+
+
+@compiled
+def new_node(front, time, x, y, away, through):
+    """Return a new node where a group meets."""
     node = front.counts[NODES]
     if node >= len(front.nodes):
         front.counts[STATUS] = NO_ROOM
         return 0
     front.counts[NODES] = node + 1
     front.nodes[node].same_as = node
+    front.nodes[node].born = -1
     place_node(front, node, time, x, y, away, through)
+    bucket = bucket_of(front, square_of(front.nodes[node].x), square_of(front.nodes[node].y))
+    front.nodes[node].beside = front.buckets[bucket]
+    front.buckets[bucket] = node
     return node
 
 
@@ -860,7 +902,10 @@ def start(front, sides, x, y, noise):
         front.nodes[point].time = 0.0
         front.nodes[point].error = noise
         front.nodes[point].same_as = point
+        front.nodes[point].born = -1
     counts[NODES] = len(x)
+    for bucket in range(len(front.buckets)):
+        front.buckets[bucket] = -1
     for side in range(len(sides.tail)):
         source = sides.source[side]
         tail, head = sides.tail[source], sides.head[source]
