@@ -204,20 +204,34 @@ def _outlines(plane: StraightSkeleton, joined: Numbers, exact: float) -> list[tu
     for sides in sharing.values():
         faces = [plane.face(side) for side in sides]
         if min(face.min() for face in faces) >= 0:  # not beyond the frame
-            outlines.append((sides, _outline([joined[face].tolist() for face in faces])))
+            outlines += [(sides, outline) for outline in outlines_of([joined[face].tolist() for face in faces])]
     meeting = Counter(vertex for _, outline in outlines for vertex in outline)
     corners = len(graph.points)
     return [(sides, [v for v in outline if v < corners or meeting[v] > 2]) for sides, outline in outlines]
 
 
-def _outline(faces: Sequence[Vertices]) -> Vertices:
-    """Return the vertices around faces that border on each other, counter-clockwise from the first one's first."""
-    pairs = {(a, b) for face in faces for a, b in half_edges(face) if a != b}
-    following = {a: b for a, b in pairs if (b, a) not in pairs}
-    outline = [faces[0][0]]
-    while (vertex := following[outline[-1]]) != outline[0]:
-        outline.append(vertex)
-    return outline
+def outlines_of(faces: Sequence[Vertices]) -> list[Vertices]:
+    """Return the vertices around faces that border on each other, counter-clockwise, without what is between them.
+
+    There are several outlines where a face comes to itself, since nodes of it have been joined.
+    """
+    pairs = dict.fromkeys((a, b) for face in faces for a, b in half_edges(face) if a != b)
+    following: dict[int, list[int]] = defaultdict(list)
+    for a, b in pairs:
+        if (b, a) not in pairs:
+            following[a].append(b)
+    outlines = []
+    for start in list(following):
+        way = [start]
+        while following[way[-1]]:
+            vertex = following[way[-1]].pop()
+            if vertex in way:
+                first = way.index(vertex)
+                outlines.append(way[first:])
+                del way[first + 1 :]
+            else:
+                way.append(vertex)
+    return outlines
 
 
 def _face(skeleton: Skeleton, flanks: tuple[Flank, ...], sign: int, vertices: Vertices) -> SkeletonFace:

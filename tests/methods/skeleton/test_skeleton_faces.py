@@ -15,7 +15,16 @@ from support.strategies import Points, rectangle, star
 from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
-from foldcut.methods.skeleton.skeleton_faces import EXACT, NEAR, Flank, Skeleton, SkeletonFace, half_edges, skeleton_of
+from foldcut.methods.skeleton.skeleton_faces import (
+    EXACT,
+    NEAR,
+    Flank,
+    Skeleton,
+    SkeletonFace,
+    half_edges,
+    outlines_of,
+    skeleton_of,
+)
 
 SHEET = parse_sheet("a4-portrait")
 WIDE = make_shape([[(40.0, 60.0), (160.0, 60.0), (160.0, 140.0), (40.0, 140.0)]])
@@ -106,3 +115,11 @@ def test_nodes_that_differ_by_rounding_are_one_and_others_are_not() -> None:
     (node,) = inner_nodes(skeleton)
     assert skeleton.flanks_at[node] == {Flank(side, True) for side in range(6)}
     assert skeleton.height[node] == pytest.approx(50 * np.sqrt(3) / 2)
+
+
+def test_faces_that_border_on_each_other_have_one_outline_and_one_that_comes_to_itself_has_two() -> None:
+    assert outlines_of([[0, 1, 2, 3]]) == [[0, 1, 2, 3]]
+    assert outlines_of([[0, 1, 1, 2, 2, 0]]) == [[0, 1, 2]]
+    assert outlines_of([[0, 1, 4, 5], [1, 2, 3, 4]]) == [[0, 1, 2, 3, 4, 5]]
+    assert sorted(map(sorted, outlines_of([[0, 1, 2, 3, 4, 2]]))) == [[0, 1, 2], [2, 3, 4]]
+    assert outlines_of([[0, 1, 2, 3, 2]]) == [[0, 1, 2]]  # a way to and fro
