@@ -19,7 +19,7 @@ from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from types import ModuleType
 from typing import Any, TypeVar
 
-__all__ = ["COMPILED", "CompiledCode", "compiled_copy", "compiled_in", "expect_many_drawings", "is_ready"]
+__all__ = ["COMPILED", "CompiledCode", "compiled_copy", "compiled_in", "copy_of", "expect_many_drawings", "is_ready"]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -71,7 +71,12 @@ def compiled_copy(module: ModuleType) -> ModuleType:
 
     What was compiled in an earlier process is read from numba's cache.
     """
-    name = module.__name__ + COPY
+    return copy_of(module, COPY)
+
+
+def copy_of(module: ModuleType, suffix: str) -> ModuleType:
+    """Load a module's file once more, under its name with a suffix."""
+    name = module.__name__ + suffix
     spec = spec_from_file_location(name, module.__file__)
     assert spec is not None
     assert spec.loader is not None

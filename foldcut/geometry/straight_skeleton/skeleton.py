@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import threading
 from dataclasses import dataclass
+from decimal import Decimal
 from functools import cached_property
 from time import process_time
 from typing import Any
@@ -19,6 +20,8 @@ from numpy.typing import ArrayLike
 from foldcut.core.arrays import Floats, Indices, Ints, Ragged, index_array, sealed
 from foldcut.core.compiled import COMPILED, compiled_copy, is_installed, is_ready
 from foldcut.geometry.straight_skeleton import wavefront
+from foldcut.geometry.straight_skeleton.decimals import ZERO, run_with_decimals as run_decimal
+from foldcut.geometry.straight_skeleton.frame import Frame
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
 from foldcut.geometry.straight_skeleton.tables import Arrays, Faces, Front, Graphs, Lists, Tables, faces_of, front_of
 
@@ -26,6 +29,9 @@ __all__ = ["Solver", "StraightSkeleton", "straight_skeleton"]
 
 SPARE = 3
 """For how many new vertices of the wavefront there is room, for each side."""
+
+MOST_DECIMAL = 3000
+"""Graphs with more sides are not computed once more with decimals: that would take more than a minute."""
 
 PATIENCE = 1.0
 """After so many seconds of the processor without it, compiled code is loaded, which takes about half as long."""
@@ -94,11 +100,7 @@ class Solver:
     def __init__(self, graph: Graph, tables: Tables | None = None) -> None:
         self.graph = graph
         self.choice = tables
-        self.tables: Tables = Lists()
-        self.room = 0
-        self.front: Front
-        self.faces: Faces
-        self.sides: Graphs
+        self.workspace: Workspace | None = None
 
     def solve(self, candidates: ArrayLike) -> list[StraightSkeleton]:
         """Return the skeleton for each of the candidates ``(c, n, 2)``: places of all points."""
@@ -111,40 +113,64 @@ class Solver:
         """
         graph = self.graph if points is None else self.graph.moved_to(points)
         tables = self.choice or DEFAULT.tables()
-        if not self.room or tables.compiled != self.tables.compiled:
-            self._make_room(tables, graph.side_count * (1 + SPARE) + 16)
-        kernel: Any = compiled_copy(wavefront) if tables.compiled else wavefront
+        if self.workspace is None or self.workspace.tables is not tables:
+            self.workspace = Workspace(graph, tables)
         started = 0.0 if tables.compiled else process_time()
-        # a frame in which coordinates are within -1 and 1, a power of two smaller or larger, so nothing is rounded
-        low, high = graph.points.min(axis=0), graph.points.max(axis=0)
-        middle = (low + high) / 2
-        scale = 2.0 ** math.frexp(float((high - low).max()))[1]
-        local = (graph.points - middle) / scale
-        noise = 2.0**-52 * max(1.0, float(np.abs(graph.points).max()) / scale)
-        x, y = local.T
-        xs, ys = (np.ascontiguousarray(x), np.ascontiguousarray(y)) if tables.compiled else (x.tolist(), y.tolist())
-        while True:
-            status = kernel.run(self.front, self.sides, xs, ys, noise)
-            if status == wavefront.DONE and kernel.gather_faces(self.front, self.sides, self.faces):
-                break
-            if status != wavefront.NO_ROOM:
+        frame = Frame(graph.points)
+        done = self.workspace.run(frame.x, frame.y, frame.noise)
+        workspace = self.workspace
+        if not done or (workspace.is_unsure and graph.side_count <= MOST_DECIMAL):
+            workspace = exact = Workspace(graph, Lists(ZERO))
+            if not exact.run_with_decimals(frame):
                 raise ArithmeticError("the straight skeleton does not come to an end: a fault of this program")
-            self._make_room(tables, 2 * self.room)
         if not tables.compiled:
             DEFAULT.spent += process_time() - started
-        return self._result(graph, middle, scale)
+        return workspace.result(graph, frame)
 
-    def _make_room(self, tables: Tables, room: int) -> None:
-        graph = self.graph
-        count = graph.side_count
-        cells = 1 if count <= wavefront.FEW else 2 * math.isqrt(room // (1 + SPARE)) + 2
-        self.tables, self.room = tables, room
-        self.front = front_of(tables, count, len(graph.points), room, cells)
-        self.faces = faces_of(tables, count, len(graph.points), room)
+
+class Workspace:
+    """The tables for a graph, which its skeletons use one after the other."""
+
+    def __init__(self, graph: Graph, tables: Tables) -> None:
+        self.graph = graph
+        self.tables = tables
+        self.kernel: Any = compiled_copy(wavefront) if tables.compiled else wavefront
         lists = (graph.tail, graph.head, graph.following, graph.source)
         self.sides = Graphs(*lists) if tables.compiled else Graphs(*(array.tolist() for array in lists))
+        self._make_room(graph.side_count * (1 + SPARE) + 16)
 
-    def _result(self, graph: Graph, middle: Floats, scale: float) -> StraightSkeleton:
+    def _make_room(self, room: int) -> None:
+        count, points = self.graph.side_count, len(self.graph.points)
+        cells = 1 if count <= wavefront.FEW else 2 * math.isqrt(room // (1 + SPARE)) + 2
+        self.room = room
+        self.front = front_of(self.tables, count, points, room, cells)
+        self.faces = faces_of(self.tables, count, points, room)
+
+    @property
+    def is_unsure(self) -> bool:
+        """Whether doubles may have been too coarse."""
+        return bool(self.front.counts[wavefront.UNSURE])
+
+    def run(self, x: Any, y: Any, noise: float) -> bool:
+        """Move the wavefront to its end and make the faces; return whether that could be done."""
+        if not self.tables.compiled:
+            x, y = x.tolist(), y.tolist()
+        while (status := self.kernel.run(self.front, self.sides, x, y, noise)) == wavefront.NO_ROOM:
+            self._make_room(2 * self.room)
+        return bool(status == wavefront.DONE and self.kernel.gather_faces(self.front, self.sides, self.faces))
+
+    def run_with_decimals(self, frame: Frame) -> bool:
+        """Do as ``run``, with decimal numbers; nodes that are the same for doubles are joined at the end."""
+        for near in (8 * Decimal(frame.noise), ZERO):
+            while (status := run_decimal(self.front, self.sides, frame)) == wavefront.NO_ROOM:
+                self._make_room(2 * self.room)
+            wavefront.join_near_nodes(self.front, near)
+            if status == wavefront.DONE and wavefront.gather_faces(self.front, self.sides, self.faces):
+                return True
+        return False
+
+    def result(self, graph: Graph, frame: Frame) -> StraightSkeleton:
+        """Return the skeleton that was made last."""
         counts = self.front.counts
         arcs = fields(self.front.arcs, counts[wavefront.ARCS], "start end left right vx vy")
         nodes = fields(self.front.nodes, counts[wavefront.NODES], "x y time same_as")
@@ -154,7 +180,7 @@ class Solver:
         kept = np.flatnonzero(ends[0] != ends[1])
         if len(kept) < ends.shape[1]:
             ends, sides, velocity = ends[:, kept], sides[:, kept], velocity[:, kept]
-        places, time, same = np.stack(nodes[:2], axis=1) * scale + middle, nodes[2] * scale, nodes[3]
+        places, time, same = np.stack(nodes[:2], axis=1) * frame.scale + frame.middle, nodes[2] * frame.scale, nodes[3]
         numbers = np.arange(len(same))
         if (same != numbers).any():
             unique = same == numbers
@@ -176,7 +202,8 @@ def fields(table: Any, count: int, names: str) -> list[Any]:
     """Return the first entries of some fields of a table, each as a new array."""
     if isinstance(table, np.ndarray):
         return [table[name][:count].copy() for name in names.split()]
-    return [np.array([getattr(row, name) for row in table[:count]]) for name in names.split()]
+    columns = [np.array([getattr(row, name) for row in table[:count]]) for name in names.split()]
+    return [column.astype(np.float64) if column.dtype == object else column for column in columns]
 
 
 class Default:

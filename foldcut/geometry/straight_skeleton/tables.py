@@ -6,6 +6,7 @@ fastest in arrays of records, and Python in lists of objects. The same operation
 
 from __future__ import annotations
 
+from decimal import Decimal
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -121,13 +122,16 @@ class Tables:
 
 
 class Lists(Tables):
-    """Tables as lists."""
+    """Tables as lists; ``zero`` is of the kind of numbers to be used."""
 
     compiled = False
 
+    def __init__(self, zero: float | Decimal = 0.0) -> None:
+        self.zero = zero
+
     def numbers(self, size: int) -> Table:
         """Return zeros."""
-        return [0.0] * size
+        return [self.zero] * size
 
     def integers(self, size: int) -> Table:
         """Return zeros."""
@@ -135,7 +139,7 @@ class Lists(Tables):
 
     def rows(self, fields: str, size: int) -> Table:
         """Return rows of zeros with some fields."""
-        row = _row_type(fields)
+        row = _row_type(fields, self.zero)
         return [row() for _ in range(size)]
 
 
@@ -164,10 +168,10 @@ def _record(fields: str) -> np.dtype[np.void]:
 
 
 @cache
-def _row_type(fields: str) -> type:
-    """Return the class of a list's rows with some fields."""
+def _row_type(fields: str, number: float | Decimal) -> type:
+    """Return the class of a list's rows with some fields, all zero; ``number`` is the zero of those that are no integers."""
     names = [name.strip(":") for name in fields.split()]
-    zeros = [0 if name.endswith(":") else 0.0 for name in fields.split()]
+    zeros = [0 if name.endswith(":") else number for name in fields.split()]
 
     def __init__(self: Any) -> None:  # noqa: N807
         for name, zero in zip(names, zeros, strict=True):

@@ -17,7 +17,8 @@ add up.
 
 With many vertices, hits are looked for in a grid, for a short time ahead (``open_window``).
 
-This file is run as it is, on lists, or compiled, on arrays (see ``tables``); so it uses nothing but numbers and columns.
+This file is run as it is, on lists, or compiled, on arrays (see ``tables``), and where doubles are not precise enough
+once more with decimal numbers of many digits (``must_be_sure``); so it uses nothing but numbers and tables.
 Source: Aichholzer and Aurenhammer, "Straight Skeletons for General Polygonal Figures", 1996 (the wavefront and its
 events); Huber, "Computing Straight Skeletons and Motorcycle Graphs", 2012, section 2 (vertices of any degree).
 """
@@ -32,16 +33,22 @@ compiled = compiled_in(__name__)
 
 NEVER = inf
 
-SAFETY = 32.0
+SAFETY = 32
 """How many times their estimated error two places may be apart and still be the same."""
 
 MOST_ERROR = 1e-8
 """Places farther apart than this part of the drawing are never the same."""
 
-LATEST = 2.0**30
+LATEST = 1 << 30
 """When nothing more can happen: in sizes of the drawing."""
 
-SQUARE = 2.0**-24
+SURE = 1e-11
+"""Where places that may be farther apart than this are taken as the same, doubles are not precise enough."""
+
+MANY = 1e4
+"""The same, in roundings of the coordinates."""
+
+SQUARE = 2.0**-22
 """The side of the squares by which nodes are found again; larger than any error."""
 
 ULP = 2.0**-52
@@ -50,8 +57,11 @@ ULP = 2.0**-52
 FEW = 300
 """With no more live vertices than this, all fragments are looked at; with more, those in the grid's cells."""
 
+FIRST_REACH = 0.25
+"""How long to look ahead at first, in which a vertex at unit speed passes this part of a cell."""
+
 LEAST_REACH = 2.0**-10
-"""The shortest time to look ahead, in which a vertex at unit speed passes this part of a cell."""
+"""How long to look ahead at least."""
 
 LATE = 0.5
 """From this time on little happens that is not already on its way to the infinite."""
@@ -63,7 +73,7 @@ FEW_LATE = 3000
 DEAD, CONVEX, REFLEX, CLOSING = 0, 1, 2, 3
 
 # places in ``counts``
-VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE, FULL = range(12)
+VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE, FULL, UNSURE = range(13)
 
 # places in ``numbers``
 NOW, END, LOW_X, LOW_Y, WIDTH, HEIGHT, NOISE, REACH = range(8)
@@ -145,7 +155,7 @@ def leave_heap(front, vertex):
 def spread(front, vertex, time):
     """Return how far from its place at a time a vertex may be."""
     error = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(time - front.vertices[vertex].born))
-    return min(error, MOST_ERROR * (1.0 + time))
+    return min(error, MOST_ERROR * (1 + time))
 
 
 @compiled
@@ -186,19 +196,19 @@ def new_vertex(front, left, right, node, is_start):
     front.vertices[vertex].shrinks = NEVER
     front.vertices[vertex].hits = NEVER
     front.vertices[vertex].key = NEVER
-    if not is_start and dot < 0.0 and abs(cross) <= SAFETY * uncertain:
+    if not is_start and dot < 0 and abs(cross) <= SAFETY * uncertain:
         make_closing(front, vertex)
     else:
-        if dot >= 0.0:
-            vx, vy = -(ay + by) / (1.0 + dot), (ax + bx) / (1.0 + dot)
+        if dot >= 0:
+            vx, vy = -(ay + by) / (1 + dot), (ax + bx) / (1 + dot)
         else:
             vx, vy = (bx - ax) / cross, (by - ay) / cross
         square = vx * vx + vy * vy
         front.vertices[vertex].vx = vx
         front.vertices[vertex].vy = vy
         front.vertices[vertex].drift = uncertain * square
-        front.vertices[vertex].error = front.nodes[node].error * (1.0 + sqrt(square))
-        front.vertices[vertex].state = REFLEX if cross < 0.0 else CONVEX
+        front.vertices[vertex].error = front.nodes[node].error * (1 + sqrt(square))
+        front.vertices[vertex].state = REFLEX if cross < 0 else CONVEX
     place = front.counts[LIVING]
     front.slots[place].live = vertex
     front.vertices[vertex].live_place = place
@@ -212,9 +222,9 @@ def new_vertex(front, left, right, node, is_start):
 
 @compiled
 def make_closing(front, vertex):
-    front.vertices[vertex].vx = 0.0
-    front.vertices[vertex].vy = 0.0
-    front.vertices[vertex].drift = 0.0
+    front.vertices[vertex].vx = 0
+    front.vertices[vertex].vy = 0
+    front.vertices[vertex].drift = 0
     front.vertices[vertex].error = front.nodes[front.vertices[vertex].node].error
     front.vertices[vertex].state = CLOSING
 
@@ -284,7 +294,7 @@ def time_of_hit(front, vertex, start, latest):
     if side == front.vertices[vertex].left or side == front.vertices[vertex].right:
         return NEVER
     dx, dy = front.sides[side].dx, front.sides[side].dy
-    rate = 1.0 + dy * front.vertices[vertex].vx - dx * front.vertices[vertex].vy
+    rate = 1 + dy * front.vertices[vertex].vx - dx * front.vertices[vertex].vy
     if rate <= front.vertices[vertex].drift:
         return NEVER
     x, y, born = front.vertices[vertex].x, front.vertices[vertex].y, front.vertices[vertex].born
@@ -296,7 +306,7 @@ def time_of_hit(front, vertex, start, latest):
     if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
         return NEVER
     now = front.numbers[NOW]
-    slack = min(SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate, MOST_ERROR * (1.0 + now))
+    slack = min(SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate, MOST_ERROR * (1 + now))
     if time < now - slack:
         return NEVER
     node = front.vertices[vertex].node
@@ -370,6 +380,23 @@ def fragment_changed(front, start):
 
 
 @compiled
+def is_near(front, vertex, time, x, y, away):
+    """Return whether a vertex is at a place at a time; ``away`` is how uncertain the place is."""
+    near = away + spread(front, vertex, time)
+    if distance_at(front, vertex, time, x, y) > near:
+        return False
+    must_be_sure(front, near, time)
+    return True
+
+
+@compiled
+def must_be_sure(front, near, time):
+    """Note if places that were taken as the same may be too far apart for doubles to tell."""
+    if near > (SURE + MANY * front.numbers[NOISE]) * (1 + time):
+        front.counts[UNSURE] = 1
+
+
+@compiled
 def join(front, vertex):
     """Add a vertex to those that meet."""
     if front.vertices[vertex].mark != front.counts[MEETINGS]:
@@ -392,10 +419,10 @@ def meet(front, time, x, y, away, through):
         vertex = front.slots[k].group
         k += 1
         other = front.vertices[vertex].prev
-        if front.vertices[other].mark != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
+        if front.vertices[other].mark != meeting and is_near(front, other, time, x, y, away):
             join(front, other)
         other = front.vertices[vertex].next
-        if front.vertices[other].mark != meeting and distance_at(front, other, time, x, y) <= away + spread(front, other, time):
+        if front.vertices[other].mark != meeting and is_near(front, other, time, x, y, away):
             join(front, other)
     if through >= 0 and (front.vertices[through].mark == meeting or front.vertices[front.vertices[through].next].mark == meeting):
         through = -1
@@ -434,20 +461,20 @@ def pair_rays(front, rays, node):
         first += 1
     side = front.rays[first].side
     dx, dy = front.sides[side].dx, front.sides[side].dy
-    tie = 0.0
+    tie = 0
     for k in range(rays):
         tie = max(tie, front.sides[front.rays[k].side].turn)
-    tie = SAFETY * (2.0 * tie + ULP)
+    tie = SAFETY * (2 * tie + ULP)
     for k in range(rays):
         side = front.rays[k].side
-        sign = 1.0 if front.rays[k].out == 1 else -1.0
+        sign = 1 if front.rays[k].out == 1 else -1
         angle = quarter_turns(
             sign * (dx * front.sides[side].dx + dy * front.sides[side].dy), sign * (dx * front.sides[side].dy - dy * front.sides[side].dx)
         )
-        if angle > 4.0 - tie:
-            angle -= 4.0
+        if angle > 4 - tie:
+            angle -= 4
         if k == first:
-            angle = 0.0
+            angle = 0
         front.rays[k].angle = angle
         place = k
         while place > 0:
@@ -471,22 +498,31 @@ def pair_rays(front, rays, node):
             depth -= 1
             other = front.slots[depth].stack
             front.rays[k].out = -1
-            front.slots[made].group = new_pair(front, other, k, node)
+            if front.rays[k].side == front.rays[other].side:  # what was between two parts of a fragment is gone
+                before, after = front.rays[k].far, front.rays[other].far
+                front.vertices[before].next = after
+                front.vertices[after].prev = before
+                front.slots[made].group = before
+            else:
+                front.slots[made].group = new_pair(front, other, k, node)
             made += 1
     for k in range(made):
         vertex = front.slots[k].group
         before = front.vertices[vertex].prev
-        if front.vertices[vertex].state == CLOSING:
+        if front.vertices[vertex].node != node:  # an old vertex, whose fragment is longer now
+            fragment_changed(front, vertex)
+        elif front.vertices[vertex].state == CLOSING:
             front.vertices[vertex].shrinks = front.numbers[NOW]
             set_next_event(front, vertex)
-            front.vertices[before].shrinks = NEVER
-            set_next_event(front, before)
+            if front.vertices[before].state != CLOSING:
+                front.vertices[before].shrinks = NEVER
+                set_next_event(front, before)
         else:
             fragment_changed(front, before)
             fragment_changed(front, vertex)
     for k in range(made):
         vertex = front.slots[k].group
-        if front.vertices[vertex].state == REFLEX:
+        if front.vertices[vertex].state == REFLEX and front.vertices[vertex].node == node:
             if front.counts[GRID] > 0:
                 enter_vertex(front, vertex, True)
             else:
@@ -496,9 +532,9 @@ def pair_rays(front, rays, node):
 @compiled
 def quarter_turns(cosine, sine):
     """Return a measure of an angle from 0 to 4, which grows with it."""
-    if sine >= 0.0:
-        return sine / (sine + cosine) if cosine >= 0.0 else 1.0 - cosine / (sine - cosine)
-    return 2.0 + sine / (sine + cosine) if cosine < 0.0 else 3.0 + cosine / (cosine - sine)
+    if sine >= 0:
+        return sine / (sine + cosine) if cosine >= 0 else 1 - cosine / (sine - cosine)
+    return 2 + sine / (sine + cosine) if cosine < 0 else 3 + cosine / (cosine - sine)
 
 
 @compiled
@@ -531,8 +567,7 @@ def square_of(place):
 def join_born_here(front, time, x, y, away):
     """Join what was born just now at this place, in a meeting before; return its node, or -1 if there is none."""
     found = -1
-    if away > 0.25 * SQUARE:
-        away = 0.25 * SQUARE
+    away = min(away, SQUARE / 4)
     first_row, last_row = square_of(y - away), square_of(y + away)
     for column in range(square_of(x - away), square_of(x + away) + 1):
         for row in range(first_row, last_row + 1):
@@ -549,6 +584,7 @@ def join_born_here(front, time, x, y, away):
                     if found >= 0:
                         front.nodes[max(node, found)].same_as = min(node, found)
                     found = node if found < 0 else min(node, found)
+                    must_be_sure(front, near, time)
                     vertex = front.nodes[node].born
                     while vertex >= 0:
                         if front.vertices[vertex].state != DEAD:
@@ -586,10 +622,10 @@ def place_node(front, node, time, x, y, away, through):
     meeting = front.counts[MEETINGS]
     prior = noise / max(away / SAFETY, noise)
     prior = prior * prior
-    error = 0.0
+    error = 0
     for _ in range(2):
-        xx, xy, xt, yy, yt, tt = prior, 0.0, 0.0, prior, 0.0, prior
-        fx, fy, ft = 0.0, 0.0, 0.0
+        xx, xy, xt, yy, yt, tt = prior, 0, 0, prior, 0, prior
+        fx, fy, ft = 0, 0, 0
         count = front.counts[GROUP]
         for k in range(2 * count + 1):
             if k == 2 * count:
@@ -606,7 +642,7 @@ def place_node(front, node, time, x, y, away, through):
             nx, ny = -front.sides[side].dy, front.sides[side].dx
             rx, ry = x - front.sides[side].ox, y - front.sides[side].oy
             off = nx * rx + ny * ry - time
-            weight = noise / (noise * (1.0 + time) + front.sides[side].turn * sqrt(rx * rx + ry * ry))
+            weight = noise / (noise * (1 + time) + front.sides[side].turn * sqrt(rx * rx + ry * ry))
             weight = weight * weight
             xx += weight * nx * nx
             xy += weight * nx * ny
@@ -633,11 +669,12 @@ def place_node(front, node, time, x, y, away, through):
         time += dt
         # the trace of the inverse
         e = b * q - c
-        error = 1.0 / xx + (1.0 + b * b) / p + (1.0 + q * q + e * e) / r
+        error = 1 / xx + (1 + b * b) / p + (1 + q * q + e * e) / r
     front.nodes[node].x = x
     front.nodes[node].y = y
     front.nodes[node].time = time
     front.nodes[node].error = noise * sqrt(error)
+    must_be_sure(front, SAFETY * front.nodes[node].error, time)
 
 
 @compiled
@@ -675,7 +712,7 @@ def hit(front, vertex, time):
     y = front.vertices[vertex].y + late * front.vertices[vertex].vy
     near = spread(front, vertex, time)
     for other in (start, end):
-        if distance_at(front, other, time, x, y) <= near + spread(front, other, time):
+        if is_near(front, other, time, x, y, near):
             meet_at_vertex(front, vertex, other, -1, time)
             return
     meet_at_vertex(front, vertex, -1, start, time)
@@ -893,13 +930,13 @@ def start(front, sides, x, y, noise):
     counts, numbers = front.counts, front.numbers
     for k in range(len(counts)):
         counts[k] = 0
-        numbers[k] = 0.0
+        numbers[k] = 0
     numbers[NOISE] = noise
-    numbers[REACH] = 0.25
+    numbers[REACH] = FIRST_REACH
     for point in range(len(x)):
         front.nodes[point].x = x[point]
         front.nodes[point].y = y[point]
-        front.nodes[point].time = 0.0
+        front.nodes[point].time = 0
         front.nodes[point].error = noise
         front.nodes[point].same_as = point
         front.nodes[point].born = -1
@@ -973,6 +1010,21 @@ def leave_for_ever(front):
     for place in range(front.counts[LIVING]):
         vertex = front.slots[place].live
         front.arcs[front.vertices[vertex].target].beyond = front.vertices[front.vertices[vertex].prev].target
+
+
+@compiled
+def join_near_nodes(front, near):
+    """Join nodes no farther apart than this, in place and time, if there is an arc between them."""
+    for arc in range(front.counts[ARCS]):
+        if front.arcs[arc].end >= 0:
+            one, other = root(front, front.arcs[arc].start), root(front, front.arcs[arc].end)
+            off = max(
+                abs(front.nodes[one].x - front.nodes[other].x),
+                abs(front.nodes[one].y - front.nodes[other].y),
+                abs(front.nodes[one].time - front.nodes[other].time),
+            )
+            if off <= near * (1 + front.nodes[one].time):
+                front.nodes[max(one, other)].same_as = min(one, other)
 
 
 @compiled
