@@ -132,8 +132,9 @@ def skeleton_of(shape: Shape, sheet: Sheet) -> Skeleton:
         plane = straight_skeleton(np.concatenate([starts, frame]), np.array(edges))
     except ValueError as error:
         raise UnfoldableError(f"the shape has no straight skeleton: {error}") from error
-    points, height, joined = _joined(plane, NEAR * sheet.diagonal, EXACT * sheet.diagonal)
-    outlines = _outlines(plane, joined, EXACT * sheet.diagonal)
+    near, exact = NEAR * sheet.diagonal, EXACT * sheet.diagonal
+    points, height, joined = _joined(plane, near, exact)
+    outlines = _outlines(plane, _faces(plane, points, height, joined, near, exact), exact)
     inside_is_left = np.repeat([shape.depth(k) % 2 == 0 for k in range(len(shape.loops))], np.diff(first))
     base = {edge: number for number, edge in enumerate(edges[:count])}
     bare = Skeleton(points, height, starts, plane.graph.side_along[: 2 * count : 2], (), base)
@@ -175,9 +176,8 @@ def _equidistant(plane: StraightSkeleton, point: Floats, nodes: Vertices, exact:
     It is the one with the least squares of errors; None where an error is more than ``exact``.
     """
     sides = sorted({side for node in nodes for side in plane.node_sides(node)})
-    inward = left_normal(plane.graph.side_along[sides])
-    rows = np.column_stack([inward, -np.ones(len(sides))])
-    away = (inward * (point - plane.graph.side_start[sides])).sum(axis=1)
+    rows = np.column_stack([left_normal(plane.graph.side_along[sides]), -np.ones(len(sides))])
+    away = _distances(plane, point, sides)
     middle = away.mean()
     change = np.linalg.lstsq(rows, middle - away, rcond=1e-12)[0]
     if np.abs(rows @ change + away - middle).max() > exact:
@@ -186,27 +186,67 @@ def _equidistant(plane: StraightSkeleton, point: Floats, nodes: Vertices, exact:
     return place
 
 
-def _outlines(plane: StraightSkeleton, joined: Numbers, exact: float) -> list[tuple[list[int], Vertices]]:
-    """Return the sides whose face it is and the vertices, counter-clockwise, of each face within the frame.
+def _distances(plane: StraightSkeleton, point: Floats, sides: Sequence[int]) -> Floats:
+    """Return how far a point is from the lines of some sides, on their left, ``(s,)``."""
+    away: Floats = (left_normal(plane.graph.side_along[sides]) * (point - plane.graph.side_start[sides])).sum(axis=1)
+    return away
 
-    Sides on one line whose faces have an arc between them share a face. A node in which no more than two faces meet,
-    since others share one, lies on a straight ridge and is left out.
+
+def _faces(
+    plane: StraightSkeleton, points: Floats, height: Floats, joined: Numbers, near: float, exact: float
+) -> dict[int, Vertices]:
+    """Return the vertices of the face of every side within the frame, counter-clockwise.
+
+    Where a node lies on an arc, the arc is divided: a part of a face that is no wider than rounding errors then goes to
+    and fro along one line. Such parts arise between sides that are on one line except for rounding errors.
     """
-    graph = plane.graph
-    one, other = plane.arc_sides.T
-    turn = np.hypot(*(graph.side_along[one] - graph.side_along[other]).T)
-    away = (left_normal(graph.side_along[one]) * (graph.side_start[other] - graph.side_start[one])).sum(axis=1)
-    on_one_line = (turn <= PARALLEL) & (np.abs(away) <= exact)
+    inside = [side for side in range(len(plane.graph.side_along)) if plane.face(side).min() >= 0]
+    faces = {side: [a for a, b in half_edges(joined[plane.face(side)].tolist()) if a != b] for side in inside}
+    finite = (plane.arcs >= 0).all(axis=1)
+    ends, sides = joined[plane.arcs[finite]], plane.arc_sides[finite]
+    nodes = np.unique(ends[ends >= len(plane.graph.points)])
+    start, step = points[ends[:, 0]], points[ends[:, 1]] - points[ends[:, 0]]
+    away = points[nodes] - start[:, None]
+    with np.errstate(divide="ignore", invalid="ignore"):  # the arcs whose ends are joined
+        part = (away * step[:, None]).sum(axis=-1) / (step**2).sum(axis=-1)[:, None]
+    apart = np.hypot(*(away - part[..., None] * step[:, None]).transpose(2, 0, 1))
+    on: dict[Edge, list[tuple[float, int]]] = defaultdict(list)
+    for arc, k in np.argwhere((part > 0) & (part < 1) & (apart < near)).tolist():
+        if (
+            nodes[k] not in ends[arc]
+            and np.abs(_distances(plane, points[nodes[k]], sides[arc]) - height[nodes[k]]).max() <= exact
+        ):
+            a, b = ends[arc].tolist()
+            on[a, b].append((float(part[arc, k]), int(nodes[k])))
+            on[b, a].append((1 - float(part[arc, k]), int(nodes[k])))
+    return {
+        side: [vertex for pair in half_edges(face) for vertex in (pair[0], *(node for _, node in sorted(on[pair])))]
+        for side, face in faces.items()
+    }
+
+
+def _outlines(plane: StraightSkeleton, faces: Mapping[int, Vertices], exact: float) -> list[tuple[list[int], Vertices]]:
+    """Return the sides whose face it is and the vertices, counter-clockwise, of each face.
+
+    Sides on one line whose faces border on each other share a face. A node in which no more than two faces meet, since
+    others share one, lies on a straight ridge and is left out.
+    """
+    owner = {pair: side for side, face in faces.items() for part in outlines_of([face]) for pair in half_edges(part)}
+    bordering = [(side, owner[b, a]) for (a, b), side in owner.items() if (b, a) in owner]
+    one, other = np.array(bordering).T
+    along, start = plane.graph.side_along, plane.graph.side_start
+    turn = np.hypot(*(along[one] - along[other]).T)
+    away = (left_normal(along[one]) * (start[other] - start[one])).sum(axis=1)
+    same = np.column_stack([one, other])[(turn <= PARALLEL) & (np.abs(away) <= exact)]
+    first = groups(len(along), same.tolist())
     sharing: dict[int, list[int]] = defaultdict(list)
-    for side, first in enumerate(groups(len(graph.side_along), plane.arc_sides[on_one_line].tolist())):
-        sharing[first].append(side)
-    outlines = []
-    for sides in sharing.values():
-        faces = [plane.face(side) for side in sides]
-        if min(face.min() for face in faces) >= 0:  # not beyond the frame
-            outlines += [(sides, outline) for outline in outlines_of([joined[face].tolist() for face in faces])]
+    for side in faces:
+        sharing[first[side]].append(side)
+    outlines = [
+        (sides, outline) for sides in sharing.values() for outline in outlines_of([faces[side] for side in sides])
+    ]
     meeting = Counter(vertex for _, outline in outlines for vertex in outline)
-    corners = len(graph.points)
+    corners = len(plane.graph.points)
     return [(sides, [v for v in outline if v < corners or meeting[v] > 2]) for sides, outline in outlines]
 
 
