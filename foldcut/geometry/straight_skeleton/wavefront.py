@@ -39,14 +39,15 @@ SAFETY = 32
 MOST_ERROR = 1e-8
 """Places farther apart than this part of the drawing are never the same."""
 
-LATEST = 1 << 30
+LATEST = 1 << 60
 """When nothing more can happen: in sizes of the drawing."""
 
-SURE = 1e-11
-"""Where places that may be farther apart than this are taken as the same, doubles are not precise enough."""
+FAR = 1 << 30
+"""Whether two bisectors are parallel, or meet farther away than this, doubles need not tell."""
 
-MANY = 1e4
-"""The same, in roundings of the coordinates."""
+SURE = 500
+"""Where places that are farther apart than so many roundings of the coordinates are taken as the same, or where a node
+is that uncertain, doubles are not precise enough."""
 
 SQUARE = 2.0**-22
 """The side of the squares by which nodes are found again; larger than any error."""
@@ -277,12 +278,15 @@ def time_of_shrinking(front, start):
     side = front.vertices[start].right
     dx, dy = front.sides[side].dx, front.sides[side].dy
     rate = (front.vertices[start].vx - front.vertices[end].vx) * dx + (front.vertices[start].vy - front.vertices[end].vy) * dy
-    if rate <= front.vertices[start].drift + front.vertices[end].drift:
-        return NEVER
     since = max(front.vertices[start].born, front.vertices[end].born)
     late, early = since - front.vertices[end].born, since - front.vertices[start].born
     length = (front.vertices[end].x + late * front.vertices[end].vx - front.vertices[start].x - early * front.vertices[start].vx) * dx
     length += (front.vertices[end].y + late * front.vertices[end].vy - front.vertices[start].y - early * front.vertices[start].vy) * dy
+    drift = front.vertices[start].drift + front.vertices[end].drift
+    if rate <= drift:
+        if rate > -drift and length < FAR * (rate + drift):
+            front.counts[UNSURE] = 1
+        return NEVER
     time = since + length / rate
     return max(time, front.numbers[NOW]) if time <= LATEST else NEVER
 
@@ -382,17 +386,17 @@ def fragment_changed(front, start):
 @compiled
 def is_near(front, vertex, time, x, y, away):
     """Return whether a vertex is at a place at a time; ``away`` is how uncertain the place is."""
-    near = away + spread(front, vertex, time)
-    if distance_at(front, vertex, time, x, y) > near:
+    distance = distance_at(front, vertex, time, x, y)
+    if distance > away + spread(front, vertex, time):
         return False
-    must_be_sure(front, near, time)
+    must_be_sure(front, distance, time)
     return True
 
 
 @compiled
-def must_be_sure(front, near, time):
-    """Note if places that were taken as the same may be too far apart for doubles to tell."""
-    if near > (SURE + MANY * front.numbers[NOISE]) * (1 + time):
+def must_be_sure(front, distance, time):
+    """Note if places that were taken as the same are farther apart than rounding explains, or a place is uncertain."""
+    if distance > SURE * front.numbers[NOISE] * (1 + time):
         front.counts[UNSURE] = 1
 
 
@@ -584,7 +588,7 @@ def join_born_here(front, time, x, y, away):
                     if found >= 0:
                         front.nodes[max(node, found)].same_as = min(node, found)
                     found = node if found < 0 else min(node, found)
-                    must_be_sure(front, near, time)
+                    must_be_sure(front, sqrt(dx * dx + dy * dy), time)
                     vertex = front.nodes[node].born
                     while vertex >= 0:
                         if front.vertices[vertex].state != DEAD:
@@ -674,7 +678,7 @@ def place_node(front, node, time, x, y, away, through):
     front.nodes[node].y = y
     front.nodes[node].time = time
     front.nodes[node].error = noise * sqrt(error)
-    must_be_sure(front, SAFETY * front.nodes[node].error, time)
+    must_be_sure(front, front.nodes[node].error / SAFETY, time)
 
 
 @compiled
