@@ -144,6 +144,18 @@ def test_corners_are_not_moved_so_that_sides_cross() -> None:
         skeleton_of(Shape((crossing,), (-1,)), SHEET)
 
 
+def test_sides_on_one_line_stay_there_when_corners_are_moved() -> None:
+    sheet = parse_sheet("a4-landscape")
+    house = place(make_shape(read_shape(sample_path("house")).loops), sheet)[0]
+    tied, moved = tie_perpendiculars(house, sheet, 0.25)
+    assert moved > 0.01
+    shared = [
+        [face.flanks for face in skeleton_of(shape, sheet).faces if len(face.flanks) > 1] for shape in (house, tied)
+    ]
+    assert len(shared[0]) == 2  # the roof beside the chimney, the ground beside the door
+    assert shared[0] == shared[1]
+
+
 def test_a_node_that_nearly_is_on_another_ridge_is_put_there() -> None:
     shape = place(make_shape(read_shape(sample_path("letter-a")).loops), SHEET)[0]
     made = fold_skeletal(shape, SHEET, near=0.2)
