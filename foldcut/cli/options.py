@@ -333,9 +333,7 @@ def add_folding(command: ArgumentParser) -> None:
 def _method_help() -> str:
     """Return what each method does, from the table of methods."""
     rows = [f"{AUTO}: the easiest to fold of the patterns that several methods make"]
-    for method in METHODS.values():
-        extra = f" (extra: {method.extra})" if method.extra else ""
-        rows.append(f"{method.name}: {method.summary}{extra}")
+    rows += [f"{method.name}: {method.summary}" for method in METHODS.values()]
     return "; ".join(rows) + " (default: %(default)s)"
 
 

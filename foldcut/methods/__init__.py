@@ -38,7 +38,6 @@ class Method:
 
     - ``summary``: what it does, in words for ``--help``;
     - ``package``: where it is, under ``foldcut.methods``;
-    - ``extra``: the extra of foldcut that has to be installed for it, if any;
     - ``min_crease_mm``: the shortest crease that its patterns may have unless told otherwise;
     - ``needs_ribbon``: without a ribbon along the cut its creases fold onto the cut line;
     - ``few_creases``: it is the one to try where another method's creases get too short;
@@ -48,7 +47,6 @@ class Method:
     name: str
     summary: str
     package: str
-    extra: str | None = None
     min_crease_mm: float = 0.0
     needs_ribbon: bool = False
     few_creases: bool = False
@@ -80,7 +78,7 @@ METHODS = {
             needs_ribbon=True,
             construction=True,
         ),
-        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton", extra="skeleton"),
+        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton"),
         Method("gate", "the same as paper for several loops", package="gate", needs_ribbon=True),
     )
 }

@@ -20,10 +20,9 @@ from foldcut.methods import ADJUST_MM
 from foldcut.methods.skeleton.budget import Budget, order_cost
 from foldcut.methods.skeleton.choices import exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
-from foldcut.methods.skeleton.layer_order import require_solver
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
+from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
-from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
 from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered
 from foldcut.pattern.ranking import FOLDABLE_MM, shortest_crease
 
@@ -71,7 +70,6 @@ def fold_skeletal(
     """
     if shape.corner_count > MOST_CORNERS:
         raise UnfoldableError(f"the drawing has {shape.corner_count} corners; this method takes at most {MOST_CORNERS}")
-    require_solver()  # once, not after each of hundreds of trials
     budget = Budget(share * (seconds if seconds is not None else SECONDS[effort]))
     search = Search(sheet, ribbon, budget, progress)
     patience = PATIENCE * budget.limit
@@ -108,7 +106,7 @@ def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float 
 
 def ridges_of(shape: Shape, sheet: Sheet, ribbon: float) -> Ridges:
     """Return the ridges of a shape's straight skeleton; raise ``UnfoldableError`` if some meet within the ribbon."""
-    skeleton = straight_skeleton(shape, sheet)
+    skeleton = skeleton_of(shape, sheet)
     ridges = Ridges(skeleton, sheet)
     lowest = min((float(skeleton.height[node]) for node in ridges.nodes), default=np.inf)
     if lowest <= ribbon:
@@ -189,16 +187,17 @@ class Search:
 
         While no set has a pattern, one with no more contradictions is no worse, each step changes something in the
         cause of a contradiction, and the walk ends at the first pattern. From a pattern it only goes to patterns that
-        are no harder to fold. It ends when ``end`` seconds are spent.
+        are no harder to fold, and tries sets with the fewest pieces first. It ends when ``end`` seconds are spent.
         """
         perpendiculars, folds = here.drawing.perpendiculars, here.made is not None
         every = exchanges(perpendiculars)
         random, seen = np.random.default_rng(0), {here.taken}
         while self.budget.spent + (order_cost(len(here.made.creases.faces_vertices)) if here.made else 0.0) <= end:
             ways = [one for one in every if one & here.cause and here.taken ^ one not in seen]
-            if folds:
-                pieces = perpendiculars.pieces(here.taken)
-                ways = [one for one in ways if perpendiculars.pieces(here.taken ^ one) <= pieces]
+            if folds and ways:
+                pieces = [perpendiculars.pieces(here.taken ^ one) for one in ways]
+                fewest = min(*pieces, perpendiculars.pieces(here.taken))
+                ways = [one for one, count in zip(ways, pieces, strict=True) if count == fewest]
             if not ways:
                 break
             taken = here.taken ^ ways[int(random.integers(len(ways)))]
