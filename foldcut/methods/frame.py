@@ -6,8 +6,8 @@ What ties, which creases are too short and which pattern is best would otherwise
 difference decides what a search finds. So methods search in a frame: the shape has a size of its own there, made from
 the drawing's own numbers and the same to the last bit for every size, and the sheet is one of a few (``SHEETS``), the
 least that covers the problem's sheet. The pattern is then scaled, moved, and cut down to the problem's sheet: what
-folds flat still does when some of the paper is missing. What has no pattern on one sheet is tried on the larger ones,
-so what folds on a sheet folds on every smaller one; last of all the problem's own sheet is.
+folds flat still does when some of the paper is missing. What has no pattern on one sheet is tried on the next larger
+one, and then on the problem's own.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ADJUST = 0.5
 """How far corners are moved at most unless told otherwise, in mm of the frame: 1/500 of a drawing's longer side, or a
 little more."""
 
-SHEETS = (1.0, 1.6, 4.0, 16.0, 64.0)
+SHEETS = (1.0, 1.6, 3.0, 16.0)
 """The sheets of a frame: A4 as it lies best for the shape, enlarged by these factors around its middle."""
 
 COVERS = 1e-9
@@ -140,17 +140,18 @@ def in_frame(laid: Laid, fold: Callable[[Frame], Found], *, retry: bool = True) 
 
 
 def frames(laid: Laid) -> Iterator[Frame]:
-    """Yield the frames to search in: those whose sheet covers the one that is asked for, the least first, and that one.
+    """Yield the frames to search in: the first two whose sheet covers the one that is asked for, and that one itself.
 
     The last has no more paper than was asked for. It may fold what no other does, but not at one size as at another.
     """
-    page = _page(laid)
+    page, count = _page(laid), 0
     for factor in SHEETS:
         sheet = Sheet(factor * page.sheet.width, factor * page.sheet.height)
         shape = _moved(page.shape, (factor - 1) * _middle_of_sheet(page.sheet))
         frame = replace(page, sheet=sheet, shape=shape)
-        if frame.covers:
+        if frame.covers and count < 2:
             yield frame
+            count += 1
     low, high = page.window
     if not np.allclose(high - low, 2 * _middle_of_sheet(page.sheet), rtol=COVERS):
         shape = _moved(page.shape, -low - _middle(page.shape))
