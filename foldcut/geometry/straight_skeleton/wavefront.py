@@ -470,10 +470,10 @@ def sort_rays(front, rays):
     while front.rays[first].out == 0:
         first += 1
     base = front.sides[front.rays[first].side]
-    tie = 0.0 * ULP
+    tie = ULP
     for k in range(rays):
         tie = max(tie, front.sides[front.rays[k].side].turn)
-    tie = SAFETY * (2 * tie + ULP)
+    tie *= 2 * SAFETY
     for k in range(rays):
         ray = front.rays[k]
         side = front.sides[ray.side]
