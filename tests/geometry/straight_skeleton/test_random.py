@@ -10,11 +10,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from oracles import straight_skeleton as oracle
 from support import cgal
 from support.planar_graphs import KINDS, Graph, kind_of, random_graph, turned
 from support.skeleton_judge import judge
-from support.skeleton_nodes import as_oracle, differences
+from support.skeleton_nodes import as_oracle, differences, unlike_the_oracle
 
 from foldcut.geometry.straight_skeleton import StraightSkeleton, straight_skeleton
 
@@ -42,13 +41,6 @@ def test_the_judge_finds_nothing(seeds: range) -> None:
 @shards
 def test_the_oracle_finds_the_same(seeds: range) -> None:
     assert [text for seed in seeds for text in told(seed, unlike_the_oracle(skeleton_of(seed)))] == []
-
-
-def unlike_the_oracle(skeleton: StraightSkeleton) -> list[str]:
-    """Compare with the oracle, exactly, and if that differs, with ties within rounding taken as one event."""
-    points, edges, following = skeleton.graph.points, skeleton.graph.edges, skeleton.graph.following
-    exact = differences(skeleton, oracle.straight_skeleton(points, edges, following))
-    return exact and differences(skeleton, oracle.straight_skeleton(points, edges, following, oracle.ROUNDED))
 
 
 @shards
