@@ -49,7 +49,8 @@ MOST_TOLD = 4
 """How many findings of one kind are told."""
 
 FAR = 1e9
-"""Arcs that never end must not cross within this many sizes of the drawing; farther away, it is not looked at."""
+"""What is farther away than this, in sizes of the drawing, is not looked at: whether arcs that never end cross there,
+and, if a node is there, what shape the faces have that go on for ever."""
 
 BOX = 4.0
 """Half the width of the box around everything, by the distance of the farthest node from the middle."""
@@ -413,7 +414,7 @@ class Case:
         for k in np.flatnonzero(self.skeleton.arcs[:, 1] < 0).tolist():
             for flank, side in enumerate(self.skeleton.arc_sides[k].tolist()):
                 ray[int(self.skeleton.arcs[k, 0]), side, flank] = k
-        fence = self.grain * (2 + 2 * half / self.length.min())
+        fence = self.grain * (2 + 2 * half / self.length.min()) if half <= BOX * FAR * self.size else np.inf
         corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
         extra: dict[int, list[Floats]] = {}
         before = np.empty_like(self.after)
