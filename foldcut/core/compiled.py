@@ -16,10 +16,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
-__all__ = ["COMPILED", "CompiledCode", "compiled_copy", "compiled_in", "copy_of", "expect_many_drawings", "is_ready"]
+__all__ = [
+    "COMPILED",
+    "CompiledCode",
+    "compiled_copy",
+    "compiled_in",
+    "copy_of",
+    "expect_many_drawings",
+    "forget_unreadable",
+    "is_installed",
+    "is_ready",
+]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -52,16 +63,18 @@ def expect_many_drawings() -> None:
     COMPILED.many_drawings = True
 
 
-def compiled_in(module: str) -> Callable[[Function], Function]:
+def compiled_in(module: str, *, inline: bool = False) -> Callable[[Function], Function]:
     """Return the decorator of a module's functions: it compiles them in a compiled copy, and elsewhere does nothing.
 
-    ``module`` is the module's ``__name__``.
+    ``module`` is the module's ``__name__``; ``inline`` for small functions that are called very often.
     """
     if not module.endswith(COPY):
         return lambda function: function
     from numba import njit
 
-    decorate: Callable[[Function], Function] = njit(cache=True, nogil=True, error_model="numpy")
+    # _nrt: without counting references, which took nine tenths of the time; so nothing may be allocated in there
+    options = {"cache": True, "nogil": True, "error_model": "numpy", "forceinline": inline, "_nrt": False}
+    decorate: Callable[[Function], Function] = njit(**options)
     return decorate
 
 
@@ -96,5 +109,19 @@ def is_ready(function: Any) -> bool:
     if function.signatures:
         return True
     kept = function._cache  # numba has no public way to ask
-    known = kept._cache_file._load_index()
-    return any(key[1:] == kept._index_key(key[0], function.targetctx.codegen())[1:] for key in known)
+    try:
+        known = kept._cache_file._load_index()
+        return any(key[1:] == kept._index_key(key[0], function.targetctx.codegen())[1:] for key in known)
+    except Exception:  # what an earlier version has left may not be readable
+        return False
+
+
+def forget_unreadable(module: ModuleType) -> None:
+    """Remove what an earlier version has left in numba's cache for a compiled copy, if it cannot be read any more."""
+    for function in vars(module).values():
+        if hasattr(function, "signatures"):
+            kept = function._cache
+            try:
+                kept._cache_file._load_index()
+            except Exception:
+                Path(kept._cache_file._index_path).unlink(missing_ok=True)

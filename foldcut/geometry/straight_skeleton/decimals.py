@@ -38,6 +38,7 @@ def decimal_copy() -> ModuleType:
     copy.ULP = ROUNDING
     copy.MOST_ERROR = copy.SQUARE = Decimal(10) ** -(DIGITS // 2)
     copy.FEW = copy.FEW_LATE = 1 << 60
+    copy.NEVER = Decimal("Infinity")
     copy.sqrt = Decimal.sqrt
     made: ModuleType = copy
     return made
