@@ -18,7 +18,7 @@ from foldcut.core.errors import BadInputError
 if TYPE_CHECKING:
     from foldcut.methods.base import Effort, Made, Problem
 
-__all__ = ["ADJUST_MM", "AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases"]
+__all__ = ["AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases"]
 
 AUTO = "auto"
 """Not a method: it has several methods tried and takes the pattern that is easiest to fold (``methods.auto``)."""
@@ -27,9 +27,6 @@ DEFAULT_METHOD = AUTO
 
 EFFORTS = ("fast", "normal", "best")
 """How long a method searches for the best pattern."""
-
-ADJUST_MM = 0.25
-"""How far corners may be moved so that creases meet: less than a cut by hand misses its line by."""
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ import numpy as np
 import shapely
 
 from foldcut.core.arrays import Floats
-from foldcut.core.errors import UnfoldableError
+from foldcut.core.errors import UnfoldableWhereError
 from foldcut.core.model import Sheet
 from foldcut.methods.skeleton.skeleton_faces import Edge, Skeleton, Vertices, half_edges
 
@@ -177,10 +177,10 @@ class Perpendiculars:
         ending = {node for path in self.paths for node in (path.start, path.end)}
         for node in self.ridges.odd:
             if node not in ending:
-                x, y = self.ridges.skeleton.points[node]
-                raise UnfoldableError(
-                    f"no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
-                    f"{MOST_CROSSINGS} crossings; try a larger --adjust"
+                raise UnfoldableWhereError(
+                    "no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
+                    f"{MOST_CROSSINGS} crossings; try a larger --adjust",
+                    self.ridges.skeleton.points[node].tolist(),
                 )
 
 

@@ -14,9 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from foldcut.core.errors import UnfoldableError
+from foldcut.core.errors import UnfoldableError, UnfoldableWhereError
 from foldcut.core.model import Shape, Sheet
-from foldcut.methods import ADJUST_MM
 from foldcut.methods.skeleton.budget import Budget, order_cost
 from foldcut.methods.skeleton.choices import exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
@@ -40,8 +39,11 @@ LEAST_PATIENCE = 3.0
 SETS_PART = 3 / 4
 """The part of that time for the promising sets; the rest is for the walk from the best of them."""
 
-LESS = 0.2
-"""Corners are also moved by no more than this part of what is allowed: less is sometimes better."""
+LEAST_SETS = 2
+"""How many sets of each drawing are tried even if nothing is left to spend: one of both kinds (``promising_sets``)."""
+
+PARTS = (1.0, 0.5, 0.1)
+"""Corners are moved by no more than these parts of what is allowed: less is sometimes better."""
 
 MOST_CORNERS = 120
 """Drawings with more corners are refused."""
@@ -52,7 +54,7 @@ def fold_skeletal(
     sheet: Sheet,
     *,
     ribbon: float = 0.0,
-    near: float = ADJUST_MM,
+    near: float,
     effort: str = "normal",
     seconds: float | None = None,
     share: float = 1.0,
@@ -60,11 +62,11 @@ def fold_skeletal(
 ) -> Skeletal:
     """Fold a shape along its straight skeleton.
 
-    ``shape`` is in the sheet's mm; its corners may be moved by ``near`` mm, where that joins nodes of the skeleton or
-    takes perpendiculars to them. ``ribbon`` is a half-width in mm: this near to the cut, creases only run straight
-    across it or along a corner's bisector. ``effort`` is one of ``SECONDS``, ``seconds`` replaces it, and ``share`` is
-    the part of either that may be spent. ``progress`` is called with a text and the part done. Ctrl-C ends the
-    search with the best pattern so far.
+    ``shape`` is in the sheet's mm, and as large as a ``Frame`` has it; its corners may be moved by ``near`` mm, where
+    that joins nodes of the skeleton or takes perpendiculars to them. ``ribbon`` is a half-width in mm: this near to the
+    cut, creases only run straight across it or along a corner's bisector. ``effort`` is one of ``SECONDS``, ``seconds``
+    replaces it, and ``share`` is the part of either that may be spent. ``progress`` is called with a text and the part
+    done. Ctrl-C ends the search with the best pattern so far.
     Raises ``UnfoldableError`` with the reason where perpendiculars do not end, where there are too many corners or
     creases, and where no set of perpendiculars has a layer order.
     """
@@ -87,11 +89,11 @@ def fold_skeletal(
             raise
         interrupted = True
     if search.made is None:
-        raise UnfoldableError(search.problem or "no set of perpendiculars makes the creases at every node even")
+        raise search.problem or UnfoldableError("no set of perpendiculars makes the creases at every node even")
     return replace(search.made, interrupted=interrupted)
 
 
-def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float = ADJUST_MM) -> Skeletal:
+def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float) -> Skeletal:
     """Fold a shape along the ridges of its straight skeleton alone; the options are those of ``fold_skeletal``.
 
     Raises ``UnfoldableError`` with the reason where perpendiculars are needed, or where there is no layer order.
@@ -110,8 +112,9 @@ def ridges_of(shape: Shape, sheet: Sheet, ribbon: float) -> Ridges:
     ridges = Ridges(skeleton, sheet)
     lowest = min((float(skeleton.height[node]) for node in ridges.nodes), default=np.inf)
     if lowest <= ribbon:
-        raise UnfoldableError(
-            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
+        raise UnfoldableWhereError(
+            "creases of the straight skeleton meet {0:.2g} mm from the cut, within the ribbon of {1:.6g} mm",
+            lengths=(lowest, ribbon),
         )
     return ridges
 
@@ -120,10 +123,10 @@ def adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, float
     """Return variants of a shape, and how far in mm their corners were moved: the shape itself comes last."""
     if not near:
         return [(shape, 0.0)]
-    moved = [tie_perpendiculars(shape, sheet, most) for most in (near, LESS * near)]
-    moved += [tie_nodes(shape, sheet, near), (shape, 0.0)]
+    moved = [tie_perpendiculars(shape, sheet, part * near) for part in PARTS]
+    moved = [(one, way) for one, way in [*moved, tie_nodes(shape, sheet, near)] if way]
     different: list[tuple[Shape, float]] = []
-    for one, way in moved:
+    for one, way in [*moved, (shape, 0.0)]:
         if all(any((a != b).any() for a, b in zip(one.loops, other.loops, strict=True)) for other, _ in different):
             different.append((one, way))
     return different
@@ -141,7 +144,7 @@ class Search:
     budget: Budget
     progress: Callable[[str, float], None] | None = None
     best: Trial | None = None
-    problem: str = ""
+    problem: UnfoldableError | None = None
 
     @property
     def made(self) -> Skeletal | None:
@@ -158,7 +161,7 @@ class Search:
         try:
             nearest = self._try_sets(shape, moved, patience)
         except UnfoldableError as error:
-            self.problem = self.problem or str(error)
+            self.problem = self.problem or error
             return
         if self.best is None and nearest is not None:
             self.walk(nearest, patience)
@@ -169,8 +172,9 @@ class Search:
         Raises ``UnfoldableError`` where there are no sets, or none with few enough creases.
         """
         nearest: Trial | None = None
-        for perpendiculars, taken in promising_sets(ridges_of(shape, self.sheet, self.ribbon)):
-            if self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience):
+        for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(shape, self.sheet, self.ribbon))):
+            spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
+            if spent and number >= LEAST_SETS:
                 break
             trial = self.attempt(Drawing(shape, moved, perpendiculars), frozenset(taken))
             if nearest is None or trial.quality < nearest.quality:
@@ -213,7 +217,8 @@ class Search:
         if self.progress is not None:
             self.progress("layer orders", self.budget.part)
         trial = attempt(drawing, taken, self.budget)
-        self.problem = self.problem or trial.problem
+        if trial.problem and self.problem is None:
+            self.problem = UnfoldableError(trial.problem)
         if trial.made and (self.best is None or trial.quality < self.best.quality):
             self.best = trial
         return trial

@@ -275,7 +275,7 @@ def test_where_no_perpendicular_ends_the_reason_names_the_node() -> None:
 
 def test_what_would_take_too_long_is_refused_at_once() -> None:
     with pytest.raises(UnfoldableError, match=r"the drawing has 130 corners; this method takes at most 120"):
-        fold_skeletal(placed([star(65, 0.8)]), SHEET)
+        fold_skeletal(placed([star(65, 0.8)]), SHEET, near=0.0)
     shape, _ = place(make_shape(random_loops(2, holes=False)), SHEET, margin=40)
     with pytest.raises(UnfoldableError, match=r"the pattern has 1,\d+ creases; this method takes at most 1,000"):
         fold_skeletal(shape, SHEET, near=0.0)
