@@ -23,7 +23,6 @@ from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
 from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
 from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered
-from foldcut.pattern.ranking import FOLDABLE_MM, shortest_crease
 
 __all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]
 
@@ -81,8 +80,6 @@ def fold_skeletal(
         for number, (variant, moved) in enumerate(variants, start=1):
             is_last = number == len(variants)
             search.fold(variant, moved, patience if is_last else max(budget.limit, LEAST_PATIENCE))
-            if search.made is not None and shortest_crease(search.made.creases) >= FOLDABLE_MM:
-                break
         search.improve()
     except KeyboardInterrupt:
         if search.made is None:
