@@ -23,7 +23,6 @@ from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
 from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
 from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered
-from foldcut.pattern.ranking import FOLDABLE_MM, shortest_crease
 
 __all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]
 
@@ -38,6 +37,9 @@ LEAST_PATIENCE = 3.0
 
 SETS_PART = 3 / 4
 """The part of that time for the promising sets; the rest is for the walk from the best of them."""
+
+LEAST_SETS = 2
+"""How many sets of each drawing are tried even if nothing is left to spend: one of both kinds (``promising_sets``)."""
 
 PARTS = (1.0, 0.5, 0.1)
 """Corners are moved by no more than these parts of what is allowed: less is sometimes better."""
@@ -78,8 +80,6 @@ def fold_skeletal(
         for number, (variant, moved) in enumerate(variants, start=1):
             is_last = number == len(variants)
             search.fold(variant, moved, patience if is_last else max(budget.limit, LEAST_PATIENCE))
-            if search.made is not None and shortest_crease(search.made.creases) >= FOLDABLE_MM:
-                break
         search.improve()
     except KeyboardInterrupt:
         if search.made is None:
@@ -169,9 +169,9 @@ class Search:
         Raises ``UnfoldableError`` where there are no sets, or none with few enough creases.
         """
         nearest: Trial | None = None
-        for perpendiculars, taken in promising_sets(ridges_of(shape, self.sheet, self.ribbon)):
+        for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(shape, self.sheet, self.ribbon))):
             spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
-            if spent and nearest is not None:  # of each variant one set is tried
+            if spent and number >= LEAST_SETS:
                 break
             trial = self.attempt(Drawing(shape, moved, perpendiculars), frozenset(taken))
             if nearest is None or trial.quality < nearest.quality:

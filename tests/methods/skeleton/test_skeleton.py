@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterable
 from itertools import islice, product
 from pathlib import Path
@@ -236,6 +237,22 @@ def test_from_a_set_without_an_order_the_search_walks_to_one_that_has(monkeypatc
     monkeypatch.setattr(search.Search, "walk", lambda *_: None)
     with pytest.raises(UnfoldableError, match="cannot be put in an order"):
         fold_skeletal(shape, SHEET, near=0.0, effort="fast")
+
+
+def test_of_each_variant_of_a_drawing_a_set_of_both_kinds_is_tried_with_nothing_left_to_spend(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    sheet, tried = parse_sheet("a4-landscape"), Counter[float]()
+
+    def counted(drawing: trial.Drawing, *arguments: Any) -> trial.Trial:
+        tried[drawing.moved] += 1
+        return trial.attempt(drawing, *arguments)
+
+    monkeypatch.setattr(search, "attempt", counted)
+    swan = place(make_shape(read_shape(sample_path("swan")).loops), sheet)[0]
+    fold_skeletal(swan, sheet, near=0.5, seconds=0.1)
+    assert len(tried) > 2
+    assert min(tried.values()) == search.LEAST_SETS
 
 
 def test_an_order_with_one_pair_the_other_way_is_rejected() -> None:
