@@ -14,7 +14,7 @@ NEAR = 1e-9
 
 def differences(one: StraightSkeleton, other: StraightSkeleton, near: float = NEAR) -> list[str]:
     """Return what is different, in words; nothing if the skeletons are the same."""
-    if one.graph.edges.tolist() != other.graph.edges.tolist() or one.graph.points.tolist() != other.graph.points.tolist():
+    if any((one.graph.edges != other.graph.edges).flat) or any((one.graph.points != other.graph.points).flat):
         return ["the graphs are different"]
     found = []
     if one.face_nodes.offsets.tolist() != other.face_nodes.offsets.tolist():
@@ -23,8 +23,9 @@ def differences(one: StraightSkeleton, other: StraightSkeleton, near: float = NE
     node, partner = one.face_nodes.values, other.face_nodes.values
     if ((node < 0) != (partner < 0)).any():
         return ["faces are open at other places"]
-    pairs = dict(zip(node.tolist(), partner.tolist(), strict=True))
-    if len(set(zip(node.tolist(), partner.tolist(), strict=True))) != len(pairs) or len(set(pairs.values())) != len(pairs):
+    both = set(zip(node.tolist(), partner.tolist(), strict=True))
+    pairs = dict(both)
+    if not len(both) == len(pairs) == len(set(pairs.values())):
         return ["faces share nodes that they do not share in the other"]
     size = float(np.ptp(one.graph.points, axis=0).max())
     off = np.hypot(*(one.nodes[node] - other.nodes[partner]).T) + np.abs(one.time[node] - other.time[partner])

@@ -59,7 +59,7 @@ NOISE, MIDDLE_X, MIDDLE_Y, SCALE = range(4)
 STAYED, CHANGED, NO_POINT = range(3)
 
 UNCERTAIN = 1 << 20
-"""A node that may be off by so many roundings of the coordinates is left to ``wavefront``, which has decimals for it."""
+"""A node that may be off by so many roundings of the coordinates is left to ``wavefront``, which has decimals."""
 
 FARTHEST = 2.0
 """How far from the middle points may move, in the frame."""
@@ -208,7 +208,8 @@ def place_node(motion, node, is_moved):
 def uncertainty(motion, node, side):
     """Return how uncertain a side's line is at a node."""
     dx, dy = motion.nodes[node].x - motion.sides[side].ox, motion.nodes[node].y - motion.sides[side].oy
-    return motion.numbers[NOISE] * (1 + abs(motion.nodes[node].time)) + motion.sides[side].turn * sqrt(dx * dx + dy * dy)
+    noise = motion.numbers[NOISE] * (1 + abs(motion.nodes[node].time))
+    return noise + motion.sides[side].turn * sqrt(dx * dx + dy * dy)
 
 
 @compiled
@@ -356,7 +357,8 @@ def is_face(motion, side):
             if not set_velocity(motion, arc):
                 return False
             dx, dy = motion.sides[side].dx, motion.sides[side].dy
-            rate = (motion.arcs[before].vx - motion.arcs[arc].vx) * dx + (motion.arcs[before].vy - motion.arcs[arc].vy) * dy
+            rate = (motion.arcs[before].vx - motion.arcs[arc].vx) * dx
+            rate += (motion.arcs[before].vy - motion.arcs[arc].vy) * dy
             if not rate > SAFETY * (motion.arcs[before].drift + motion.arcs[arc].drift):
                 return False
             motion.sides[side].is_around = goes_around(motion, before, arc)
@@ -391,8 +393,8 @@ def goes_on(motion, arc, now):
 def is_simple(motion, count, near, now):
     """Return whether corners make a simple polygon, counter-clockwise; places this ``near`` may be the same.
 
-    The height of a corner above the side is its time. Where a moved corner is lower than both beside it, the face has to
-    be below it.
+    The height of a corner above the side is its time. Where a moved corner is lower than both beside it, the face has
+    to be below it.
     """
     if count < 3:
         return False

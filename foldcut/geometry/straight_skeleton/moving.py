@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from foldcut.core.arrays import Indices, sealed
+from foldcut.core.arrays import Floats, Indices, sealed
 from foldcut.core.compiled import compiled_copy, is_ready
 from foldcut.geometry.straight_skeleton import motion
 from foldcut.geometry.straight_skeleton.frame import Frame
@@ -28,6 +28,12 @@ class MovingSkeleton:
     A moving skeleton is for one thread at a time.
     """
 
+    points: Floats
+    """Where the points are now, ``(n, 2)``; they are moved by ``move`` only."""
+
+    _start: StraightSkeleton  # as it was made last
+    _now: StraightSkeleton | None  # as it is now, if somebody has asked
+
     def __init__(self, start: Graph | StraightSkeleton, tables: Tables | None = None) -> None:
         if tables is None:
             tables = DEFAULT.tables()
@@ -38,11 +44,11 @@ class MovingSkeleton:
         self._set(start if isinstance(start, StraightSkeleton) else Solver(start, tables).solve_one())
 
     def move(self, points: ArrayLike, places: ArrayLike) -> bool:
-        """Move some points ``(k,)`` to new places ``(k, 2)``; return whether the skeleton is the same but for its places.
+        """Move some points ``(k,)`` to places ``(k, 2)``; return whether the skeleton is the same but for its places.
 
-        If it is, only the nodes and faces beside the movement were computed again. If not, or where rounding leaves that
-        open, all of it was made again, and nodes and arcs have new numbers. Raises ``IndexError`` for a point that is
-        not there, ``ValueError`` if there are not as many places or if edges come to cross; then nothing has moved.
+        If it is, only the nodes and faces beside the movement were computed again. If not, or where rounding leaves
+        that open, all of it was made again, and nodes and arcs have new numbers. Raises ``IndexError`` for a point that
+        is not there, ``ValueError`` if there are not as many places or if edges come to cross; then nothing has moved.
         """
         numbers: Any = np.asarray(points, dtype=np.int64).reshape(-1)
         flat: Any = np.asarray(places, dtype=np.float64).reshape(-1)
@@ -76,7 +82,7 @@ class MovingSkeleton:
         counts = self.motion.counts
         return int(counts[motion.NODES_MOVED]), int(counts[motion.FACES_SEEN])
 
-    def _make_again(self, old: NDArray[np.float64]) -> None:
+    def _make_again(self, old: Floats) -> None:
         """Make the skeleton from the points; if that fails, from the old ones."""
         edges = self._start.graph.edges
         try:
@@ -88,7 +94,7 @@ class MovingSkeleton:
     def _set(self, skeleton: StraightSkeleton) -> None:
         """Put a skeleton into the tables."""
         self._start = skeleton
-        self._now: StraightSkeleton | None = skeleton
+        self._now = skeleton
         graph, faces = skeleton.graph, skeleton.face_nodes
         self.points = graph.points.copy()
         self.frame = frame = Frame(graph.points)
