@@ -167,9 +167,7 @@ def _with_neighbours(skeleton: StraightSkeleton, sides: Bools) -> Bools:
     return found
 
 
-def _around(
-    graph: Graph, core: Bools, around: Bools, tables: Tables | None
-) -> tuple[StraightSkeleton, Indices]:
+def _around(graph: Graph, core: Bools, around: Bools, tables: Tables | None) -> tuple[StraightSkeleton, Indices]:
     """Return the skeleton of the edges of some sides, and the number of each of its sides in the graph.
 
     All edges at the ends of the core's edges are in it. Caps that the graph has not have the number -1.
@@ -185,7 +183,9 @@ def _around(
     caps = np.full(len(graph.points), -1)
     first = 2 * len(graph.edges)
     caps[graph.tail[first:]] = np.arange(first, graph.side_count)
-    side = np.concatenate([2 * np.repeat(edges, 2) + np.tile([0, 1], len(edges)), caps[points[part.graph.tail[2 * len(edges) :]]]])
+    side = np.concatenate(
+        [2 * np.repeat(edges, 2) + np.tile([0, 1], len(edges)), caps[points[part.graph.tail[2 * len(edges) :]]]]
+    )
     return part, side
 
 
