@@ -26,12 +26,19 @@ from typing import Any, NamedTuple
 
 from foldcut.core.compiled import compiled_in
 from foldcut.geometry.straight_skeleton.tables import Tables
-from foldcut.geometry.straight_skeleton.wavefront import SAFETY, ULP
 
 __all__ = ["Motion", "move", "prepare", "room_for", "set_velocities"]
 
 compiled = compiled_in(__name__)
 inlined = compiled_in(__name__, inline=True)
+
+SAFETY = 32
+"""How many times their estimated error things may be off, as in ``wavefront``.
+
+It is not imported, since numba's cache of a module does not notice when another module changes."""
+
+ULP = 2.0**-52
+"""The rounding of a number near 1."""
 
 POINT = "x y first:"
 """Place, and where its list of sides begins."""

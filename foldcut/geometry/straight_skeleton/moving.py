@@ -11,14 +11,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import Floats, Indices, sealed
-from foldcut.core.compiled import compiled_copy, is_ready
+from foldcut.core.compiled import compiled_copy, forget_unreadable, is_ready
 from foldcut.geometry.straight_skeleton import motion
+from foldcut.geometry.straight_skeleton import skeleton as skeletons
 from foldcut.geometry.straight_skeleton.frame import Frame
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
 from foldcut.geometry.straight_skeleton.skeleton import DEFAULT, Solver, StraightSkeleton, fields
-from foldcut.geometry.straight_skeleton.tables import Lists, Tables
+from foldcut.geometry.straight_skeleton.tables import Arrays, Lists, Tables
 
-__all__ = ["MovingSkeleton"]
+__all__ = ["MovingSkeleton", "compile_ahead"]
 
 
 class MovingSkeleton:
@@ -50,8 +51,9 @@ class MovingSkeleton:
         that open, all of it was made again, and nodes and arcs have new numbers. Raises ``IndexError`` for a point that
         is not there, ``ValueError`` if there are not as many places or if edges come to cross; then nothing has moved.
         """
-        numbers: Any = np.asarray(points, dtype=np.int64).reshape(-1)
-        flat: Any = np.asarray(places, dtype=np.float64).reshape(-1)
+        # new arrays: for those that are read-only or have gaps, numba would have to compile once more
+        numbers: Any = np.array(points, dtype=np.int64).ravel()
+        flat: Any = np.array(places, dtype=np.float64).ravel()
         count = len(numbers)
         if len(flat) != 2 * count:
             raise ValueError(f"there are {count} points to be moved, but {len(flat) / 2:g} places")
@@ -60,12 +62,11 @@ class MovingSkeleton:
         status = self.kernel.move(self.motion, numbers, flat, count)
         if status == motion.NO_POINT:
             raise IndexError(f"a point is not one of the {len(self.points)} that there are")
+        old = self.points if status == motion.STAYED else self.points.copy()
+        self.points[numbers] = np.reshape(flat, (count, 2))
         if status == motion.STAYED:
-            self.points[numbers] = np.asarray(places).reshape(-1, 2)
             self._now = None
             return True
-        old = self.points.copy()
-        self.points[numbers] = np.asarray(places).reshape(-1, 2)
         self._make_again(old)
         return False
 
@@ -169,3 +170,16 @@ def _arcs_of_outlines(skeleton: StraightSkeleton) -> Indices:
     place = np.minimum(np.searchsorted(known[order], wanted), len(order) - 1)
     found: Indices = np.where(known[order][place] == wanted, arcs[place], -1)
     return found
+
+
+def compile_ahead() -> None:
+    """Compile all that straight skeletons have to be compiled, and keep it in numba's cache.
+
+    ``ImportError`` without the extra ``fast``. It takes about half a minute of the processor, or a second if that was
+    done before.
+    """
+    skeletons.compile_ahead()
+    forget_unreadable(compiled_copy(motion))
+    moving = MovingSkeleton(graph_of([(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2), (2, 0)]), Arrays())
+    moving.move(0, (-0.5, 0))
+    moving._result()

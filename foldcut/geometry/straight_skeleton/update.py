@@ -3,10 +3,10 @@
 ``StraightSkeleton`` and what has changed -> ``UpdatedSkeleton``.
 
 The sides at points that have changed, and those whose faces share a node with theirs, are the *core*. The skeleton of
-the edges around it is made, and of it only the faces of the core are used. If the arcs between the core and all other
+the edges near it is made, and of it only the faces of the core are used. If the arcs between the core and all other
 sides are the same as before, then the new faces of the core and the old faces of all others fit together and cover the
-plane; all of them are faces of a wavefront of their sides, so it is the skeleton. Otherwise the core grows by its
-neighbours, until it is half of all sides; then all is made again.
+plane; all of them are faces of a wavefront of their sides, so it is the skeleton. Otherwise
+more edges are taken, and then a larger core, until it is half of all sides; then all is made again.
 Source: Aichholzer and Aurenhammer, "Straight Skeletons for General Polygonal Figures", 1996 (a skeleton is known by its
 faces: each arc is on the bisector of the two sides that it is between).
 """
@@ -101,19 +101,20 @@ def _updated(old: StraightSkeleton, graph: Graph, number: Indices, tables: Table
     """Return the skeleton of a graph; ``number`` ``(n,)``: the points of the old graph in the new one, -1 for none."""
     new_side, core = _changed_sides(old.graph, graph, number)
     work = 0
-    while core.any():
-        core = _with_neighbours(old, core)
-        if 2 * core.sum() > old.graph.side_count:
-            break
+    around = core = _with_neighbours(old, core)
+    while core.any() and 2 * core.sum() <= old.graph.side_count:
+        around = _with_neighbours(old, around)
         in_core = np.ones(graph.side_count, dtype=bool)
         in_core[new_side[~core]] = False
-        around = in_core.copy()
-        around[new_side[_with_neighbours(old, core) & (new_side >= 0)]] = True
-        part, side = _around(graph, in_core, around, tables)
-        work += len(side)
+        near = in_core.copy()
+        near[new_side[around & (new_side >= 0)]] = True
+        part, side = _part(graph, in_core, near, tables)
         merged = _merged(old, graph, number, new_side, core, part, side, in_core)
         if merged is not None:
-            return UpdatedSkeleton(graph, *merged, sealed(np.flatnonzero(in_core)), work)
+            return UpdatedSkeleton(graph, *merged, sealed(np.flatnonzero(in_core)), work + len(side))
+        if work:  # at first, more of what is around may be enough
+            core = _with_neighbours(old, core)
+        work += len(side)
     new, made = (Solver(graph, tables).solve_one(), graph.side_count) if core.any() else (old, 0)
     return UpdatedSkeleton(
         graph,
@@ -167,13 +168,13 @@ def _with_neighbours(skeleton: StraightSkeleton, sides: Bools) -> Bools:
     return found
 
 
-def _around(graph: Graph, core: Bools, around: Bools, tables: Tables | None) -> tuple[StraightSkeleton, Indices]:
+def _part(graph: Graph, core: Bools, near: Bools, tables: Tables | None) -> tuple[StraightSkeleton, Indices]:
     """Return the skeleton of the edges of some sides, and the number of each of its sides in the graph.
 
     All edges at the ends of the core's edges are in it. Caps that the graph has not have the number -1.
     """
     chosen = np.zeros(len(graph.edges), dtype=bool)
-    chosen[graph.source[around] >> 1] = True
+    chosen[graph.source[near] >> 1] = True
     at = np.zeros(len(graph.points), dtype=bool)
     at[graph.edges[graph.source[core] >> 1]] = True
     chosen |= at[graph.edges].any(axis=1)

@@ -115,6 +115,17 @@ def test_edges_that_come_to_cross_are_refused(step: tuple[float, float]) -> None
     assert moving.move(4, (1.001, 1))
 
 
+def test_arrays_of_any_kind_do_not_make_the_compiler_work_again() -> None:
+    pytest.importorskip("numba")
+    points, edges = random_polygon(20, 1)
+    moving = MovingSkeleton(graph_of(points, edges), Arrays())
+    moving.move(0, points[0])
+    signatures = list(moving.kernel.move.signatures)
+    moving.move(np.arange(20, dtype=np.int32)[::2], moving.skeleton.graph.points[::2])
+    moving.move([3], points[3:4].T)
+    assert moving.kernel.move.signatures == signatures
+
+
 def test_points_that_are_not_there_and_missing_places_are_refused() -> None:
     points, edges = random_polygon(20, 1)
     moving = MovingSkeleton(graph_of(points, edges))
