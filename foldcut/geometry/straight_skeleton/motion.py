@@ -191,7 +191,7 @@ def place_node(motion, node, is_moved):
     ux, uy = motion.sides[b].dx - ax, motion.sides[b].dy - ay
     wx, wy = motion.sides[c].dx - ax, motion.sides[c].dy - ay
     cross = ux * wy - uy * wx
-    if abs(cross) <= ULP:
+    if abs(cross) <= SAFETY * ULP:
         motion.nodes[node].error = 1.0
         return False
     if is_moved:
@@ -199,7 +199,15 @@ def place_node(motion, node, is_moved):
         ox, oy = motion.sides[a].ox, motion.sides[a].oy
         rb = motion.sides[b].dx * (motion.sides[b].oy - oy) - motion.sides[b].dy * (motion.sides[b].ox - ox)
         rc = motion.sides[c].dx * (motion.sides[c].oy - oy) - motion.sides[c].dy * (motion.sides[c].ox - ox)
-        x, y = (wx * rb - ux * rc) / cross, (wy * rb - uy * rc) / cross
+        # by elimination, which unlike determinants leaves the node on nearly parallel lines
+        if abs(uy) >= abs(wy):
+            part = wy / uy
+            y = (rc - part * rb) / (wx - part * ux)
+            x = (ux * y - rb) / uy
+        else:
+            part = uy / wy
+            y = (rb - part * rc) / (ux - part * wx)
+            x = (wx * y - rc) / wy
         motion.nodes[node].time = ax * y - ay * x
         motion.nodes[node].x = ox + x
         motion.nodes[node].y = oy + y
