@@ -43,9 +43,9 @@ ULP = 2.0**-52
 POINT = "x y first:"
 """Place, and where its list of sides begins."""
 
-SIDE = "dx dy ox oy turn tail: head: source: first: gaps: is_around: moved: seen:"
-"""Direction and tail, as in ``wavefront``; where its face begins; how many gaps at the infinite that has, and whether
-it goes around the direction of x there; when the side was moved and when its face was looked at."""
+SIDE = "dx dy ox oy turn tail: head: source: first: around: moved: seen:"
+"""Direction and tail, as in ``wavefront``; where its face begins; how often that passes the direction of x at the
+infinite; when the side was moved and when its face was looked at."""
 
 NODE = "x y time error a: b: c: first: moved:"
 """Place, time, and how uncertain these are; three of its sides, from which it is computed; where its sides begin."""
@@ -123,12 +123,9 @@ def prepare(motion):
     for arc in range(len(motion.arcs)):
         set_velocity(motion, arc)
     for side in range(len(motion.sides) - 1):
-        if motion.sides[side].gaps == 1:
-            place = motion.sides[side].first
-            while motion.steps[place].node >= 0:
-                place += 1
-            before = motion.steps[place - 1].arc
-            motion.sides[side].is_around = goes_around(motion, before, motion.steps[place].arc)
+        for place in range(motion.sides[side].first, motion.sides[side + 1].first):
+            if motion.steps[place].node < 0:
+                motion.sides[side].around += goes_around(motion, motion.steps[place - 1].arc, motion.steps[place].arc)
 
 
 @compiled
@@ -326,10 +323,10 @@ def move(motion, points, places, count):
     around = 0
     for k in range(counts[FACES_SEEN]):
         side = motion.faces_seen[k]
-        around -= motion.sides[side].is_around
+        around -= motion.sides[side].around
         if not is_face(motion, side):
             return CHANGED
-        around += motion.sides[side].is_around
+        around += motion.sides[side].around
     return STAYED if around == 0 else CHANGED
 
 
@@ -346,9 +343,7 @@ def is_face(motion, side):
     """Return whether a side's outline is that of a face; only what is at nodes that have moved is looked at."""
     now = motion.counts[NOW]
     first, last = motion.sides[side].first, motion.sides[side + 1].first
-    if motion.sides[side].gaps > 1:
-        return False
-    latest, error = 0.0, 0.0
+    latest, error, around = 0.0, 0.0, 0
     for place in range(first, last):
         node = motion.steps[place].node
         if node >= 0:
@@ -376,7 +371,7 @@ def is_face(motion, side):
             rate += (motion.arcs[before].vy - motion.arcs[arc].vy) * dy
             if not rate > SAFETY * (motion.arcs[before].drift + motion.arcs[arc].drift):
                 return False
-            motion.sides[side].is_around = goes_around(motion, before, arc)
+            around += goes_around(motion, before, arc)
             for ray in (before, arc):
                 start = motion.arcs[ray].start
                 late = latest - motion.nodes[start].time
@@ -387,6 +382,7 @@ def is_face(motion, side):
                 error = max(error, motion.nodes[start].error + late * motion.arcs[ray].drift)
                 corners += 1
         before = arc
+    motion.sides[side].around = around
     return is_simple(motion, corners, SAFETY * error, now)
 
 

@@ -107,8 +107,7 @@ class MovingSkeleton:
         )
         first = np.concatenate([[0], np.cumsum(np.bincount(ends, minlength=count))])
         _fill(made.points, x=frame.x, y=frame.y, first=first)
-        gaps = np.bincount(faces.rows[faces.values < 0], minlength=sides)
-        _fill(made.sides, tail=graph.tail, head=graph.head, source=graph.source, first=faces.offsets, gaps=gaps)
+        _fill(made.sides, tail=graph.tail, head=graph.head, source=graph.source, first=faces.offsets)
         x, y = (skeleton.nodes - frame.middle).T / frame.scale
         _fill(made.nodes, x=x, y=y, time=skeleton.time / frame.scale, first=skeleton.sides_of_nodes.offsets)
         is_level = (skeleton.arc_velocity == 0).all(axis=1)

@@ -7,7 +7,7 @@ import pytest
 from support.planar_graphs import Graph, random_graph, random_polygon
 from support.same_skeleton import differences
 
-from foldcut.geometry.straight_skeleton import StraightSkeleton, graph_of, straight_skeleton
+from foldcut.geometry.straight_skeleton import StraightSkeleton, graph_of, motion, straight_skeleton
 from foldcut.geometry.straight_skeleton.moving import MovingSkeleton
 from foldcut.geometry.straight_skeleton.tables import Arrays, Lists
 
@@ -100,6 +100,63 @@ def test_a_corner_that_becomes_reflex_may_keep_the_arcs() -> None:
     moving = MovingSkeleton(graph_of(points, edges))
     moving.move(1, (4, 0.001))
     assert differences(moving.skeleton, straight_skeleton(moving.points, edges)) == []
+
+
+def test_a_pentagon_does_not_become_a_star() -> None:
+    """All faces of the star would be triangles the right way round, but they would go around the middle twice."""
+    angles = 2 * np.pi * np.arange(5) / 5
+    moving = MovingSkeleton(
+        graph_of(np.stack([np.cos(angles), np.sin(angles)], axis=1), [(k, (k + 1) % 5) for k in range(5)])
+    )
+    with pytest.raises(ValueError, match="cross"):
+        moving.move(range(5), np.stack([np.cos(2 * angles), np.sin(2 * angles)], axis=1))
+
+
+def test_a_level_arc_that_does_not_stay_level_is_noticed() -> None:
+    moving = MovingSkeleton(graph_of([(0, 0), (4, 0), (4, 2), (0, 2)], [(0, 1), (1, 2), (2, 3), (3, 0)]))
+    assert not moving.skeleton.arc_velocity.any(axis=1).all()
+    assert not moving.move(1, (4, -0.1))
+    assert moving.skeleton.arc_velocity.any(axis=1).all()
+
+
+def test_unbounded_arcs_that_come_to_meet_far_away_are_noticed() -> None:
+    """A step between two nearly level edges: its wavefront grows as it moves away, or shrinks."""
+    points, edges = np.array([(0, 0), (5, 0), (6, 1), (11, 1.001)]), [(0, 1), (1, 2), (2, 3)]
+    for first, then in ((1.001, 0.999), (0.999, 1.001)):
+        points[3, 1] = first
+        moving = MovingSkeleton(graph_of(points, edges))
+        assert not moving.move(3, (11, then))
+        assert differences(moving.skeleton, straight_skeleton(moving.points, edges)) == []
+
+
+def test_a_face_that_is_open_at_two_places_may_move() -> None:
+    points = np.array([(-30, 0), (31, 0.3), (-1, 2), (1, 2.1), (0.2, 3)])
+    edges = [(0, 1), (2, 3), (3, 4), (4, 2)]
+    moving = MovingSkeleton(graph_of(points, edges))
+    assert (moving.skeleton.face(0) < 0).sum() == 2
+    for point, place in ((4, (0.21, 3.02)), (0, (-30.1, 0.01)), (2, (-1.01, 2))):
+        assert moving.move(point, place)
+        assert differences(moving.skeleton, straight_skeleton(moving.points, edges)) == []
+
+
+@pytest.mark.parametrize(
+    ("outline", "is_right"),
+    [
+        ([(0, 0), (4, 0), (4, 2), (0, 2)], True),
+        ([(0, 0), (0, 2), (4, 2), (4, 0)], False),  # clockwise
+        ([(0, 0), (4, 0), (0, 2), (4, 2)], False),  # crosses itself
+        ([(0, 0), (4, 0), (4, 2), (5, 2), (4, 2), (0, 2)], False),  # there and back
+        ([(0, 0), (4, 0), (3, 2), (2, 1), (1, 2)], True),  # another wavefront comes down to it
+        ([(0, 0), (4, 0), (4, 4), (6, 2), (6, 5), (0, 5)], False),  # begins by itself at (6, 2)
+        ([(0, 0), (4, 0), (2, 3), (2, 0.0), (1, 3)], False),  # touches itself
+    ],
+)
+def test_what_is_not_the_outline_of_a_face_is_refused(outline: list[tuple[float, float]], is_right: bool) -> None:
+    """The side is on the axis of x, so times are heights."""
+    tables = motion.room_for(Lists(), 1, 1, 1, 1, len(outline), 1)
+    for corner, (x, y) in zip(tables.corners, outline, strict=False):
+        corner.x, corner.y, corner.time, corner.moved = x, y, y, 1
+    assert motion.is_simple(tables, len(outline), 1e-12, 1) == is_right
 
 
 @pytest.mark.parametrize("step", [(0.0, 3.5), (1.0, 0.2), (9.0, 9.0), (0.0, 400.0)])
