@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from foldcut.core import compiled
-from foldcut.geometry.straight_skeleton import skeleton, wavefront
+from foldcut.geometry.straight_skeleton import motion, skeleton, wavefront
 
 COMMAND = [sys.executable, "-c", "import sys; from foldcut.cli.main import main; sys.exit(main(['compile']))"]
 
@@ -18,6 +18,7 @@ def test_what_is_compiled_is_kept_for_other_processes() -> None:
     copy = compiled.compiled_copy(wavefront)
     assert compiled.is_ready(copy.run)
     assert compiled.is_ready(copy.gather_faces)
+    assert compiled.is_ready(compiled.compiled_copy(motion).move)
 
 
 def test_without_numba_the_extra_is_named(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ def add_options(command: ArgumentParser) -> None:
 
 def compile_(args: Namespace) -> int:
     """Compile, and say how long it took."""
-    from foldcut.geometry.straight_skeleton.skeleton import compile_ahead
+    from foldcut.geometry.straight_skeleton.moving import compile_ahead
 
     console = Console(args.json)
     started = perf_counter()
