@@ -16,6 +16,7 @@ demo: $(VENV)/installed
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
+	$(BIN)/foldcut compile
 	$(BIN)/python -m pytest -n 2 --dist worksteal
 
 ## How packing, whole patterns, verification and exporters grow from 1e2 to LARGEST boundary disks, against what others

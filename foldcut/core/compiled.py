@@ -16,10 +16,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
-__all__ = ["COMPILED", "CompiledCode", "compiled_copy", "compiled_in", "copy_of", "expect_many_drawings", "is_ready"]
+__all__ = [
+    "COMPILED",
+    "CompiledCode",
+    "compiled_copy",
+    "compiled_in",
+    "copy_of",
+    "expect_many_drawings",
+    "forget_unreadable",
+    "is_installed",
+    "is_ready",
+]
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -98,5 +109,19 @@ def is_ready(function: Any) -> bool:
     if function.signatures:
         return True
     kept = function._cache  # numba has no public way to ask
-    known = kept._cache_file._load_index()
-    return any(key[1:] == kept._index_key(key[0], function.targetctx.codegen())[1:] for key in known)
+    try:
+        known = kept._cache_file._load_index()
+        return any(key[1:] == kept._index_key(key[0], function.targetctx.codegen())[1:] for key in known)
+    except Exception:  # what an earlier version has left may not be readable
+        return False
+
+
+def forget_unreadable(module: ModuleType) -> None:
+    """Remove what an earlier version has left in numba's cache for a compiled copy, if it cannot be read any more."""
+    for function in vars(module).values():
+        if hasattr(function, "signatures"):
+            kept = function._cache
+            try:
+                kept._cache_file._load_index()
+            except Exception:
+                Path(kept._cache_file._index_path).unlink(missing_ok=True)

@@ -1,7 +1,7 @@
 """The straight skeleton of any planar graph.
 
-``graph`` is the input and its sides; ``wavefront`` moves the wavefront, in the columns of ``tables``; ``skeleton`` calls
-it and returns a ``StraightSkeleton``.
+``graph`` is the input and its sides; ``wavefront`` moves the wavefront, in the tables of ``tables``, and ``decimals``
+does so with more digits; ``skeleton`` calls them in a ``frame`` and returns a ``StraightSkeleton``.
 """
 
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
@@ -19,14 +18,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import Floats, Indices, Ints, Ragged, index_array, sealed
-from foldcut.core.compiled import COMPILED, compiled_copy, is_installed, is_ready
+from foldcut.core.compiled import COMPILED, compiled_copy, forget_unreadable, is_installed, is_ready
 from foldcut.geometry.straight_skeleton import wavefront
-from foldcut.geometry.straight_skeleton.decimals import ZERO, run_with_decimals as run_decimal
+from foldcut.geometry.straight_skeleton.decimals import ZERO
+from foldcut.geometry.straight_skeleton.decimals import run_with_decimals as run_decimal
 from foldcut.geometry.straight_skeleton.frame import Frame
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
-from foldcut.geometry.straight_skeleton.tables import Arrays, Faces, Front, Graphs, Lists, Tables, faces_of, front_of
+from foldcut.geometry.straight_skeleton.tables import Arrays, Graphs, Lists, Tables, faces_of, front_of
 
-__all__ = ["Solver", "StraightSkeleton", "straight_skeleton"]
+__all__ = ["Solver", "StraightSkeleton", "compile_ahead", "straight_skeleton"]
 
 SPARE = 3
 """For how many new vertices of the wavefront there is room, for each side."""
@@ -47,8 +47,8 @@ class StraightSkeleton:
     ``(a, 2)``: the sides on its left and its right, as the wavefront moves; ``arc_velocity`` ``(a, 2)``: while t goes
     from ``time[start]`` to ``time[end]`` the wavefront's vertex is at ``nodes[start] + (t - time[start]) * velocity``.
     Where two sides come to lie on each other face to face, the arc between them is level, with velocity 0.
-    ``face_nodes``: the nodes of each side's face, counter-clockwise: the side's tail, its head, and so on; -1 stands for
-    the infinite. A cap has its point only once.
+    ``face_nodes``: the nodes of each side's face, counter-clockwise: the side's tail, its head, and so on; -1 stands
+    for the infinite. A cap has its point only once.
     """
 
     graph: Graph
@@ -165,8 +165,8 @@ class Workspace:
         for near in (8 * Decimal(frame.noise), ZERO):
             while (status := run_decimal(self.front, self.sides, frame)) == wavefront.NO_ROOM:
                 self._make_room(2 * self.room)
-            wavefront.join_near_nodes(self.front, near)
-            if status == wavefront.DONE and wavefront.gather_faces(self.front, self.sides, self.faces):
+            self.kernel.join_near_nodes(self.front, near)
+            if status == wavefront.DONE and self.kernel.gather_faces(self.front, self.sides, self.faces):
                 return True
         return False
 
@@ -225,10 +225,21 @@ class Default:
         if not self.is_decided and (COMPILED.many_drawings or self.spent > PATIENCE):
             with self.lock:
                 self.is_decided = True
-                if is_installed() and is_ready(compiled_copy(wavefront).run):
-                    self.made = Arrays()
+                if is_installed():
+                    kernel: Any = compiled_copy(wavefront)
+                    if is_ready(kernel.run) and is_ready(kernel.gather_faces):
+                        self.made = Arrays()
         return self.made
 
 
 DEFAULT = Default()
 """The choice of this process."""
+
+
+def compile_ahead() -> None:
+    """Compile the wavefront and keep it in numba's cache; ``ImportError`` without the extra ``fast``.
+
+    It takes about 20 s of the processor, or a second if that was done before.
+    """
+    forget_unreadable(compiled_copy(wavefront))
+    straight_skeleton([(0, 0), (1, 0), (0, 1)], [(0, 1), (1, 2), (2, 0)], tables=Arrays())

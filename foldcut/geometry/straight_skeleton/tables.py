@@ -1,7 +1,8 @@
 """The tables in which the wavefront is kept: arrays of records for compiled code, plain lists without it.
 
 ``wavefront`` only ever reads and writes single fields of single rows, ``front.vertices[vertex].x``, which numba does
-fastest in arrays of records, and Python in lists of objects. The same operations on the same doubles give the same bits.
+fastest in arrays of records, and Python in lists of objects. The same operations on the same doubles give the same
+bits.
 """
 
 from __future__ import annotations
@@ -34,8 +35,8 @@ where it is in the columns ``heap`` and ``live`` of the slots; the one that was 
 """
 
 NODE = "x y time error same_as: born: beside:"
-"""``same_as`` is the node itself, or an older one at the same place; the newest vertex that was born there; the next node
-in its bucket."""
+"""``same_as`` is the node itself, or an older one at the same place; the newest vertex that was born there; the next
+node in its bucket."""
 
 ARC = "vx vy start: end: left: right: beyond:"
 """Velocity; nodes, and the sides on its left and right; where it is unbounded, the arc next to it at the infinite."""
@@ -44,7 +45,7 @@ RAY = "angle side: far: out:"
 """A fragment that arrives at a meeting, or leaves it: its direction there, its side, the vertex at its other end."""
 
 SLOT = "heap: live: group: order: stack:"
-"""Five columns: vertices in a binary heap by key; those that live; those that meet; rays by angle; rays to be paired."""
+"""Five columns: vertices in a binary heap by key, those that live, those that meet; rays by angle, rays to pair."""
 
 CELL = "fragments: vertices:"
 """The first entry of each list."""
@@ -169,7 +170,7 @@ def _record(fields: str) -> np.dtype[np.void]:
 
 @cache
 def _row_type(fields: str, number: float | Decimal) -> type:
-    """Return the class of a list's rows with some fields, all zero; ``number`` is the zero of those that are no integers."""
+    """Return the class of a list's rows with some fields; ``number`` is the zero of those that are no integers."""
     names = [name.strip(":") for name in fields.split()]
     zeros = [0 if name.endswith(":") else number for name in fields.split()]
 

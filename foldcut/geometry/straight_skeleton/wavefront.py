@@ -75,7 +75,9 @@ FEW_LATE = 3000
 DEAD, CONVEX, REFLEX, CLOSING = 0, 1, 2, 3
 
 # places in ``counts``
-VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE, FULL, UNSURE = range(13)
+VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE, FULL, UNSURE = (
+    range(13)
+)
 
 # places in ``numbers``
 NOW, END, LOW_X, LOW_Y, WIDTH, HEIGHT, NOISE, REACH = range(8)
@@ -114,8 +116,10 @@ def sink(front, vertex):
         below = 2 * place + 1
         if below >= count:
             break
-        if below + 1 < count and front.vertices[front.slots[below + 1].heap].key < front.vertices[front.slots[below].heap].key:
-            below += 1
+        if below + 1 < count:
+            one, other = front.slots[below].heap, front.slots[below + 1].heap
+            if front.vertices[other].key < front.vertices[one].key:
+                below += 1
         other = front.slots[below].heap
         if front.vertices[other].key >= key:
             break
@@ -140,6 +144,7 @@ def set_next_event(front, vertex):
 
 @compiled
 def leave_heap(front, vertex):
+    """Take a vertex out of the heap."""
     place = front.vertices[vertex].heap_place
     front.counts[WAITING] -= 1
     last = front.slots[front.counts[WAITING]].heap
@@ -153,19 +158,29 @@ def leave_heap(front, vertex):
 # Vertices
 
 
+@inlined
+def x_at(moving, time):
+    """Return where a vertex is at a time."""
+    return moving.x + (time - moving.born) * moving.vx
+
+
+@inlined
+def y_at(moving, time):
+    """Return where a vertex is at a time."""
+    return moving.y + (time - moving.born) * moving.vy
+
+
 @compiled
-def spread(front, vertex, time):
+def spread(moving, time):
     """Return how far from its place at a time a vertex may be."""
-    error = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(time - front.vertices[vertex].born))
+    error = SAFETY * (moving.error + moving.drift * abs(time - moving.born))
     return min(error, MOST_ERROR * (1 + time))
 
 
 @inlined
-def distance_at(front, vertex, time, x, y):
+def distance_at(moving, time, x, y):
     """Return how far a vertex is from a place at a time."""
-    late = time - front.vertices[vertex].born
-    dx = front.vertices[vertex].x + late * front.vertices[vertex].vx - x
-    dy = front.vertices[vertex].y + late * front.vertices[vertex].vy - y
+    dx, dy = x_at(moving, time) - x, y_at(moving, time) - y
     return sqrt(dx * dx + dy * dy)
 
 
@@ -181,82 +196,69 @@ def new_vertex(front, left, right, node, is_start):
         front.counts[STATUS] = NO_ROOM
         return 0
     front.counts[VERTICES] = vertex + 1
-    ax, ay, bx, by = front.sides[left].dx, front.sides[left].dy, front.sides[right].dx, front.sides[right].dy
-    cross = ax * by - ay * bx
-    dot = ax * bx + ay * by
-    uncertain = front.sides[left].turn + front.sides[right].turn + ULP
-    front.vertices[vertex].x = front.nodes[node].x
-    front.vertices[vertex].y = front.nodes[node].y
-    front.vertices[vertex].born = front.nodes[node].time
-    front.vertices[vertex].left = left
-    front.vertices[vertex].right = right
-    front.vertices[vertex].node = node
-    front.vertices[vertex].sibling = front.nodes[node].born
-    front.nodes[node].born = vertex
-    front.vertices[vertex].mark = 0
-    front.vertices[vertex].entered = NEVER
-    front.vertices[vertex].shrinks = NEVER
-    front.vertices[vertex].hits = NEVER
-    front.vertices[vertex].key = NEVER
+    new, birth, a, b = front.vertices[vertex], front.nodes[node], front.sides[left], front.sides[right]
+    new.x, new.y, new.born = birth.x, birth.y, birth.time
+    new.left, new.right, new.node = left, right, node
+    new.sibling = birth.born
+    birth.born = vertex
+    new.mark = 0
+    new.entered = new.shrinks = new.hits = new.key = NEVER
+    cross = a.dx * b.dy - a.dy * b.dx
+    dot = a.dx * b.dx + a.dy * b.dy
+    uncertain = a.turn + b.turn + ULP
     if not is_start and dot < 0 and abs(cross) <= SAFETY * uncertain:
         make_closing(front, vertex)
     else:
         if dot >= 0:
-            vx, vy = -(ay + by) / (1 + dot), (ax + bx) / (1 + dot)
+            new.vx, new.vy = -(a.dy + b.dy) / (1 + dot), (a.dx + b.dx) / (1 + dot)
         else:
-            vx, vy = (bx - ax) / cross, (by - ay) / cross
-        square = vx * vx + vy * vy
-        front.vertices[vertex].vx = vx
-        front.vertices[vertex].vy = vy
-        front.vertices[vertex].drift = uncertain * square
-        front.vertices[vertex].error = front.nodes[node].error * (1 + sqrt(square))
-        front.vertices[vertex].state = REFLEX if cross < 0 else CONVEX
-    place = front.counts[LIVING]
-    front.slots[place].live = vertex
-    front.vertices[vertex].live_place = place
-    front.counts[LIVING] = place + 1
-    place = front.counts[WAITING]
-    front.slots[place].heap = vertex
-    front.vertices[vertex].heap_place = place
-    front.counts[WAITING] = place + 1
+            new.vx, new.vy = (b.dx - a.dx) / cross, (b.dy - a.dy) / cross
+        square = new.vx * new.vx + new.vy * new.vy
+        new.drift = uncertain * square
+        new.error = birth.error * (1 + sqrt(square))
+        new.state = REFLEX if cross < 0 else CONVEX
+    new.live_place = front.counts[LIVING]
+    front.slots[new.live_place].live = vertex
+    front.counts[LIVING] += 1
+    new.heap_place = front.counts[WAITING]
+    front.slots[new.heap_place].heap = vertex
+    front.counts[WAITING] += 1
     return vertex
 
 
 @compiled
 def make_closing(front, vertex):
-    front.vertices[vertex].vx = 0
-    front.vertices[vertex].vy = 0
-    front.vertices[vertex].drift = 0
-    front.vertices[vertex].error = front.nodes[front.vertices[vertex].node].error
-    front.vertices[vertex].state = CLOSING
+    """Let a vertex run along two sides that lie on each other."""
+    closing = front.vertices[vertex]
+    closing.vx = closing.vy = closing.drift = 0
+    closing.error = front.nodes[closing.node].error
+    closing.state = CLOSING
 
 
 @compiled
 def end_vertex(front, vertex, node):
     """Take a vertex out of the wavefront at a node; the arc from the node where it was born is done."""
-    if root(front, front.vertices[vertex].node) != root(front, node):
+    ended = front.vertices[vertex]
+    if root(front, ended.node) != root(front, node):
         new_arc(front, vertex, node)
-    front.vertices[vertex].state = DEAD
-    count = front.counts[LIVING] - 1
-    front.counts[LIVING] = count
-    last = front.slots[count].live
-    front.slots[front.vertices[vertex].live_place].live = last
-    front.vertices[last].live_place = front.vertices[vertex].live_place
+    ended.state = DEAD
+    front.counts[LIVING] -= 1
+    last = front.slots[front.counts[LIVING]].live
+    front.slots[ended.live_place].live = last
+    front.vertices[last].live_place = ended.live_place
     leave_heap(front, vertex)
 
 
 @compiled
 def new_arc(front, vertex, end):
-    arc = front.counts[ARCS]
-    front.counts[ARCS] = arc + 1
-    front.arcs[arc].start = front.vertices[vertex].node
-    front.arcs[arc].end = end
-    front.arcs[arc].left = front.vertices[vertex].left
-    front.arcs[arc].right = front.vertices[vertex].right
-    front.arcs[arc].vx = front.vertices[vertex].vx
-    front.arcs[arc].vy = front.vertices[vertex].vy
-    front.arcs[arc].beyond = -1
-    return arc
+    """Make the arc of a vertex from its birth to a node, -1 if it goes on for ever, and return it."""
+    number = front.counts[ARCS]
+    front.counts[ARCS] = number + 1
+    arc, moving = front.arcs[number], front.vertices[vertex]
+    arc.start, arc.end, arc.beyond = moving.node, end, -1
+    arc.left, arc.right = moving.left, moving.right
+    arc.vx, arc.vy = moving.vx, moving.vy
+    return number
 
 
 @inlined
@@ -273,17 +275,15 @@ def root(front, node):
 @inlined
 def time_of_shrinking(front, start):
     """Return when the fragment that starts at a vertex has no length left."""
-    end = front.vertices[start].next
-    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
+    one = front.vertices[start]
+    other = front.vertices[one.next]
+    if one.state == CLOSING or other.state == CLOSING:
         return NEVER
-    side = front.vertices[start].right
-    dx, dy = front.sides[side].dx, front.sides[side].dy
-    rate = (front.vertices[start].vx - front.vertices[end].vx) * dx + (front.vertices[start].vy - front.vertices[end].vy) * dy
-    since = max(front.vertices[start].born, front.vertices[end].born)
-    late, early = since - front.vertices[end].born, since - front.vertices[start].born
-    length = (front.vertices[end].x + late * front.vertices[end].vx - front.vertices[start].x - early * front.vertices[start].vx) * dx
-    length += (front.vertices[end].y + late * front.vertices[end].vy - front.vertices[start].y - early * front.vertices[start].vy) * dy
-    drift = front.vertices[start].drift + front.vertices[end].drift
+    side = front.sides[one.right]
+    rate = (one.vx - other.vx) * side.dx + (one.vy - other.vy) * side.dy
+    since = max(one.born, other.born)
+    length = (x_at(other, since) - x_at(one, since)) * side.dx + (y_at(other, since) - y_at(one, since)) * side.dy
+    drift = one.drift + other.drift
     if rate <= drift:
         if rate > -drift and length < FAR * (rate + drift):
             front.counts[UNSURE] = 1
@@ -298,60 +298,54 @@ def time_of_hit(front, vertex, start, latest):
 
     This is asked most of all, so what is seldom needed is computed last.
     """
-    side = front.vertices[start].right
-    if side == front.vertices[vertex].left or side == front.vertices[vertex].right:
+    moving, one = front.vertices[vertex], front.vertices[start]
+    if one.right == moving.left or one.right == moving.right:
         return NEVER
-    dx, dy = front.sides[side].dx, front.sides[side].dy
-    vx, vy = front.vertices[vertex].vx, front.vertices[vertex].vy
-    rate = 1 + dy * vx - dx * vy
-    if rate <= front.vertices[vertex].drift:
+    side = front.sides[one.right]
+    rate = 1 + side.dy * moving.vx - side.dx * moving.vy
+    if rate <= moving.drift:
         return NEVER
-    x, y, born = front.vertices[vertex].x, front.vertices[vertex].y, front.vertices[vertex].born
-    gap = dx * (y - front.sides[side].oy) - dy * (x - front.sides[side].ox) - born
-    if not gap < (latest - born) * rate:
+    gap = side.dx * (moving.y - side.oy) - side.dy * (moving.x - side.ox) - moving.born
+    if not gap < (latest - moving.born) * rate:
         return NEVER
     now = front.numbers[NOW]
-    time = born + gap / rate
-    if time <= now:
-        # behind the fragment already, or beside it at the node where both were born, or about to hit it
-        slack = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate
-        slack = min(slack, MOST_ERROR * (1 + now))
-        if time < now - slack:
-            return NEVER
-    end = front.vertices[start].next
-    node = front.vertices[vertex].node
-    if front.vertices[start].node == node or front.vertices[end].node == node:
-        slack = SAFETY * (front.vertices[vertex].error + front.vertices[vertex].drift * abs(now - born)) / rate
-        if time <= born + min(slack, MOST_ERROR * (1 + now)):
-            return NEVER
-    if front.vertices[start].state == CLOSING or front.vertices[end].state == CLOSING:
+    time = moving.born + gap / rate
+    if time < now and time < now - slack(moving, now, rate):
+        return NEVER  # it is behind the fragment
+    other = front.vertices[one.next]
+    if (one.node == moving.node or other.node == moving.node) and time <= moving.born + slack(moving, now, rate):
+        return NEVER  # all this was born at one node
+    if one.state == CLOSING or other.state == CLOSING:
         return NEVER
     time = max(time, now)
-    x += (time - born) * vx
-    y += (time - born) * vy
-    late = time - front.vertices[start].born
-    along = (x - front.vertices[start].x - late * front.vertices[start].vx) * dx
-    along += (y - front.vertices[start].y - late * front.vertices[start].vy) * dy
-    if along < 0 and along < -spread(front, vertex, time) - spread(front, start, time):
+    x, y = x_at(moving, time), y_at(moving, time)
+    along = (x - x_at(one, time)) * side.dx + (y - y_at(one, time)) * side.dy
+    if along < 0 and along < -spread(moving, time) - spread(one, time):
         return NEVER
-    late = time - front.vertices[end].born
-    along = (front.vertices[end].x + late * front.vertices[end].vx - x) * dx
-    along += (front.vertices[end].y + late * front.vertices[end].vy - y) * dy
-    if along < 0 and along < -spread(front, vertex, time) - spread(front, end, time):
+    along = (x_at(other, time) - x) * side.dx + (y_at(other, time) - y) * side.dy
+    if along < 0 and along < -spread(moving, time) - spread(other, time):
         return NEVER
     return time
+
+
+@compiled
+def slack(moving, now, rate):
+    """Return how uncertain the time of a hit is, if the vertex comes nearer to the fragment at this rate."""
+    error = SAFETY * (moving.error + moving.drift * abs(now - moving.born)) / rate
+    return min(error, MOST_ERROR * (1 + now))
 
 
 @inlined
 def consider(front, vertex, start):
     """Take a fragment as what a reflex vertex hits next, if that is earlier than what is known."""
-    time = time_of_hit(front, vertex, start, front.vertices[vertex].hits)
-    if time <= front.numbers[END] and time < front.vertices[vertex].hits:
-        front.vertices[vertex].hits = time
-        front.vertices[vertex].target = start
-        front.vertices[vertex].target_end = front.vertices[start].next
-        if time < front.vertices[vertex].key:
-            front.vertices[vertex].key = time
+    moving = front.vertices[vertex]
+    time = time_of_hit(front, vertex, start, moving.hits)
+    if time <= front.numbers[END] and time < moving.hits:
+        moving.hits = time
+        moving.target = start
+        moving.target_end = front.vertices[start].next
+        if time < moving.key:
+            moving.key = time
             rise(front, vertex)
 
 
@@ -370,20 +364,18 @@ def look_for_hit(front, vertex):
 @compiled
 def fragment_changed(front, start):
     """Find when the fragment from a vertex to the next shrinks to nothing, and which reflex vertices hit it before."""
-    if front.vertices[start].state == CLOSING:
+    one, end = front.vertices[start], front.vertices[start].next
+    if one.state == CLOSING:
         return
-    front.vertices[start].shrinks = time_of_shrinking(front, start)
+    one.shrinks = time_of_shrinking(front, start)
     set_next_event(front, start)
-    if front.vertices[front.vertices[start].next].state == CLOSING:
+    if front.vertices[end].state == CLOSING:
         return
     if front.counts[GRID] > 0:
         enter_fragment(front, start)
-        end = front.vertices[start].next
-        # the path of a vertex may have got longer
-        if front.vertices[start].state == REFLEX and end_of_path(front, start) > front.vertices[start].entered:
-            enter_vertex(front, start, True)
-        if front.vertices[end].state == REFLEX and end_of_path(front, end) > front.vertices[end].entered:
-            enter_vertex(front, end, True)
+        for vertex in (start, end):  # its path may have got longer
+            if front.vertices[vertex].state == REFLEX and end_of_path(front, vertex) > front.vertices[vertex].entered:
+                enter_vertex(front, vertex, True)
         return
     for place in range(front.counts[LIVING]):
         vertex = front.slots[place].live
@@ -397,8 +389,8 @@ def fragment_changed(front, start):
 @inlined
 def is_near(front, vertex, time, x, y, away):
     """Return whether a vertex is at a place at a time; ``away`` is how uncertain the place is."""
-    distance = distance_at(front, vertex, time, x, y)
-    if distance > away + spread(front, vertex, time):
+    distance = distance_at(front.vertices[vertex], time, x, y)
+    if distance > away + spread(front.vertices[vertex], time):
         return False
     must_be_sure(front, distance, time)
     return True
@@ -431,29 +423,29 @@ def meet(front, time, x, y, away, through):
     node = join_born_here(front, time, x, y, away)
     k = 0
     while k < counts[GROUP]:
-        vertex = front.slots[k].group
+        joined = front.vertices[front.slots[k].group]
         k += 1
-        other = front.vertices[vertex].prev
-        if front.vertices[other].mark != meeting and is_near(front, other, time, x, y, away):
-            join(front, other)
-        other = front.vertices[vertex].next
-        if front.vertices[other].mark != meeting and is_near(front, other, time, x, y, away):
-            join(front, other)
-    if through >= 0 and (front.vertices[through].mark == meeting or front.vertices[front.vertices[through].next].mark == meeting):
-        through = -1
+        for other in (joined.prev, joined.next):
+            if front.vertices[other].mark != meeting and is_near(front, other, time, x, y, away):
+                join(front, other)
+    if through >= 0:
+        hit_one = front.vertices[through]
+        if hit_one.mark == meeting or front.vertices[hit_one.next].mark == meeting:
+            through = -1
     if node < 0:
         node = new_node(front, time, x, y, away, through)
 
     rays = 0
     for k in range(counts[GROUP]):
-        vertex = front.slots[k].group
-        if front.vertices[front.vertices[vertex].prev].mark != meeting:
-            rays = new_ray(front, rays, front.vertices[vertex].left, front.vertices[vertex].prev, 0)
-        if front.vertices[front.vertices[vertex].next].mark != meeting:
-            rays = new_ray(front, rays, front.vertices[vertex].right, front.vertices[vertex].next, 1)
+        joined = front.vertices[front.slots[k].group]
+        if front.vertices[joined.prev].mark != meeting:
+            rays = new_ray(front, rays, joined.left, joined.prev, 0)
+        if front.vertices[joined.next].mark != meeting:
+            rays = new_ray(front, rays, joined.right, joined.next, 1)
     if through >= 0:
-        rays = new_ray(front, rays, front.vertices[through].right, through, 0)
-        rays = new_ray(front, rays, front.vertices[through].right, front.vertices[through].next, 1)
+        hit_one = front.vertices[through]
+        rays = new_ray(front, rays, hit_one.right, through, 0)
+        rays = new_ray(front, rays, hit_one.right, hit_one.next, 1)
     for k in range(counts[GROUP]):
         end_vertex(front, front.slots[k].group, node)
     if rays > 0:
@@ -462,44 +454,52 @@ def meet(front, time, x, y, away, through):
 
 @inlined
 def new_ray(front, rays, side, far, is_leaving):
-    front.rays[rays].side = side
-    front.rays[rays].far = far
-    front.rays[rays].out = is_leaving
+    """Add the end of a fragment at a meeting: its side, the vertex at its other end; return how many there are now."""
+    ray = front.rays[rays]
+    ray.side, ray.far, ray.out = side, far, is_leaving
     return rays + 1
+
+
+@compiled
+def sort_rays(front, rays):
+    """Sort the ends of fragments at a node by angle, counter-clockwise from one that leaves it.
+
+    At the same angle, what leaves comes before what arrives: two sides that lie on each other, with nothing between.
+    """
+    first = 0
+    while front.rays[first].out == 0:
+        first += 1
+    base = front.sides[front.rays[first].side]
+    tie = ULP
+    for k in range(rays):
+        tie = max(tie, front.sides[front.rays[k].side].turn)
+    tie *= 2 * SAFETY
+    for k in range(rays):
+        ray = front.rays[k]
+        side = front.sides[ray.side]
+        sign = 1 if ray.out == 1 else -1
+        cosine, sine = base.dx * side.dx + base.dy * side.dy, base.dx * side.dy - base.dy * side.dx
+        angle = quarter_turns(sign * cosine, sign * sine)
+        if angle > 4 - tie:
+            angle -= 4
+        if k == first:
+            angle = 0
+        ray.angle = angle
+        place = k
+        while place > 0:
+            before = front.rays[front.slots[place - 1].order]
+            gap = angle - before.angle
+            if gap > tie or (gap >= -tie and before.out >= ray.out):
+                break
+            front.slots[place].order = front.slots[place - 1].order
+            place -= 1
+        front.slots[place].order = k
 
 
 @compiled
 def pair_rays(front, rays, node):
     """Join each fragment that leaves a node to the one that arrives next to it, counter-clockwise."""
-    first = 0
-    while front.rays[first].out == 0:
-        first += 1
-    side = front.rays[first].side
-    dx, dy = front.sides[side].dx, front.sides[side].dy
-    tie = 0
-    for k in range(rays):
-        tie = max(tie, front.sides[front.rays[k].side].turn)
-    tie = SAFETY * (2 * tie + ULP)
-    for k in range(rays):
-        side = front.rays[k].side
-        sign = 1 if front.rays[k].out == 1 else -1
-        angle = quarter_turns(
-            sign * (dx * front.sides[side].dx + dy * front.sides[side].dy), sign * (dx * front.sides[side].dy - dy * front.sides[side].dx)
-        )
-        if angle > 4 - tie:
-            angle -= 4
-        if k == first:
-            angle = 0
-        front.rays[k].angle = angle
-        place = k
-        while place > 0:
-            other = front.slots[place - 1].order
-            gap = angle - front.rays[other].angle
-            if gap > tie or (gap >= -tie and front.rays[other].out >= front.rays[k].out):
-                break
-            front.slots[place].order = other
-            place -= 1
-        front.slots[place].order = k
+    sort_rays(front, rays)
     # as with brackets: what leaves opens one, what arrives closes the last that is open
     depth = 0
     made = 0
@@ -514,10 +514,8 @@ def pair_rays(front, rays, node):
             other = front.slots[depth].stack
             front.rays[k].out = -1
             if front.rays[k].side == front.rays[other].side:  # what was between two parts of a fragment is gone
-                before, after = front.rays[k].far, front.rays[other].far
-                front.vertices[before].next = after
-                front.vertices[after].prev = before
-                front.slots[made].group = before
+                link(front, front.rays[k].far, front.rays[other].far)
+                front.slots[made].group = front.rays[k].far
             else:
                 front.slots[made].group = new_pair(front, other, k, node)
             made += 1
@@ -552,15 +550,20 @@ def quarter_turns(cosine, sine):
     return 2 + sine / (sine + cosine) if cosine < 0 else 3 + cosine / (cosine - sine)
 
 
+@inlined
+def link(front, before, after):
+    """Let one vertex follow another."""
+    front.vertices[before].next = after
+    front.vertices[after].prev = before
+
+
 @compiled
 def new_pair(front, leaving, arriving, node):
     """Return a new vertex between a fragment that arrives at a node and one that leaves it."""
     vertex = new_vertex(front, front.rays[arriving].side, front.rays[leaving].side, node, False)
     before, after = front.rays[arriving].far, front.rays[leaving].far
-    front.vertices[vertex].prev = before
-    front.vertices[vertex].next = after
-    front.vertices[before].next = vertex
-    front.vertices[after].prev = vertex
+    link(front, before, vertex)
+    link(front, vertex, after)
     if before == after and front.vertices[vertex].state != CLOSING:
         make_closing(front, vertex)
     return vertex
@@ -575,7 +578,7 @@ def bucket_of(front, column, row):
 @inlined
 def square_of(place):
     """Return the column or row of small squares that a place is in."""
-    return int(floor(place / SQUARE))
+    return floor(place / SQUARE)
 
 
 @compiled
@@ -588,24 +591,25 @@ def join_born_here(front, time, x, y, away):
         for row in range(first_row, last_row + 1):
             node = front.buckets[bucket_of(front, column, row)]
             while node >= 0:
-                dx, dy = front.nodes[node].x - x, front.nodes[node].y - y
-                near = away + SAFETY * front.nodes[node].error
+                known = front.nodes[node]
+                dx, dy = known.x - x, known.y - y
+                near = away + SAFETY * known.error
                 if (
                     dx * dx + dy * dy <= near * near
-                    and abs(front.nodes[node].time - time) <= near
-                    and front.nodes[node].same_as == node
+                    and abs(known.time - time) <= near
+                    and known.same_as == node
                     and node != found
                 ):
+                    must_be_sure(front, sqrt(dx * dx + dy * dy), time)
                     if found >= 0:
                         front.nodes[max(node, found)].same_as = min(node, found)
                     found = node if found < 0 else min(node, found)
-                    must_be_sure(front, sqrt(dx * dx + dy * dy), time)
-                    vertex = front.nodes[node].born
+                    vertex = known.born
                     while vertex >= 0:
                         if front.vertices[vertex].state != DEAD:
                             join(front, vertex)
                         vertex = front.vertices[vertex].sibling
-                node = front.nodes[node].beside
+                node = known.beside
     return found
 
 
@@ -617,11 +621,12 @@ def new_node(front, time, x, y, away, through):
         front.counts[STATUS] = NO_ROOM
         return 0
     front.counts[NODES] = node + 1
-    front.nodes[node].same_as = node
-    front.nodes[node].born = -1
+    new = front.nodes[node]
+    new.same_as = node
+    new.born = -1
     place_node(front, node, time, x, y, away, through)
-    bucket = bucket_of(front, square_of(front.nodes[node].x), square_of(front.nodes[node].y))
-    front.nodes[node].beside = front.buckets[bucket]
+    bucket = bucket_of(front, square_of(new.x), square_of(new.y))
+    new.beside = front.buckets[bucket]
     front.buckets[bucket] = node
     return node
 
@@ -643,21 +648,21 @@ def place_node(front, node, time, x, y, away, through):
         fx, fy, ft = 0, 0, 0
         count = front.counts[GROUP]
         for k in range(2 * count + 1):
+            # the sides that arrive at the vertices, those that leave and go on, and the one that is hit
             if k == 2 * count:
                 if through < 0:
                     break
-                side = front.vertices[through].right
-            elif k & 1 == 0:
-                side = front.vertices[front.slots[k >> 1].group].left
+                number = front.vertices[through].right
             else:
-                vertex = front.slots[k >> 1].group
-                if front.vertices[front.vertices[vertex].next].mark == meeting:
+                joined = front.vertices[front.slots[k >> 1].group]
+                if k & 1 == 1 and front.vertices[joined.next].mark == meeting:
                     continue
-                side = front.vertices[vertex].right
-            nx, ny = -front.sides[side].dy, front.sides[side].dx
-            rx, ry = x - front.sides[side].ox, y - front.sides[side].oy
+                number = joined.left if k & 1 == 0 else joined.right
+            side = front.sides[number]
+            nx, ny = -side.dy, side.dx
+            rx, ry = x - side.ox, y - side.oy
             off = nx * rx + ny * ry - time
-            weight = noise / (noise * (1 + time) + front.sides[side].turn * sqrt(rx * rx + ry * ry))
+            weight = noise / (noise * (1 + time) + side.turn * sqrt(rx * rx + ry * ry))
             weight = weight * weight
             xx += weight * nx * nx
             xy += weight * nx * ny
@@ -685,15 +690,15 @@ def place_node(front, node, time, x, y, away, through):
         # the trace of the inverse
         e = b * q - c
         error = 1 / xx + (1 + b * b) / p + (1 + q * q + e * e) / r
-    front.nodes[node].x = x
-    front.nodes[node].y = y
-    front.nodes[node].time = time
-    front.nodes[node].error = noise * sqrt(error)
-    must_be_sure(front, front.nodes[node].error / SAFETY, time)
+    placed = front.nodes[node]
+    placed.x, placed.y, placed.time = x, y, time
+    placed.error = noise * sqrt(error)
+    must_be_sure(front, placed.error / SAFETY, time)
 
 
 @compiled
 def new_meeting(front):
+    """Begin a meeting that nothing has joined yet."""
     front.counts[MEETINGS] += 1
     front.counts[GROUP] = 0
 
@@ -703,29 +708,25 @@ def meet_at_vertex(front, vertex, other, through, time):
     """Let a vertex, and another or a fragment that it hits, meet where the more certain of the two vertices is."""
     new_meeting(front)
     join(front, vertex)
-    sure = vertex
+    sure = front.vertices[vertex]
+    away = spread(sure, time)
     if other >= 0:
         join(front, other)
-        if spread(front, other, time) < spread(front, vertex, time):
-            sure = other
-    late = time - front.vertices[sure].born
-    x = front.vertices[sure].x + late * front.vertices[sure].vx
-    y = front.vertices[sure].y + late * front.vertices[sure].vy
-    away = spread(front, sure, time) if other < 0 else max(spread(front, vertex, time), spread(front, other, time))
-    meet(front, time, x, y, away, through)
+        away = max(away, spread(front.vertices[other], time))
+        if spread(front.vertices[other], time) < spread(sure, time):
+            sure = front.vertices[other]
+    meet(front, time, x_at(sure, time), y_at(sure, time), away, through)
 
 
 @compiled
 def hit(front, vertex, time):
     """Let a reflex vertex hit its fragment, or one of the fragment's ends."""
-    start, end = front.vertices[vertex].target, front.vertices[vertex].target_end
+    moving = front.vertices[vertex]
+    start, end = moving.target, moving.target_end
     if front.vertices[start].state == DEAD or front.vertices[start].next != end:
         look_for_hit(front, vertex)
         return
-    late = time - front.vertices[vertex].born
-    x = front.vertices[vertex].x + late * front.vertices[vertex].vx
-    y = front.vertices[vertex].y + late * front.vertices[vertex].vy
-    near = spread(front, vertex, time)
+    x, y, near = x_at(moving, time), y_at(moving, time), spread(moving, time)
     for other in (start, end):
         if is_near(front, other, time, x, y, near):
             meet_at_vertex(front, vertex, other, -1, time)
@@ -736,18 +737,15 @@ def hit(front, vertex, time):
 @compiled
 def close(front, vertex, time):
     """Let two sides that lie on each other end: as far as to the nearer of their other ends, they are done."""
-    before, after = front.vertices[vertex].prev, front.vertices[vertex].next
-    x, y = front.vertices[vertex].x, front.vertices[vertex].y
-    to_before = distance_at(front, before, time, x, y)
-    to_after = distance_at(front, after, time, x, y)
-    far = after if to_after <= to_before else before
+    closing = front.vertices[vertex]
+    to_before = distance_at(front.vertices[closing.prev], time, closing.x, closing.y)
+    to_after = distance_at(front.vertices[closing.next], time, closing.x, closing.y)
+    nearer = closing.next if to_after <= to_before else closing.prev
     new_meeting(front)
-    join(front, far)
+    join(front, nearer)
     join(front, vertex)
-    late = time - front.vertices[far].born
-    x = front.vertices[far].x + late * front.vertices[far].vx
-    y = front.vertices[far].y + late * front.vertices[far].vy
-    meet(front, time, x, y, spread(front, far, time), -1)
+    there = front.vertices[nearer]
+    meet(front, time, x_at(there, time), y_at(there, time), spread(there, time), -1)
 
 
 # The grid
@@ -777,10 +775,8 @@ def open_window(front):
         return
     low_x, low_y, high_x, high_y = NEVER, NEVER, -NEVER, -NEVER
     for place in range(count):
-        vertex = front.slots[place].live
-        late = start - front.vertices[vertex].born
-        x = front.vertices[vertex].x + late * front.vertices[vertex].vx
-        y = front.vertices[vertex].y + late * front.vertices[vertex].vy
+        moving = front.vertices[front.slots[place].live]
+        x, y = x_at(moving, start), y_at(moving, start)
         low_x, low_y, high_x, high_y = min(low_x, x), min(low_y, y), max(high_x, x), max(high_y, y)
     most = 1.0 + 1.5 * start  # few vertices are so fast that they get farther
     low_x, low_y, high_x, high_y = max(low_x, -most), max(low_y, -most), min(high_x, most), min(high_y, most)
@@ -832,25 +828,23 @@ def enter_fragment(front, start):
     """Enter a fragment into the cells that it passes, and see which reflex vertices there hit it."""
     numbers = front.numbers
     begin = numbers[NOW]
-    stop = max(min(numbers[END], front.vertices[start].shrinks), begin)
-    end = front.vertices[start].next
-    side = front.vertices[start].right
-    dx, dy = front.sides[side].dx, front.sides[side].dy
-    ox, oy = front.sides[side].ox - begin * dy, front.sides[side].oy + begin * dx
+    one = front.vertices[start]
+    other, side = front.vertices[one.next], front.sides[one.right]
+    stop = max(min(numbers[END], one.shrinks), begin)
+    dx, dy = side.dx, side.dy
+    ox, oy = side.ox - begin * dy, side.oy + begin * dx
     low, high = NEVER, -NEVER
-    for k in range(4):
-        vertex = start if k < 2 else end
-        late = (begin if k & 1 == 0 else stop) - front.vertices[vertex].born
-        along = (front.vertices[vertex].x + late * front.vertices[vertex].vx - ox) * dx
-        along += (front.vertices[vertex].y + late * front.vertices[vertex].vy - oy) * dy
-        low, high = min(low, along), max(high, along)
+    for time in (begin, stop):
+        for moving in (one, other):
+            along = (x_at(moving, time) - ox) * dx + (y_at(moving, time) - oy) * dy
+            low, high = min(low, along), max(high, along)
     ahead = stop - begin
     enter(front, start, ox + low * dx, oy + low * dy, ox + high * dx, oy + high * dy, -ahead * dy, ahead * dx, 0)
 
 
 @inlined
 def end_of_path(front, vertex):
-    """Return until when the path of a reflex vertex matters: to the window's end, or until a fragment beside it is gone."""
+    """Return until when a reflex vertex's path matters: to the window's end, or until a fragment beside it is gone."""
     before = front.vertices[front.vertices[vertex].prev].shrinks
     return min(front.numbers[END], front.vertices[vertex].shrinks, before)
 
@@ -859,13 +853,13 @@ def end_of_path(front, vertex):
 def enter_vertex(front, vertex, stays):
     """See which fragments a reflex vertex hits in the cells that it passes; enter it there if it ``stays``."""
     numbers = front.numbers
-    late = numbers[NOW] - front.vertices[vertex].born
-    x, y = front.vertices[vertex].x + late * front.vertices[vertex].vx, front.vertices[vertex].y + late * front.vertices[vertex].vy
+    moving = front.vertices[vertex]
     stop = end_of_path(front, vertex)
     if stays:
-        front.vertices[vertex].entered = stop
+        moving.entered = stop
+    x, y = x_at(moving, numbers[NOW]), y_at(moving, numbers[NOW])
     ahead = max(stop - numbers[NOW], 0.0)
-    enter(front, vertex, x, y, x + ahead * front.vertices[vertex].vx, y + ahead * front.vertices[vertex].vy, 0.0, 0.0, 2 if stays else 1)
+    enter(front, vertex, x, y, x + ahead * moving.vx, y + ahead * moving.vy, 0.0, 0.0, 2 if stays else 1)
 
 
 @compiled
@@ -903,6 +897,7 @@ def enter(front, item, x0, y0, x1, y1, ex, ey, kind):
 
 @inlined
 def cell_of(place, grid):
+    """Return the column or row of cells that a place, in cells, is in."""
     if not place > 0.0:
         return 0
     return int(place) if place < grid else grid - 1
@@ -949,32 +944,29 @@ def start(front, sides, x, y, noise):
     numbers[NOISE] = noise
     numbers[REACH] = FIRST_REACH
     for point in range(len(x)):
-        front.nodes[point].x = x[point]
-        front.nodes[point].y = y[point]
-        front.nodes[point].time = 0
-        front.nodes[point].error = noise
-        front.nodes[point].same_as = point
-        front.nodes[point].born = -1
+        node = front.nodes[point]
+        node.x, node.y, node.time, node.error = x[point], y[point], 0, noise
+        node.same_as, node.born = point, -1
     counts[NODES] = len(x)
     for bucket in range(len(front.buckets)):
         front.buckets[bucket] = -1
-    for side in range(len(sides.tail)):
+    count = len(sides.tail)
+    for side in range(count):
         source = sides.source[side]
         tail, head = sides.tail[source], sides.head[source]
         dx, dy = x[head] - x[tail], y[head] - y[tail]
         length = sqrt(dx * dx + dy * dy)
-        if source == side:
-            front.sides[side].dx, front.sides[side].dy = dx / length, dy / length
-        else:
-            front.sides[side].dx, front.sides[side].dy = dy / length, -dx / length
-        front.sides[side].ox, front.sides[side].oy = x[sides.tail[side]], y[sides.tail[side]]
-        front.sides[side].turn = noise / length
-    for side in range(len(sides.tail)):
+        new = front.sides[side]
+        new.dx, new.dy = dx / length, dy / length
+        if source != side:
+            new.dx, new.dy = new.dy, -new.dx
+        new.ox, new.oy = x[sides.tail[side]], y[sides.tail[side]]
+        new.turn = noise / length
+    for side in range(count):
         new_vertex(front, side, sides.following[side], sides.head[side], True)
-    for side in range(len(sides.tail)):
-        front.vertices[side].next = sides.following[side]
-        front.vertices[sides.following[side]].prev = side
-    for vertex in range(len(sides.tail)):
+    for side in range(count):
+        link(front, side, sides.following[side])
+    for vertex in range(count):
         front.vertices[vertex].shrinks = time_of_shrinking(front, vertex)
         set_next_event(front, vertex)
     open_window(front)
@@ -991,22 +983,22 @@ def run(front, sides, x, y, noise):
     most = 64 * len(sides.tail) + 1024
     while counts[WAITING] > 0 and counts[STATUS] == DONE:
         vertex = front.slots[0].heap
-        time = front.vertices[vertex].key
+        moving = front.vertices[vertex]
         if counts[FULL] == 1:
             numbers[END] = numbers[NOW]
             open_window(front)
             continue
-        if time > numbers[END]:
+        if moving.key > numbers[END]:
             if numbers[END] >= LATEST:
                 break
             open_window(front)
             continue
-        numbers[NOW] = max(numbers[NOW], time)
-        time = numbers[NOW]
-        if front.vertices[vertex].state == CLOSING:
+        time = max(numbers[NOW], moving.key)
+        numbers[NOW] = time
+        if moving.state == CLOSING:
             close(front, vertex, time)
-        elif front.vertices[vertex].shrinks <= front.vertices[vertex].hits:
-            meet_at_vertex(front, vertex, front.vertices[vertex].next, -1, time)
+        elif moving.shrinks <= moving.hits:
+            meet_at_vertex(front, vertex, moving.next, -1, time)
         else:
             hit(front, vertex, time)
         if counts[MEETINGS] > most:
@@ -1032,14 +1024,11 @@ def join_near_nodes(front, near):
     """Join nodes no farther apart than this, in place and time, if there is an arc between them."""
     for arc in range(front.counts[ARCS]):
         if front.arcs[arc].end >= 0:
-            one, other = root(front, front.arcs[arc].start), root(front, front.arcs[arc].end)
-            off = max(
-                abs(front.nodes[one].x - front.nodes[other].x),
-                abs(front.nodes[one].y - front.nodes[other].y),
-                abs(front.nodes[one].time - front.nodes[other].time),
-            )
-            if off <= near * (1 + front.nodes[one].time):
-                front.nodes[max(one, other)].same_as = min(one, other)
+            first, last = root(front, front.arcs[arc].start), root(front, front.arcs[arc].end)
+            one, other = front.nodes[first], front.nodes[last]
+            off = max(abs(one.x - other.x), abs(one.y - other.y), abs(one.time - other.time))
+            if off <= near * (1 + one.time):
+                front.nodes[max(first, last)].same_as = min(first, last)
 
 
 @compiled
@@ -1054,59 +1043,71 @@ def gather_faces(front, sides, faces):
         faces.sides[side].first = -1
     for node in range(front.counts[NODES]):
         faces.items[node].face = -1
-    for arc in range(front.counts[ARCS]):
-        start = root(front, front.arcs[arc].start)
-        end = front.arcs[arc].end
-        end = root(front, end) if end >= 0 else -1
-        front.arcs[arc].start = start
-        front.arcs[arc].end = end
-        if start == end:
-            continue
-        faces.items[2 * arc].following = faces.sides[front.arcs[arc].left].first
-        faces.sides[front.arcs[arc].left].first = 2 * arc
-        faces.items[2 * arc + 1].following = faces.sides[front.arcs[arc].right].first
-        faces.sides[front.arcs[arc].right].first = 2 * arc + 1
+    for number in range(front.counts[ARCS]):
+        arc = front.arcs[number]
+        arc.start = root(front, arc.start)
+        if arc.end >= 0:
+            arc.end = root(front, arc.end)
+        if arc.start != arc.end:
+            add_half_edge(faces, arc.left, 2 * number)
+            add_half_edge(faces, arc.right, 2 * number + 1)
     filled = 0
     for side in range(count):
         faces.sides[side].offset = filled
-        left = 0
-        half = faces.sides[side].first
-        while half >= 0:
-            arc = half >> 1
-            node = front.arcs[arc].start if half & 1 == 0 else front.arcs[arc].end
-            if node >= 0:
-                if faces.items[node].face == side:
-                    return False
-                faces.items[node].face = side
-                faces.items[node].at_node = half
-            left += 1
-            half = faces.items[half].following
-        tail, head = sides.tail[side], sides.head[side]
-        node = tail
-        if tail != head:
+        half_edges = find_half_edges(front, faces, side)
+        if half_edges < 0:
+            return False
+        tail, node = sides.tail[side], sides.head[side]
+        if tail != node:
             faces.items[filled].value = tail
             filled += 1
-            node = head
         while True:
             faces.items[filled].value = node
             filled += 1
             if faces.items[node].face != side:
                 return False
             half = faces.items[node].at_node
-            left -= 1
-            arc = half >> 1
-            following = front.arcs[arc].end if half & 1 == 0 else front.arcs[arc].start
-            if following < 0:
+            half_edges -= 1
+            arc = front.arcs[half >> 1]
+            node = arc.end if half & 1 == 0 else arc.start
+            if node < 0:
                 faces.items[filled].value = -1
                 filled += 1
-                following = front.arcs[front.arcs[arc].beyond].start
-                left -= 1
-            node = following
+                half_edges -= 1
+                node = front.arcs[arc.beyond].start
             if node == tail:
                 break
-            if left <= 0:
+            if half_edges <= 0:
                 return False
-        if left != 0:
+        if half_edges != 0:
             return False
     faces.sides[count].offset = filled
     return True
+
+
+@compiled
+def add_half_edge(faces, side, half):
+    """Add a half-edge to those of a side's face."""
+    faces.items[half].following = faces.sides[side].first
+    faces.sides[side].first = half
+
+
+@compiled
+def find_half_edges(front, faces, side):
+    """Note for each node of a face the half-edge that leaves it; return how many half-edges there are.
+
+    -1 if two leave the same node.
+    """
+    count = 0
+    half = faces.sides[side].first
+    while half >= 0:
+        arc = front.arcs[half >> 1]
+        node = arc.start if half & 1 == 0 else arc.end
+        if node >= 0:
+            if faces.items[node].face == side:
+                return -1
+            faces.items[node].face = side
+            faces.items[node].at_node = half
+        count += 1
+        half = faces.items[half].following
+    return count
