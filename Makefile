@@ -104,7 +104,7 @@ $(VENV)/python-ok:
 	@touch $@
 
 $(VENV)/installed: $(VENV)/python-ok pyproject.toml
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[skeleton]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
 	@touch $@
 
 $(VENV)/installed-test: $(VENV)/python-ok pyproject.toml

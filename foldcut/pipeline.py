@@ -27,7 +27,7 @@ from foldcut.drawing.limits import Limits
 from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
-from foldcut.methods import ADJUST_MM, DEFAULT_METHOD, METHODS, auto, check_choice, fewer_creases
+from foldcut.methods import DEFAULT_METHOD, METHODS, auto, check_choice, fewer_creases
 from foldcut.methods.auto import FOLDED, Attempt
 from foldcut.methods.base import Effort, Made, Problem, Wishes
 from foldcut.methods.progress import Progress, Stages
@@ -125,7 +125,7 @@ def fold(
     min_crease: float | None = None,
     simplify: float = 0.0,
     symmetry: float = 0.0,
-    adjust: float = ADJUST_MM,
+    adjust: float | None = None,
     effort: str = "normal",
     seconds: float | None = None,
     title: str = "",
@@ -152,7 +152,8 @@ def fold(
     ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "mirror" and "compact", else 0).
     ``simplify`` leaves out corners if that moves the outline by no more than this; ``symmetry`` is how far corners may
     be off in a drawing that is taken as symmetric, and made so; ``adjust`` is how far "skeleton" may move corners so
-    that creases meet. ``effort`` ("fast", "normal", "best") or ``seconds`` bounds the search.
+    that creases meet, None a part of the drawing's size (about 1/500). ``effort`` ("fast", "normal", "best") or
+    ``seconds`` bounds the search.
 
     ``limits`` bound how large a file may be. ``preparation`` says how the drawing is mended and simplified; None: it
     must be a valid shape as it is. ``progress`` is called with a stage's name and how much is done, from 0 to 1.

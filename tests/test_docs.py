@@ -45,7 +45,7 @@ def test_a_file_that_is_not_there_is_found(tmp_path: Path) -> None:
 def test_the_newcomers_table_has_every_place_that_was_asked_for() -> None:
     rows = dict(re.findall(r"^\| ([^|]+?) \| (.+?) \|$", (ROOT / "docs" / "architecture.md").read_text("utf-8"), re.M))
     for sought, place in {
-        "the straight skeleton": "methods/skeleton/straight_skeleton.py",
+        "the straight skeleton": "geometry/straight_skeleton/",
         "where `auto` chooses": "methods/auto.py",
         "the ribbon": "methods/disks/ribbon.py",
         "where dashes are decided": "jobs/dashes.py",

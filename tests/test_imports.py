@@ -37,9 +37,9 @@ METHODS_BELOW = {
     "skeleton": set(),
     "auto": {"disks", "gate", "compact", "mirror", "skeleton", "fewest_folds"},
 }
-"""Which methods each method may use; all see ``methods.base`` and ``methods.progress``."""
+"""Which methods each method may use; all see ``methods.base``, ``methods.frame`` and ``methods.progress``."""
 
-EVERY_METHOD_SEES = {"base", "progress"}
+EVERY_METHOD_SEES = {"base", "frame", "progress"}
 
 
 def modules() -> dict[str, Path]:

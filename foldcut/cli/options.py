@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from foldcut.cli.console import Console
 from foldcut.cli.parser import Parser, nearest
 from foldcut.core.errors import BadInputError
-from foldcut.methods import ADJUST_MM, AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
+from foldcut.methods import AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
 
 if TYPE_CHECKING:
     from foldcut.core.model import Sheet
@@ -220,7 +220,7 @@ class FoldOptions:
     min_crease: float | None
     simplify: float
     symmetry: float
-    adjust: float
+    adjust: float | None
     effort: str
     seconds: float | None
     preparation: Preparation
@@ -308,8 +308,8 @@ def add_folding(command: ArgumentParser) -> None:
     command.add_argument(
         "--adjust",
         metavar="LENGTH",
-        default=f"{ADJUST_MM:g}mm",
-        help="how far a method may move the drawing's corners to make creases meet (default: %(default)s)",
+        help="how far a method may move the drawing's corners to make creases meet (default: about 1/500 of the "
+        "drawing's size)",
     )
     add_reading(command)
     mend = command.add_argument_group("the drawing; every change is reported")
@@ -333,9 +333,7 @@ def add_folding(command: ArgumentParser) -> None:
 def _method_help() -> str:
     """Return what each method does, from the table of methods."""
     rows = [f"{AUTO}: the easiest to fold of the patterns that several methods make"]
-    for method in METHODS.values():
-        extra = f" (extra: {method.extra})" if method.extra else ""
-        rows.append(f"{method.name}: {method.summary}{extra}")
+    rows += [f"{method.name}: {method.summary}" for method in METHODS.values()]
     return "; ".join(rows) + " (default: %(default)s)"
 
 
@@ -375,7 +373,7 @@ def folding(args: Namespace) -> FoldOptions:
         min_crease=length(args.min_crease),
         simplify=parse_length(args.simplify),
         symmetry=parse_length(args.symmetry),
-        adjust=parse_length(args.adjust),
+        adjust=length(args.adjust),
         effort=args.effort,
         seconds=args.seconds,
         preparation=Preparation(

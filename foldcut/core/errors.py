@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -38,6 +39,17 @@ class FileFormatError(BadInputError):
 
 class UnfoldableError(FoldcutError, RuntimeError):
     """The method found no pattern for a valid shape."""
+
+
+class UnfoldableWhereError(UnfoldableError):
+    """The reason names a ``place`` and ``lengths``, in mm.
+
+    ``reason`` is a format: ``{x}`` and ``{y}`` stand for the place, ``{0}``, ``{1}`` and so on for the lengths.
+    """
+
+    def __init__(self, reason: str, place: Sequence[float] = (0.0, 0.0), lengths: Sequence[float] = ()) -> None:
+        self.reason, self.place, self.lengths = reason, place, lengths
+        super().__init__(reason.format(*lengths, x=place[0], y=place[1]))
 
 
 class CreaseTooShortError(UnfoldableError):

@@ -7,18 +7,25 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from foldcut.core.model import Placement, Shape, Sheet
 from foldcut.drawing.placement import Layout
 from foldcut.drawing.simplify import simplify
 
-__all__ = ["Laid", "Laying"]
+__all__ = ["AS_IT_IS", "Laid", "Laying"]
+
+AS_IT_IS = Placement(np.eye(2, 3))
+"""The placement that changes nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class Laid:
     """A shape on its sheet, and notes on what was done to it.
 
-    ``shape`` is in the sheet's mm. ``quarter``: the drawing was given a quarter turn, to have more room.
+    ``shape`` is in the sheet's mm. ``quarter``: the drawing was given a quarter turn, to have more room. ``drawn`` is
+    the shape before it was laid, in numbers that do not depend on its size on the sheet, and ``similarity`` takes it to
+    ``shape``; where it was changed after that, ``drawn`` is ``shape`` itself.
     """
 
     sheet: Sheet
@@ -26,6 +33,8 @@ class Laid:
     placement: Placement
     notes: tuple[str, ...]
     quarter: bool
+    drawn: Shape
+    similarity: Placement
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +58,14 @@ class Laying:
         is not valid once it is simplified.
         """
         sheet, shape, placement, quarter = self.layout.place(self.outline, turn)
+        drawn, similarity = self.outline, placement
         notes = [f"turned by {turn:.4g} degrees, so that a mirror axis lies along the sheet"] if turn else []
         notes += ["turned by a quarter, so that it has more room on the sheet"] * quarter
         if self.simplify:
             simplified = simplify(shape, self.simplify)
-            shape = simplified.shape
+            shape = drawn = simplified.shape
+            similarity = AS_IT_IS
             notes.append(str(simplified))
         placement = Placement(placement.matrix * (-1.0, 1.0, 1.0)) if self.mirrored else placement
-        return Laid(sheet, shape, placement.from_y_down() if self.y_down else placement, tuple(notes), quarter)
+        placement = placement.from_y_down() if self.y_down else placement
+        return Laid(sheet, shape, placement, tuple(notes), quarter, drawn, similarity)

@@ -18,7 +18,7 @@ from foldcut.core.errors import BadInputError
 if TYPE_CHECKING:
     from foldcut.methods.base import Effort, Made, Problem
 
-__all__ = ["ADJUST_MM", "AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases"]
+__all__ = ["AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases"]
 
 AUTO = "auto"
 """Not a method: it has several methods tried and takes the pattern that is easiest to fold (``methods.auto``)."""
@@ -28,9 +28,6 @@ DEFAULT_METHOD = AUTO
 EFFORTS = ("fast", "normal", "best")
 """How long a method searches for the best pattern."""
 
-ADJUST_MM = 0.25
-"""How far corners may be moved so that creases meet: less than a cut by hand misses its line by."""
-
 
 @dataclass(frozen=True)
 class Method:
@@ -38,7 +35,6 @@ class Method:
 
     - ``summary``: what it does, in words for ``--help``;
     - ``package``: where it is, under ``foldcut.methods``;
-    - ``extra``: the extra of foldcut that has to be installed for it, if any;
     - ``min_crease_mm``: the shortest crease that its patterns may have unless told otherwise;
     - ``needs_ribbon``: without a ribbon along the cut its creases fold onto the cut line;
     - ``few_creases``: it is the one to try where another method's creases get too short;
@@ -48,7 +44,6 @@ class Method:
     name: str
     summary: str
     package: str
-    extra: str | None = None
     min_crease_mm: float = 0.0
     needs_ribbon: bool = False
     few_creases: bool = False
@@ -80,7 +75,7 @@ METHODS = {
             needs_ribbon=True,
             construction=True,
         ),
-        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton", extra="skeleton"),
+        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton"),
         Method("gate", "the same as paper for several loops", package="gate", needs_ribbon=True),
     )
 }

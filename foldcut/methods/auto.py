@@ -12,6 +12,7 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.methods import AUTO, METHODS
 from foldcut.methods.base import Effort, Made, Problem
 from foldcut.methods.fewest_folds import fewest_folds
+from foldcut.methods.frame import ADJUST, frame_scale
 from foldcut.pattern.ranking import rank, shortest_crease
 
 __all__ = ["FOLDED", "Attempt", "run"]
@@ -70,7 +71,8 @@ def _best(problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
             break
     if not made:
         raise UnfoldableError("; ".join(f"{attempt.method}: {attempt.failure}" for attempt in attempts))
-    return min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases))), tuple(attempts)
+    scale = frame_scale(problem.laid)
+    return min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale)), tuple(attempts)
 
 
 def _attempt(made: Made) -> Attempt:
@@ -84,12 +86,13 @@ def _proven_fewest(problem: Problem, _: Effort) -> Made:
     """
     from foldcut.methods.skeleton.method import fold_ridges_alone
 
-    wishes = problem.wishes
-    least = fewest_folds(problem.shape, problem.sheet, wishes.adjust, wishes.symmetry)
+    wishes, scale = problem.wishes, frame_scale(problem.laid)
+    near = ADJUST * scale if wishes.adjust is None else wishes.adjust
+    least = fewest_folds(problem.shape, problem.sheet, near, wishes.symmetry)
     if not least.bisectors <= least.folds < least.corners:
         raise UnfoldableError("a pattern of ridges alone is unlikely, or has more folds than are needed")
     made = fold_ridges_alone(problem)
-    too_short, folds, _shortest = rank(made.actions, shortest_crease(made.creases))
+    too_short, folds, _shortest = rank(made.actions, shortest_crease(made.creases) / scale)
     if too_short or folds > least.folds:
         raise UnfoldableError("the pattern of ridges alone is not proven to have the fewest folds")
     return made

@@ -12,7 +12,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError, RibbonError, UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
 from foldcut.drawing.laying import Laid
-from foldcut.methods import ADJUST_MM, EFFORTS
+from foldcut.methods import EFFORTS
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import crease_numbers
 
@@ -48,7 +48,8 @@ class Wishes:
 
     ``ribbon``: the half-width of the strip along the shape's boundary that is not folded, None for the method's
     default; ``min_crease``: the shortest crease allowed, None for the method's default; ``symmetry``: how far corners
-    may be off for a mirror axis; ``adjust``: how far corners may be moved so that creases meet.
+    may be off for a mirror axis; ``adjust``: how far corners may be moved so that creases meet, None for a
+    part of the drawing's size.
 
     Raises ``BadInputError`` for a negative or infinite number, for the ribbon the subclass ``RibbonError``.
     """
@@ -56,7 +57,7 @@ class Wishes:
     ribbon: float | None = None
     min_crease: float | None = None
     symmetry: float = 0.0
-    adjust: float = ADJUST_MM
+    adjust: float | None = None
 
     def __post_init__(self) -> None:
         for value, what, error in (

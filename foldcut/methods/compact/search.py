@@ -24,7 +24,7 @@ from functools import partial
 import numpy as np
 
 from foldcut.core.arrays import Floats
-from foldcut.core.errors import UnfoldableError
+from foldcut.core.errors import UnfoldableError, UnfoldableWhereError
 from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
 from foldcut.methods.compact.budget import EFFORT_SECONDS, Budget, Spent
 from foldcut.methods.compact.cover import CLEARANCES, Cover, under_nodes
@@ -137,10 +137,10 @@ def fold_compact(
         interrupted = True
     best = trials.best
     if best is None:
-        x, y = loop.mean(axis=0)
-        raise UnfoldableError(
-            f"no compact pattern was found in {trials.count} trials for the shape around ({x:.1f}, {y:.1f}) mm; "
-            "try a higher effort, --simplify, or the paper's method"
+        raise UnfoldableWhereError(
+            f"no compact pattern was found in {trials.count} trials for the shape around ({{x:.1f}}, {{y:.1f}}) mm; "
+            "try a higher effort, --simplify, or the paper's method",
+            loop.mean(axis=0).tolist(),
         )
     return Compact(best.creases, best.folded, best.part, best.walk, best.molecules, trials.count, interrupted)
 

@@ -155,7 +155,9 @@ class Trials:
         try:
             molecules = build_molecules(walk, self.sheet, lambda part: self._tell(solution, MOLECULES * part), least)
         except CreaseTooShortError as error:
-            raise self._too_short(error.length, error.place) from None
+            raise CreaseTooShortError(
+                f"with {len(self.outline.loop):,} corners creases get too short", error.length, error.place
+            ) from None
         lowest = min(molecules.inside.lowest_event, molecules.outside.lowest_event)
         if lowest <= self.ribbon or molecule_faults(molecules):
             return None
@@ -170,17 +172,6 @@ class Trials:
                 raise Spent
             again = f", trial {self.count}" if self.count > 1 else ""
             self.report(f"folding: {count:,} turns{again}", part)
-
-    def _too_short(self, length: float, place: tuple[float, float]) -> CreaseTooShortError:
-        """Say what can be done about the first of very many creases that is found to be too short."""
-        x, y = place
-        return CreaseTooShortError(
-            f"with {len(self.outline.loop):,} corners creases get too short: the first one found, at ({x:.4g}, "
-            f"{y:.4g}), is {length:.2g} mm long, shorter than {self.least:g} mm; leave out small corners with "
-            "--simplify, use a larger sheet with the drawing larger to match, or allow all with --min-crease 0",
-            length,
-            place,
-        )
 
 
 def stretches_too_near(molecules: Molecules, creases: CreasePattern, apart: float) -> set[int]:

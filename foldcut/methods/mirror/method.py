@@ -9,7 +9,7 @@ import numpy as np
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape
-from foldcut.drawing.laying import Laid
+from foldcut.drawing.laying import AS_IT_IS, Laid
 from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
@@ -75,7 +75,7 @@ def _candidates(problem: Problem) -> Iterator[tuple[Half, Laid]]:
         notes = on.notes
         if moved > COINCIDENT[0] * on.sheet.diagonal:
             notes = (*notes, f"made symmetric: corners moved by at most {moved:.2g} mm")
-        on = Laid(on.sheet, shape, on.placement, notes, on.quarter)
+        on = Laid(on.sheet, shape, on.placement, notes, on.quarter, shape, AS_IT_IS)
         try:
             for half in halves(shape, on.sheet, axes):
                 found = True

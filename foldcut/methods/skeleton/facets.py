@@ -23,7 +23,7 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.geometry.planar_graph import trace_faces
 from foldcut.geometry.vectors import left_normal
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
-from foldcut.methods.skeleton.straight_skeleton import Edge, Vertices, half_edges
+from foldcut.methods.skeleton.skeleton_faces import Edge, Vertices, half_edges
 
 Crease = tuple[Edge, tuple[int, int]]
 """An edge between two facets, its lesser vertex first, and the facets on its left and on its right."""

@@ -23,10 +23,10 @@ import shapely
 from numpy.typing import NDArray
 
 from foldcut.core.arrays import Bools, Floats
-from foldcut.core.errors import UnfoldableError, needed_extra
+from foldcut.core.errors import UnfoldableError
 from foldcut.geometry.segments import collinear_overlap
 from foldcut.methods.skeleton.facets import Crease
-from foldcut.methods.skeleton.straight_skeleton import Vertices
+from foldcut.methods.skeleton.skeleton_faces import Vertices
 
 Ints = NDArray[np.intp]
 
@@ -51,14 +51,6 @@ MOST_PAIRS = 400_000
 NO_ORDER = "the facets cannot be put in an order in which no paper passes through paper"
 
 
-def require_solver() -> None:
-    """Raise ``UnfoldableError`` unless there is a solver to look for layer orders: the extra ``skeleton``."""
-    try:
-        import pysat.solvers  # noqa: F401  # used only where there may be an order
-    except ImportError as error:
-        raise UnfoldableError(needed_extra("layer orders", "skeleton")) from error
-
-
 class OrderConditions:
     """The conditions on the order of folded facets.
 
@@ -71,13 +63,12 @@ class OrderConditions:
 
     ``contradictory`` has two counts: of pairs that would have to lie both ways because of the taco-tortillas, and if
     there are none, of taco-tacos that contradict those before them. Unless both are 0, there is no order.
-    Raises ``UnfoldableError`` without the extra ``skeleton``, with too many facets, and where a crease has no length.
+    Raises ``UnfoldableError`` with too many facets, and where a crease has no length.
     """
 
     def __init__(
         self, folded: Floats, facets: Sequence[Vertices], creases: Sequence[Crease], up: Sequence[bool]
     ) -> None:
-        require_solver()
         self.count = len(facets)
         self.rounds = 0  # how many the solver took
         self._beside: Ints = np.array([pair for _, pair in creases], dtype=np.intp).reshape(-1, 2)

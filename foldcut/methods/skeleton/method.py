@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
+from foldcut.methods.frame import ADJUST, Frame, in_frame
 from foldcut.methods.skeleton.search import Skeletal, fold_ridges, fold_skeletal
 from foldcut.proof.tolerance import COINCIDENT
 
@@ -19,19 +20,22 @@ def fold(problem: Problem, effort: Effort) -> Made:
     Raises ``UnfoldableError`` where perpendiculars do not end, creases are too many, or none of the choices that are
     tried has a layer order.
     """
-    wishes = problem.wishes
-    with problem.stages(STAGE):
+
+    def in_this(frame: Frame) -> Made:
         made = fold_skeletal(
-            problem.shape,
-            problem.sheet,
-            ribbon=wishes.free_ribbon,
-            near=wishes.adjust,
+            frame.shape,
+            frame.sheet,
+            ribbon=problem.wishes.free_ribbon / frame.scale,
+            near=_near(problem, frame),
             effort=effort.name,
             seconds=effort.seconds,
             share=effort.share,
             progress=problem.stages.tell,
         )
-    return _made(problem, made)
+        return _made(problem, frame, made)
+
+    with problem.stages(STAGE):
+        return in_frame(problem.laid, in_this)
 
 
 def fold_ridges_alone(problem: Problem) -> Made:
@@ -39,27 +43,37 @@ def fold_ridges_alone(problem: Problem) -> Made:
 
     Raises ``UnfoldableError`` where this needs perpendiculars, too, or has no layer order.
     """
-    wishes = problem.wishes
+
+    def in_this(frame: Frame) -> Made:
+        ribbon = problem.wishes.free_ribbon / frame.scale
+        return _made(problem, frame, fold_ridges(frame.shape, frame.sheet, ribbon=ribbon, near=_near(problem, frame)))
+
     with problem.stages(STAGE):
-        made = fold_ridges(problem.shape, problem.sheet, ribbon=wishes.free_ribbon, near=wishes.adjust)
-        return _made(problem, made)
+        return in_frame(problem.laid, in_this)
 
 
-def _made(problem: Problem, made: Skeletal) -> Made:
+def _near(problem: Problem, frame: Frame) -> float:
+    """Return how far corners may be moved, in mm of the frame."""
+    adjust = problem.wishes.adjust
+    return ADJUST if adjust is None else adjust / frame.scale
+
+
+def _made(problem: Problem, frame: Frame, made: Skeletal) -> Made:
     laid = problem.laid
-    notes = laid.notes
-    if made.moved_mm > COINCIDENT[0] * laid.sheet.diagonal:
-        notes = (*notes, f"corners moved by at most {made.moved_mm:.2g} mm, so that creases meet")
+    notes, moved = laid.notes, made.moved_mm * frame.scale
+    if moved > COINCIDENT[0] * laid.sheet.diagonal:
+        notes = (*notes, f"corners moved by at most {moved:.2g} mm, so that creases meet")
+    creases, folded = frame.pattern(made.creases, made.folded, made.shape)
     count = made.perpendiculars
     return Made(
         "skeleton",
-        made.creases,
-        made.folded,
-        replace(laid, shape=made.shape, notes=notes),
+        creases,
+        folded,
+        replace(laid, shape=frame.on_sheet(made.shape), notes=notes),
         problem.wishes.free_ribbon,
-        straight_folds(made.creases),
+        straight_folds(creases),
         told=(f"skeleton: {count} perpendicular{'s' * (count != 1)}",),
-        numbers={"perpendiculars": count, "moved_mm": made.moved_mm},
+        numbers={"perpendiculars": count, "moved_mm": moved},
         interrupted=made.interrupted,
         detail=made,
     )

@@ -15,10 +15,13 @@ import numpy as np
 from foldcut.core.arrays import Floats, Numbers, points_array
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.skeleton.perpendiculars import SNAP
-from foldcut.methods.skeleton.straight_skeleton import EXACT, Flank
+from foldcut.methods.skeleton.skeleton_faces import EXACT, Flank
 
 Tie = frozenset[Flank]
 """Flanks whose sides are to be equally far from one point: the node that they share."""
+
+Line = tuple[int, ...]
+"""Sides that lie on one line."""
 
 NEWTON_STEPS = 12
 """How many steps Newton's method gets."""
@@ -43,8 +46,13 @@ class Meeting:
     end: Tie
 
 
-def with_corners_moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie], meetings: Sequence[Meeting]) -> Shape | None:
-    """Return the shape with corners moved as little as possible for ties and meetings to hold, None if that fails."""
+def with_corners_moved(
+    shape: Shape, sheet: Sheet, ties: Sequence[Tie], meetings: Sequence[Meeting], lines: Sequence[Line] = ()
+) -> Shape | None:
+    """Return the shape with corners moved as little as possible for ties and meetings to hold, None if that fails.
+
+    Sides on one of the ``lines`` stay on one line.
+    """
     corners, ends = np.concatenate(shape.loops), np.cumsum([len(loop) for loop in shape.loops])
     following = np.concatenate(
         [np.roll(np.arange(b - len(loop), b), -1) for b, loop in zip(ends, shape.loops, strict=True)]
@@ -60,6 +68,9 @@ def with_corners_moved(shape: Shape, sheet: Sheet, ties: Sequence[Tie], meetings
             _, normal, _ = _sides(corners, following)
             nodes = [_node(corners, normal, tie) for tie in ties]
         rows, values = _tie_equations(corners, following, ties, nodes)
+        straight, away = _line_equations(corners, following, lines)
+        rows += [np.concatenate([row, np.zeros(3 * len(ties))]) for row in straight]
+        values += away
         with np.errstate(all="ignore"):
             missed = [float(_missed(corners, following, meeting)) for meeting in meetings]
         if not np.isfinite(missed).all():
@@ -109,6 +120,26 @@ def _tie_equations(
             row[at + 2] = -1.0
             rows.append(row)
             values.append(height - sign * float(away @ normal[side]))
+    return rows, values
+
+
+def _line_equations(corners: Floats, following: Numbers, lines: Sequence[Line]) -> tuple[list[Floats], list[float]]:
+    """Return one linear equation for every corner of all but the first side of each line: it is on that side's line.
+
+    Each is a row of coefficients, two for every corner, and the value that is missing.
+    """
+    along, normal, length = _sides(corners, following)
+    rows: list[Floats] = []
+    values: list[float] = []
+    for first, *others in lines:
+        start, end = first, int(following[first])
+        for corner in sorted({corner for side in others for corner in (side, int(following[side]))} - {start, end}):
+            away = corners[corner] - corners[start]
+            part = float(away @ along[first]) / length[first]
+            row = np.zeros((len(corners), 2))
+            row[corner], row[start], row[end] = normal[first], (part - 1) * normal[first], -part * normal[first]
+            rows.append(row.ravel())
+            values.append(-float(away @ normal[first]))
     return rows, values
 
 

@@ -24,10 +24,9 @@ import numpy as np
 import shapely
 
 from foldcut.core.arrays import Floats
-from foldcut.core.errors import UnfoldableError
+from foldcut.core.errors import UnfoldableWhereError
 from foldcut.core.model import Sheet
-from foldcut.geometry.vectors import signed_area
-from foldcut.methods.skeleton.straight_skeleton import Edge, Skeleton, Vertices, half_edges
+from foldcut.methods.skeleton.skeleton_faces import Edge, Skeleton, Vertices, half_edges
 
 SNAP = 1e-9
 """A perpendicular that passes a node this closely, relative to the sheet's diagonal, comes to it."""
@@ -83,10 +82,10 @@ class Perpendicular:
 class Ridges:
     """The ridges of a straight skeleton on its sheet, and the nodes at which perpendiculars begin.
 
-    ``size`` ``(2,)`` mm is the sheet's; ``snap`` in mm: points less far apart are one. ``left`` says for each skeleton
-    face whether it is on the left of its side, ``shape_at_left`` is 1.0 where the shape is on the left of that side,
-    else -1.0. ``edges`` are the ridges, ``degree`` is how many of them meet in a vertex. ``nodes`` are the vertices
-    strictly on the sheet that are no corners of the shape; at those in ``odd`` an odd number of ridges meet.
+    ``size`` ``(2,)`` mm is the sheet's; ``snap`` in mm: points less far apart are one. ``shape_at_left`` is for each
+    skeleton face 1.0 where the shape is on the left of its side, else -1.0. ``edges`` are the ridges, ``degree`` is how
+    many of them meet in a vertex. ``nodes`` are the vertices strictly on the sheet that are no corners of the shape; at
+    those in ``odd`` an odd number of ridges meet.
     """
 
     def __init__(self, skeleton: Skeleton, sheet: Sheet) -> None:
@@ -95,11 +94,10 @@ class Ridges:
         self.size = np.array([sheet.width, sheet.height])
         self.snap = SNAP * sheet.diagonal
         faces = skeleton.faces
-        self.left = [signed_area(skeleton.points[face.vertices]) > 0 for face in faces]
-        self.shape_at_left = [float(f.sign if left else -f.sign) for f, left in zip(faces, self.left, strict=True)]
+        self.shape_at_left = [float(face.sign if face.flank.left else -face.sign) for face in faces]
         self._face_of: dict[Edge, int] = {}
-        for number, (face, left) in enumerate(zip(faces, self.left, strict=True)):
-            for pair in half_edges(face.vertices if left else face.vertices[::-1]):
+        for number, face in enumerate(faces):
+            for pair in half_edges(face.vertices if face.flank.left else face.vertices[::-1]):
                 self._face_of[pair] = number
         self._chains = [
             tuple(Chain(chain, np.array([skeleton.u(f.side, v) for v in chain])) for chain in (f.lower, f.upper))
@@ -179,10 +177,10 @@ class Perpendiculars:
         ending = {node for path in self.paths for node in (path.start, path.end)}
         for node in self.ridges.odd:
             if node not in ending:
-                x, y = self.ridges.skeleton.points[node]
-                raise UnfoldableError(
-                    f"no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
-                    f"{MOST_CROSSINGS} crossings; try a larger --adjust"
+                raise UnfoldableWhereError(
+                    "no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
+                    f"{MOST_CROSSINGS} crossings; try a larger --adjust",
+                    self.ridges.skeleton.points[node].tolist(),
                 )
 
 

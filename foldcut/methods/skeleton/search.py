@@ -14,18 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from foldcut.core.errors import UnfoldableError
+from foldcut.core.errors import UnfoldableError, UnfoldableWhereError
 from foldcut.core.model import Shape, Sheet
-from foldcut.methods import ADJUST_MM
 from foldcut.methods.skeleton.budget import Budget, order_cost
 from foldcut.methods.skeleton.choices import exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
-from foldcut.methods.skeleton.layer_order import require_solver
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
+from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
-from foldcut.methods.skeleton.straight_skeleton import straight_skeleton
 from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered
-from foldcut.pattern.ranking import FOLDABLE_MM, shortest_crease
 
 __all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]
 
@@ -41,8 +38,11 @@ LEAST_PATIENCE = 3.0
 SETS_PART = 3 / 4
 """The part of that time for the promising sets; the rest is for the walk from the best of them."""
 
-LESS = 0.2
-"""Corners are also moved by no more than this part of what is allowed: less is sometimes better."""
+LEAST_SETS = 2
+"""How many sets of each drawing are tried even if nothing is left to spend: one of both kinds (``promising_sets``)."""
+
+PARTS = (1.0, 0.5, 0.1)
+"""Corners are moved by no more than these parts of what is allowed: less is sometimes better."""
 
 MOST_CORNERS = 120
 """Drawings with more corners are refused."""
@@ -53,7 +53,7 @@ def fold_skeletal(
     sheet: Sheet,
     *,
     ribbon: float = 0.0,
-    near: float = ADJUST_MM,
+    near: float,
     effort: str = "normal",
     seconds: float | None = None,
     share: float = 1.0,
@@ -61,17 +61,16 @@ def fold_skeletal(
 ) -> Skeletal:
     """Fold a shape along its straight skeleton.
 
-    ``shape`` is in the sheet's mm; its corners may be moved by ``near`` mm, where that joins nodes of the skeleton or
-    takes perpendiculars to them. ``ribbon`` is a half-width in mm: this near to the cut, creases only run straight
-    across it or along a corner's bisector. ``effort`` is one of ``SECONDS``, ``seconds`` replaces it, and ``share`` is
-    the part of either that may be spent. ``progress`` is called with a text and the part done. Ctrl-C ends the
-    search with the best pattern so far.
+    ``shape`` is in the sheet's mm, and as large as a ``Frame`` has it; its corners may be moved by ``near`` mm, where
+    that joins nodes of the skeleton or takes perpendiculars to them. ``ribbon`` is a half-width in mm: this near to the
+    cut, creases only run straight across it or along a corner's bisector. ``effort`` is one of ``SECONDS``, ``seconds``
+    replaces it, and ``share`` is the part of either that may be spent. ``progress`` is called with a text and the part
+    done. Ctrl-C ends the search with the best pattern so far.
     Raises ``UnfoldableError`` with the reason where perpendiculars do not end, where there are too many corners or
     creases, and where no set of perpendiculars has a layer order.
     """
     if shape.corner_count > MOST_CORNERS:
         raise UnfoldableError(f"the drawing has {shape.corner_count} corners; this method takes at most {MOST_CORNERS}")
-    require_solver()  # once, not after each of hundreds of trials
     budget = Budget(share * (seconds if seconds is not None else SECONDS[effort]))
     search = Search(sheet, ribbon, budget, progress)
     patience = PATIENCE * budget.limit
@@ -81,19 +80,17 @@ def fold_skeletal(
         for number, (variant, moved) in enumerate(variants, start=1):
             is_last = number == len(variants)
             search.fold(variant, moved, patience if is_last else max(budget.limit, LEAST_PATIENCE))
-            if search.made is not None and shortest_crease(search.made.creases) >= FOLDABLE_MM:
-                break
         search.improve()
     except KeyboardInterrupt:
         if search.made is None:
             raise
         interrupted = True
     if search.made is None:
-        raise UnfoldableError(search.problem or "no set of perpendiculars makes the creases at every node even")
+        raise search.problem or UnfoldableError("no set of perpendiculars makes the creases at every node even")
     return replace(search.made, interrupted=interrupted)
 
 
-def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float = ADJUST_MM) -> Skeletal:
+def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float) -> Skeletal:
     """Fold a shape along the ridges of its straight skeleton alone; the options are those of ``fold_skeletal``.
 
     Raises ``UnfoldableError`` with the reason where perpendiculars are needed, or where there is no layer order.
@@ -108,12 +105,13 @@ def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float 
 
 def ridges_of(shape: Shape, sheet: Sheet, ribbon: float) -> Ridges:
     """Return the ridges of a shape's straight skeleton; raise ``UnfoldableError`` if some meet within the ribbon."""
-    skeleton = straight_skeleton(shape, sheet)
+    skeleton = skeleton_of(shape, sheet)
     ridges = Ridges(skeleton, sheet)
     lowest = min((float(skeleton.height[node]) for node in ridges.nodes), default=np.inf)
     if lowest <= ribbon:
-        raise UnfoldableError(
-            f"creases of the straight skeleton meet {lowest:.2g} mm from the cut, within the ribbon of {ribbon:g} mm"
+        raise UnfoldableWhereError(
+            "creases of the straight skeleton meet {0:.2g} mm from the cut, within the ribbon of {1:.6g} mm",
+            lengths=(lowest, ribbon),
         )
     return ridges
 
@@ -122,10 +120,10 @@ def adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, float
     """Return variants of a shape, and how far in mm their corners were moved: the shape itself comes last."""
     if not near:
         return [(shape, 0.0)]
-    moved = [tie_perpendiculars(shape, sheet, most) for most in (near, LESS * near)]
-    moved += [tie_nodes(shape, sheet, near), (shape, 0.0)]
+    moved = [tie_perpendiculars(shape, sheet, part * near) for part in PARTS]
+    moved = [(one, way) for one, way in [*moved, tie_nodes(shape, sheet, near)] if way]
     different: list[tuple[Shape, float]] = []
-    for one, way in moved:
+    for one, way in [*moved, (shape, 0.0)]:
         if all(any((a != b).any() for a, b in zip(one.loops, other.loops, strict=True)) for other, _ in different):
             different.append((one, way))
     return different
@@ -143,7 +141,7 @@ class Search:
     budget: Budget
     progress: Callable[[str, float], None] | None = None
     best: Trial | None = None
-    problem: str = ""
+    problem: UnfoldableError | None = None
 
     @property
     def made(self) -> Skeletal | None:
@@ -160,7 +158,7 @@ class Search:
         try:
             nearest = self._try_sets(shape, moved, patience)
         except UnfoldableError as error:
-            self.problem = self.problem or str(error)
+            self.problem = self.problem or error
             return
         if self.best is None and nearest is not None:
             self.walk(nearest, patience)
@@ -171,8 +169,9 @@ class Search:
         Raises ``UnfoldableError`` where there are no sets, or none with few enough creases.
         """
         nearest: Trial | None = None
-        for perpendiculars, taken in promising_sets(ridges_of(shape, self.sheet, self.ribbon)):
-            if self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience):
+        for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(shape, self.sheet, self.ribbon))):
+            spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
+            if spent and number >= LEAST_SETS:
                 break
             trial = self.attempt(Drawing(shape, moved, perpendiculars), frozenset(taken))
             if nearest is None or trial.quality < nearest.quality:
@@ -189,16 +188,17 @@ class Search:
 
         While no set has a pattern, one with no more contradictions is no worse, each step changes something in the
         cause of a contradiction, and the walk ends at the first pattern. From a pattern it only goes to patterns that
-        are no harder to fold. It ends when ``end`` seconds are spent.
+        are no harder to fold, and tries sets with the fewest pieces first. It ends when ``end`` seconds are spent.
         """
         perpendiculars, folds = here.drawing.perpendiculars, here.made is not None
         every = exchanges(perpendiculars)
         random, seen = np.random.default_rng(0), {here.taken}
         while self.budget.spent + (order_cost(len(here.made.creases.faces_vertices)) if here.made else 0.0) <= end:
             ways = [one for one in every if one & here.cause and here.taken ^ one not in seen]
-            if folds:
-                pieces = perpendiculars.pieces(here.taken)
-                ways = [one for one in ways if perpendiculars.pieces(here.taken ^ one) <= pieces]
+            if folds and ways:
+                pieces = [perpendiculars.pieces(here.taken ^ one) for one in ways]
+                fewest = min(*pieces, perpendiculars.pieces(here.taken))
+                ways = [one for one, count in zip(ways, pieces, strict=True) if count == fewest]
             if not ways:
                 break
             taken = here.taken ^ ways[int(random.integers(len(ways)))]
@@ -214,7 +214,8 @@ class Search:
         if self.progress is not None:
             self.progress("layer orders", self.budget.part)
         trial = attempt(drawing, taken, self.budget)
-        self.problem = self.problem or trial.problem
+        if trial.problem and self.problem is None:
+            self.problem = UnfoldableError(trial.problem)
         if trial.made and (self.best is None or trial.quality < self.best.quality):
             self.best = trial
         return trial

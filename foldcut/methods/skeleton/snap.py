@@ -8,7 +8,6 @@ Here it is decided what is to meet; ``move_corners`` does the moving.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -21,9 +20,9 @@ from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.union_find import groups
 from foldcut.methods.skeleton.choices import away_from_roots, fewest_pieces
 from foldcut.methods.skeleton.facets import divide_sheet
-from foldcut.methods.skeleton.move_corners import Meeting, Tie, with_corners_moved
+from foldcut.methods.skeleton.move_corners import Line, Meeting, Tie, with_corners_moved
 from foldcut.methods.skeleton.perpendiculars import Ridges, trace
-from foldcut.methods.skeleton.straight_skeleton import TIES, Flank, RawSkeleton, half_edges, straight_skeleton
+from foldcut.methods.skeleton.skeleton_faces import Edge, Skeleton, half_edges, skeleton_of
 
 __all__ = ["tie_nodes", "tie_perpendiculars"]
 
@@ -48,12 +47,16 @@ MOST_MISSES = 8
 
 @dataclass
 class Moves:
-    """A shape whose corners are moved as little as possible, and the ties and meetings for which they are."""
+    """A shape whose corners are moved as little as possible, and the ties and meetings for which they are.
+
+    Sides on one of the ``lines`` stay on one line.
+    """
 
     original: Shape
     sheet: Sheet
     near: float
     now: Shape
+    lines: list[Line] = field(default_factory=list)
     ties: list[Tie] = field(default_factory=list)
     meetings: list[Meeting] = field(default_factory=list)
 
@@ -64,7 +67,7 @@ class Moves:
         """
         kept = [known for known in self.ties if not any(known < tie for tie in ties)]
         ties, meetings = [*kept, *ties], [*self.meetings, *meetings]
-        moved = with_corners_moved(self.original, self.sheet, ties, meetings)
+        moved = with_corners_moved(self.original, self.sheet, ties, meetings, self.lines)
         if moved is None or _farthest(moved, self.original) > self.near:
             return False
         if not shapely.multilinestrings([shapely.linearrings(loop) for loop in moved.loops]).is_simple:
@@ -114,17 +117,19 @@ def tie_perpendiculars(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, 
 
 def _tied(shape: Shape, sheet: Sheet, near: float) -> Moves:
     """Tie nodes that are near to each other, all at once; then shrink ridges to nothing, one after the other."""
-    moves = Moves(shape, sheet, near, shape)
+    lines = {tuple(flank.side for flank in face.flanks) for face in skeleton_of(shape, sheet).faces}
+    moves = Moves(shape, sheet, near, shape, sorted(line for line in lines if len(line) > 1))
     refused: set[Tie] = set()
     for _ in range(ROUNDS):
-        found = list(_near_nodes(RawSkeleton(moves.now, sheet, TIES[-1]), near))
+        found = list(_near_nodes(skeleton_of(moves.now, sheet), near))
         found = [tie for tie in found if not moves.is_known(tie)]
         if not found or not moves.add(found):
             break
     for _ in range(ROUNDS):
-        ridges = _short_ridges(RawSkeleton(moves.now, sheet, TIES[-1]), REACH * near)
+        skeleton = skeleton_of(moves.now, sheet)
         changed = False
-        new = [tie for _, tie in sorted(ridges, key=lambda one: one[0])]
+        ridges = sorted(_short_ridges(skeleton, REACH * near))
+        new = [skeleton.flanks_at[a] | skeleton.flanks_at[b] for _, (a, b) in ridges]
         for tie in [tie for tie in new if not moves.is_known(tie) and tie not in refused][:MOST_TRIALS]:
             if moves.add([tie]):
                 changed = True
@@ -147,22 +152,18 @@ def _misses(shape: Shape, sheet: Sheet, reach: float) -> list[tuple[float, Tie |
     come first. Raises ``UnfoldableError`` where there is no skeleton, where perpendiculars do not end, and where facets
     do not meet.
     """
-    skeleton = straight_skeleton(shape, sheet)
+    skeleton = skeleton_of(shape, sheet)
     ridges = Ridges(skeleton, sheet)
     perpendiculars = trace(ridges, ridges.odd)
     perpendiculars.require_ends()
     sets = [*fewest_pieces(perpendiculars, 1), *away_from_roots(perpendiculars)[:1]]
     divide_sheet(perpendiculars, sets[0] if sets else [], most_creases=np.inf)
-    flanks = [Flank(face.side, left) for face, left in zip(skeleton.faces, ridges.left, strict=True)]
-    around: dict[int, Tie] = defaultdict(frozenset)
-    for flank, face in zip(flanks, skeleton.faces, strict=True):
-        for vertex in face.vertices:
-            around[vertex] |= {flank}
+    around = skeleton.flanks_at
     nodes = set(ridges.nodes)
     found: list[tuple[float, Tie | Meeting]] = []
     for number in sorted({number for taken in sets for number in taken}):
         path = perpendiculars.paths[number]
-        way = tuple(flanks[piece.face] for piece in path.pieces)
+        way = tuple(skeleton.faces[piece.face].flank for piece in path.pieces)
         for k, piece in enumerate(path.pieces):
             face = skeleton.faces[piece.face]
             for vertex in sorted(nodes.intersection(face.vertices) - {path.start, path.end}):
@@ -178,30 +179,19 @@ def _misses(shape: Shape, sheet: Sheet, reach: float) -> list[tuple[float, Tie |
     return sorted(found, key=lambda one: one[0])
 
 
-def _near_nodes(raw: RawSkeleton, near: float) -> Iterator[Tie]:
+def _near_nodes(skeleton: Skeleton, near: float) -> Iterator[Tie]:
     """Yield the ties of nodes that are joined by ridges shorter than ``near`` mm."""
-    count, flanks, short, _ = _short_edges(raw, near)
-    group = np.array(groups(count, short))
-    for number in sorted({int(group[a]) for a, _ in short}):
-        yield frozenset().union(*(flanks[v] for v in np.flatnonzero(group == number).tolist()))
+    short = [ridge for _, ridge in _short_ridges(skeleton, near)]
+    group = groups(len(skeleton.points), short)
+    for number in sorted({group[a] for a, _ in short}):
+        yield frozenset().union(*(flanks for vertex, flanks in skeleton.flanks_at.items() if group[vertex] == number))
 
 
-def _short_ridges(raw: RawSkeleton, near: float) -> Iterator[tuple[float, Tie]]:
-    """Yield the length of every ridge shorter than ``near`` mm, and the tie of its two nodes."""
-    _, flanks, short, lengths = _short_edges(raw, near)
-    for (a, b), length in zip(short, lengths, strict=True):
-        yield length, frozenset(flanks[a] | flanks[b])
-
-
-def _short_edges(raw: RawSkeleton, near: float) -> tuple[int, dict[int, set[Flank]], list[list[int]], list[float]]:
-    """Return how many points a skeleton has, the flanks around each, and its short ridges with their lengths."""
-    points, faces = raw.faces()
-    flanks: dict[int, set[Flank]] = defaultdict(set)
-    edges = set()
-    for flank, vertices in faces:
-        for vertex in vertices:
-            flanks[vertex].add(flank)
-        edges |= {(a, b) for a, b in half_edges(vertices) if b > a >= raw.count}
-    ends = np.array(sorted(edges), dtype=np.int64).reshape(-1, 2)
-    length = np.hypot(*(points[ends[:, 0]] - points[ends[:, 1]]).T)
-    return len(points), flanks, ends[length < near].tolist(), length[length < near].tolist()
+def _short_ridges(skeleton: Skeleton, near: float) -> Iterator[tuple[float, Edge]]:
+    """Yield every ridge between two nodes that is shorter than ``near`` mm, with its length."""
+    corners = len(skeleton.starts)
+    ridges = {(a, b) for face in skeleton.faces for a, b in half_edges(face.vertices) if b > a >= corners}
+    for a, b in sorted(ridges):
+        length = float(np.hypot(*(skeleton.points[a] - skeleton.points[b])))
+        if length < near:
+            yield length, (a, b)

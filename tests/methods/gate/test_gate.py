@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -66,9 +65,12 @@ def test_random_shapes_are_verified(seed: int, holes: bool) -> None:
 
 @pytest.fixture
 def no_skeleton(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As without the extra ``skeleton``."""
-    for module in ("compas_cgal", "pysat.solvers"):
-        monkeypatch.setitem(sys.modules, module, None)
+    """Let no shape have a straight skeleton."""
+
+    def none(*_: object) -> None:
+        raise UnfoldableError("there is no straight skeleton")
+
+    monkeypatch.setattr("foldcut.methods.skeleton.search.skeleton_of", none)
 
 
 @pytest.mark.usefixtures("no_skeleton")

@@ -14,7 +14,7 @@ from foldcut.methods.skeleton.facets import Division, divide_sheet
 from foldcut.methods.skeleton.layer_order import OrderConditions
 from foldcut.methods.skeleton.move_corners import DIFFERENCE, Meeting, with_corners_moved
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
-from foldcut.methods.skeleton.straight_skeleton import Flank, straight_skeleton
+from foldcut.methods.skeleton.skeleton_faces import Flank, skeleton_of
 
 SHEET = Sheet(200.0, 200.0)
 WIDE = make_shape([[(40.0, 60.0), (160.0, 60.0), (160.0, 140.0), (40.0, 140.0)]])
@@ -22,7 +22,7 @@ INSIDE = [Flank(side, True) for side in range(4)]  # of WIDE: its sides follow e
 
 
 def ridges_of_wide() -> Ridges:
-    return Ridges(straight_skeleton(WIDE, SHEET), SHEET)
+    return Ridges(skeleton_of(WIDE, SHEET), SHEET)
 
 
 def test_two_nodes_of_a_rectangle_need_a_perpendicular_and_its_chains_are_hit_where_they_are() -> None:
@@ -85,6 +85,19 @@ def test_all_four_sides_of_a_rectangle_tied_make_it_a_square() -> None:
     assert 80 < width < 120
 
 
+def test_sides_on_a_line_that_is_to_be_kept_stay_on_it() -> None:
+    # nearly a square, with a bay that divides its right side in two, 1 and 5; the square's sides are tied
+    loop = [(0, 0), (90, 0), (90, 40), (121, 40), (121, 70), (90, 70), (90, 95), (0, 95)]
+    tie = frozenset(Flank(side, True) for side in (0, 1, 6, 7))
+    off = []
+    for lines in ([], [(1, 5)]):
+        moved = with_corners_moved(make_shape([loop]), SHEET, [tie], [], lines)
+        assert moved is not None
+        right = moved.loops[0][[1, 2, 5, 6]]
+        off.append(np.linalg.svd(right - right.mean(axis=0), compute_uv=False)[1])
+    assert off[1] < 1e-9 < 0.1 < off[0]
+
+
 def test_a_side_that_vanishes_where_derivatives_are_taken_is_no_error() -> None:
     # moved by that difference, the last corner comes to lie exactly on the first
     tiny = DIFFERENCE * SHEET.diagonal
@@ -96,13 +109,12 @@ def test_a_side_that_vanishes_where_derivatives_are_taken_is_no_error() -> None:
 def test_a_side_of_no_length_has_no_skeleton_and_is_not_moved() -> None:
     loop = np.array([(40.0, 60.0), (160.0, 60.0), (160.0, 60.0), (160.0, 140.0)])
     flat = Shape((loop,), (-1,))
-    with pytest.raises(UnfoldableError, match="a side of no length"):
-        straight_skeleton(flat, SHEET)
+    with pytest.raises(UnfoldableError, match=r"no straight skeleton: two points are at \(160, 60\)"):
+        skeleton_of(flat, SHEET)
     assert with_corners_moved(flat, SHEET, [frozenset(INSIDE[:3])], []) is None
 
 
 def test_a_crease_of_no_length_has_no_layer_order() -> None:
-    pytest.importorskip("pysat")
     folded = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (1.0, 0.0)])
     with pytest.raises(UnfoldableError, match="a crease has no length"):
         OrderConditions(folded, [[0, 1, 2], [0, 3, 2]], [((1, 3), (0, 1))], [True, False])
@@ -124,4 +136,4 @@ def test_a_trial_costs_what_its_facets_do_and_a_failed_one_what_is_typical() -> 
 
 def test_the_needed_perpendiculars_of_a_square_are_none() -> None:
     square = make_shape([[(x + 100, y + 100) for x, y in rectangle(80, 80)]])
-    assert Ridges(straight_skeleton(square, SHEET), SHEET).odd == []
+    assert Ridges(skeleton_of(square, SHEET), SHEET).odd == []
