@@ -27,7 +27,7 @@ DIGITS = 100
 EXACT = 1e-40
 """Times, places and directions of doubles that differ by less are really the same."""
 
-ROUNDED = 1e-13
+ROUNDED = 1e-12
 """Times, places and directions that differ by less may be meant to be the same."""
 
 Place = tuple[Decimal, Decimal]
