@@ -189,10 +189,10 @@ def end_after(seconds: float) -> None:
     resource.setrlimit(resource.RLIMIT_CPU, (most, most + 5))
 
 
-def timed(do: Callable[[], Any], runs: int = 100, least: float = 0.2) -> tuple[float, Any]:
-    """Return the seconds of the processor that something takes, the mean of the runs in ``least`` seconds."""
+def timed(do: Callable[[], Any], runs: int = 100) -> tuple[float, Any]:
+    """Return the seconds of the processor that something takes, the mean of the runs in a fifth of a second."""
     start, spent, done = time.process_time(), 0.0, 0
-    while done < runs and spent < least:
+    while done < runs and spent < 0.2:
         result = do()
         spent, done = time.process_time() - start, done + 1
     return spent / done, result
