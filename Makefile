@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -29,6 +29,12 @@ bench: $(VENV)/installed-bench
 ## Creases of the default and the paper's method for every sample, and for every shape in the folder SHAPES and below.
 bench-compact: $(VENV)/installed-test
 	$(BIN)/python tests/bench/compact.py $(SHAPES)
+
+## The straight skeleton beside CGAL's and two in Python, how it grows to LARGEST corners, and the patterns made from it, for
+## every sample and every shape in SHAPES, beside the skeleton.tsv of another version, BESIDE: out/skeleton.md and .tsv.
+bench-skeleton: $(VENV)/installed-bench $(VENV)/installed-test
+	$(BIN)/python tests/bench/skeleton.py --largest $(LARGEST) --out out \
+		$(if $(SHAPES),--shapes $(SHAPES)) $(if $(BESIDE),--beside $(BESIDE))
 
 ## What is imported, and how long it takes, for --help and for a whole pattern.
 bench-start: $(VENV)/installed-test

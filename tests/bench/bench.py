@@ -32,6 +32,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -118,7 +119,7 @@ def measure(kind: str, size: int, seed: int, names: list[str], limit: float) -> 
         "load_s": load,
         "peak_mb": peak / 1e6,
         "kb_a_disk": (peak - before) / 1e3 / disks if peak > before else None,
-        "items": {name: in_a_copy(ITEMS[name], subject, small, limit) for name in names},
+        "items": {name: in_a_copy(partial(_do, ITEMS[name], subject, small, limit)) for name in names},
     }
 
 
@@ -147,14 +148,14 @@ def _small(*, compiled: bool) -> tuple[Subject, float]:
     return Subject(pattern, np.random.default_rng(0).random((100, 2))), load
 
 
-def in_a_copy(item: Item, subject: Subject, small: Subject, limit: float) -> dict[str, Any]:
-    """Do an item in a copy of this process: its seconds and memory, and what else it says; or "failed" and why."""
+def in_a_copy(do: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Return what a function says in a copy of this process; or "failed" and why."""
     read, write = os.pipe()
     child = os.fork()
     if not child:
         os.close(read)
         try:
-            said = json.dumps(_do(item, subject, small, limit))
+            said = json.dumps(do())
         except BaseException as error:
             said = json.dumps({"failed": f"{type(error).__name__}: {error}".splitlines()[0][:200]})
         with os.fdopen(write, "w") as pipe:
@@ -174,13 +175,18 @@ def in_a_copy(item: Item, subject: Subject, small: Subject, limit: float) -> dic
 
 def _do(item: Item, subject: Subject, small: Subject, limit: float) -> dict[str, Any]:
     if math.isfinite(item.limit):
-        most = math.ceil(ENDED * item.limit * limit) + LOADING
-        resource.setrlimit(resource.RLIMIT_CPU, (most, most + 5))
+        end_after(ENDED * item.limit * limit + LOADING)
     item.prepare(small)()
     before = peak_bytes()
     seconds, result = timed(item.prepare(subject))
     peak = peak_bytes()
     return {"s": seconds, "peak_mb": peak / 1e6, "added_mb": (peak - before) / 1e6, **item.numbers(result)}
+
+
+def end_after(seconds: float) -> None:
+    """Let this process be ended once it has taken so many more seconds of the processor."""
+    most = math.ceil(time.process_time() + seconds)
+    resource.setrlimit(resource.RLIMIT_CPU, (most, most + 5))
 
 
 def timed(do: Callable[[], Any], runs: int = 100) -> tuple[float, Any]:

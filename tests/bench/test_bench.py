@@ -13,7 +13,9 @@ from xml.etree import ElementTree
 import pytest
 from support.places import ROOT, TESTS
 
+import foldcut
 from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS
+from foldcut.samples import sample_path
 
 BENCH = TESTS / "bench" / "bench.py"
 SLOW = (".png", ".stl", ".3mf", ".step", "job laser-dxf")
@@ -74,3 +76,23 @@ def test_what_would_take_longer_than_the_limit_or_failed_is_left_out_and_named(
     assert reasons == {"triangle": "why, at 104 boundary disks"}
     assert bench.choose(rows, 900, list(first), 2.0, reasons) == [".cp", "Delaunay"]
     assert reasons[".dxf laser-dxf"].startswith("0.9 s at 312 boundary disks; some 8.1 s expected at 900")
+
+
+def test_patterns_that_differ_in_size_only_have_the_same_hash(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(BENCH.parent))
+    skeleton = importlib.import_module("skeleton")
+    hashes = [
+        skeleton.pattern_hash(foldcut.fold(sample_path(name), width=width, method="skeleton").folded_pattern)
+        for name, width in (("arrow", 60.0), ("arrow", 87.0), ("star", 60.0))
+    ]
+    assert hashes[0] == hashes[1] != hashes[2]
+
+
+def test_more_creases_than_in_an_earlier_record_are_told(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.syspath_prepend(str(BENCH.parent))
+    skeleton = importlib.import_module("skeleton")
+    (tmp_path / "before.tsv").write_text("fish\t93\t67\t0.6\t26\tverified\t1.6\nopel\t-\t-\t-\t-\tno pattern\t1.6\n")
+    before = skeleton.read_record(tmp_path / "before.tsv")
+    fish, opel = before["fish"]["creases"], before["opel"]["creases"]
+    assert [skeleton.is_more(now, fish) for now in ("92", "93", "94", "-")] == [False, False, True, True]
+    assert not any(skeleton.is_more("94", was) for was in (opel, None))

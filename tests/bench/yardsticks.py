@@ -13,7 +13,7 @@ so nothing but the bench uses it.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -86,10 +86,11 @@ def _constrained(subject: Subject) -> Callable[[], Any]:
     return lambda: [shapely.constrained_delaunay_triangles(part) for part in meshed]
 
 
-def _py_straight_skeleton(subject: Subject) -> Callable[[], Any]:
+def py_straight_skeleton(parts: Sequence[shapely.Polygon]) -> Callable[[], Any]:
+    """Return what makes the straight skeletons of polygons by PyPI's ``py-straight-skeleton``."""
     from py_straight_skeleton import compute_skeleton
 
-    rings = [_rings(part) for part in _parts(subject)]
+    rings = [_rings(part) for part in parts]
     return lambda: [(compute_skeleton(outer, holes), outer, holes) for outer, holes in rings]
 
 
@@ -101,7 +102,8 @@ def _rings(part: shapely.Polygon) -> tuple[list[list[float]], list[list[list[flo
     ]
 
 
-def _check_py_straight_skeleton(results: list[Any]) -> dict[str, Any]:
+def check_py_straight_skeleton(results: list[Any]) -> dict[str, Any]:
+    """Count the faces; raise ValueError unless there is one for each side and they fill the polygons."""
     faces: list[shapely.Polygon] = []
     sides, area = 0, 0.0
     for skeleton, outer, holes in results:
@@ -112,14 +114,15 @@ def _check_py_straight_skeleton(results: list[Any]) -> dict[str, Any]:
     return _filled(faces, sides, area)
 
 
-def _polyskel(subject: Subject) -> Callable[[], Any]:
+def polyskel(parts: Sequence[shapely.Polygon]) -> Callable[[], Any]:
+    """Return what makes the straight skeletons of polygons by PyPI's ``shapely-polyskel``."""
     from shapely_polyskel import StraightSkeleton
 
-    parts = _parts(subject)
     return lambda: [(StraightSkeleton(part), part) for part in parts]
 
 
-def _check_polyskel(results: list[Any]) -> dict[str, Any]:
+def check_polyskel(results: list[Any]) -> dict[str, Any]:
+    """Count the faces; raise ValueError unless there is one for each side and they fill the polygons."""
     faces: list[shapely.Polygon] = []
     sides, area = 0, 0.0
     for skeleton, part in results:
@@ -153,6 +156,11 @@ YARDSTICKS = (
         _constrained,
         lambda parts: {"triangles": sum(len(part.geoms) for part in parts)},
     ),
-    Item("py-straight-skeleton", _py_straight_skeleton, _check_py_straight_skeleton, needs="py_straight_skeleton"),
-    Item("shapely-polyskel", _polyskel, _check_polyskel, needs="shapely_polyskel"),
+    Item(
+        "py-straight-skeleton",
+        lambda subject: py_straight_skeleton(_parts(subject)),
+        check_py_straight_skeleton,
+        needs="py_straight_skeleton",
+    ),
+    Item("shapely-polyskel", lambda subject: polyskel(_parts(subject)), check_polyskel, needs="shapely_polyskel"),
 )
