@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page fuzz sweep sweep-compact sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
 
 ## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -51,6 +51,11 @@ sweep-compact: $(VENV)/installed-test
 ## Fold 300 random polygons in six positions and sizes each; takes about an hour.
 sweep: $(VENV)/installed-test
 	FOLDCUT_RANDOM=300 $(BIN)/python -m pytest -n 2 -k random_polygons_are_verified tests/test_pipeline.py
+
+## Straight skeletons of 5,000 random graphs, of the samples and of all shapes in the folder SHAPES and below, against a
+## judge, an oracle and CGAL; takes about ten minutes.
+sweep-skeleton: $(VENV)/installed-test
+	FOLDCUT_RANDOM_SKELETON=5000 FOLDCUT_SHAPES=$(SHAPES) $(BIN)/python -m pytest -n 2 tests/geometry/straight_skeleton
 
 ## Fold 200 silhouettes out of icon sets with at most 60 corners each; takes about four minutes.
 sweep-icons: $(VENV)/installed-test tools
