@@ -120,9 +120,10 @@ def test_a_level_arc_that_does_not_stay_level_is_noticed() -> None:
 
 
 def test_unbounded_arcs_that_come_to_meet_far_away_are_noticed() -> None:
-    """A step between two nearly level edges: its wavefront grows as it moves away, or shrinks."""
-    points, edges = np.array([(0, 0), (5, 0), (6, 1), (11, 1.001)]), [(0, 1), (1, 2), (2, 3)]
-    for first, then in ((1.001, 0.999), (0.999, 1.001)):
+    """A step in the lower border of a polygon: outside, its wavefront grows as it moves away, or shrinks."""
+    points = np.array([(0, 0), (5, 0), (6, -1), (11, -1.001), (11, 5), (0, 4)])
+    edges = [(k, (k + 1) % 6) for k in range(6)]
+    for first, then in ((-1.001, -0.999), (-0.999, -1.001)):
         points[3, 1] = first
         moving = MovingSkeleton(graph_of(points, edges))
         assert not moving.move(3, (11, then))
@@ -146,6 +147,7 @@ def test_a_face_that_is_open_at_two_places_may_move() -> None:
         ([(0, 0), (0, 2), (4, 2), (4, 0)], False),  # clockwise
         ([(0, 0), (4, 0), (0, 2), (4, 2)], False),  # crosses itself
         ([(0, 0), (4, 0), (4, 2), (5, 2), (4, 2), (0, 2)], False),  # there and back
+        ([(0, 0), (4, 0), (2, 1e-13)], False),  # no wider than rounding
         ([(0, 0), (4, 0), (3, 2), (2, 1), (1, 2)], True),  # another wavefront comes down to it
         ([(0, 0), (4, 0), (4, 4), (6, 2), (6, 5), (0, 5)], False),  # begins by itself at (6, 2)
         ([(0, 0), (4, 0), (2, 3), (2, 0.0), (1, 3)], False),  # touches itself
