@@ -22,6 +22,7 @@ from support.places import ROOT
 from foldcut import pipeline
 from foldcut.cli.main import main
 from foldcut.cli.progress import ProgressBar, progress_lines
+from foldcut.core.arrays import points_array
 from foldcut.core.model import Finding, Sheet
 from foldcut.exporters import export
 from foldcut.methods import METHODS
@@ -437,9 +438,12 @@ def fake_search(monkeypatch: pytest.MonkeyPatch, *, interrupted: bool = False) -
                 signal.raise_signal(signal.SIGINT)
         except KeyboardInterrupt:
             tried = 2
+        # as large as the square is in the frame, and around it
+        scale, middle = np.ptp(loop, axis=0).max() / 40, loop.mean(axis=0)
+        coords = points_array((pattern.creases.vertices_coords - 24) * scale + middle)
         return SimpleNamespace(
-            creases=pattern.creases,
-            folded=pattern.folded,
+            creases=replace(pattern.creases, vertices_coords=coords),
+            folded=replace(pattern.folded, vertices_coords=points_array(pattern.folded.vertices_coords * scale)),
             walk=None,
             molecules=None,
             tried=tried,
@@ -461,7 +465,7 @@ def test_the_search_is_given_the_options(
     status, report = run_json(capsys, "make", drawing, *COMPACT, "--effort", "fast", "--seconds", "2.5")
     assert status == 0
     assert (seen["effort"], seen["seconds"], seen["ribbon"]) == ("fast", 2.5, 0.0)
-    assert sorted(seen["loop"].tolist()) == [[4, 4], [4, 44], [44, 4], [44, 44]]
+    assert np.ptp(seen["loop"], axis=0).tolist() == [190, 190]  # as large as fits on A4
     assert (report["method"], report["tried"], report["interrupted"], report["creases"]) == ("compact", 3, False, 8)
     assert report["ribbon_mm"] == 0
     fake_search(monkeypatch)
