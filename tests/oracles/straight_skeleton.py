@@ -27,8 +27,8 @@ DIGITS = 100
 EXACT = 1e-40
 """Times, places and directions of doubles that differ by less are really the same."""
 
-ROUNDED = 1e-13
-"""Times, places and directions that differ by less may be meant to be the same."""
+ROUNDED = (1e-13, 1e-12, 1e-11)
+"""Times, places and directions that differ by less may be meant to be the same: in rising order of doubt."""
 
 Place = tuple[Decimal, Decimal]
 
@@ -84,6 +84,7 @@ def straight_skeleton(points: ArrayLike, edges: NDArray, following: ArrayLike, s
     Side 2k is the left flank of edge k, 2k + 1 the right one; then come caps. ``following`` ``(s,)`` is the side after
     each, around the same region; a cap is what follows both ways at a dead end. ``same``: times and places that differ
     by less than this part of the drawing's size are the same, and so are directions that differ by less in radians.
+    Raises ``ArithmeticError`` where so much is the same that the rest does not fit together.
     """
     with localcontext() as context:
         context.prec = DIGITS
@@ -146,7 +147,7 @@ class Wavefront:
     def _note_vanishing(self, vertex: Vertex) -> None:
         after, along = vertex.after, self.sides[vertex.right].along
         rate = _dot(_minus(vertex.velocity, after.velocity), along)
-        if rate > 0:
+        if rate > self.turn:
             length = _dot(_minus(after.at(self.now), vertex.at(self.now)), along)
             self._note(self.now + length / rate, vertex, vertex.right)
 
@@ -245,7 +246,8 @@ class Wavefront:
             rays += [(_back(self.sides[side].along), True, n) for n, (_, side, b) in enumerate(pieces) if b == k]
             rays.sort(key=cmp_to_key(self._by_angle))
             for (_, arrives, one), (_, then_arrives, other) in zip(rays, rays[1:] + rays[:1], strict=True):
-                assert arrives != then_arrives, "the wavefront crosses itself"
+                if arrives == then_arrives:
+                    raise ArithmeticError("the wavefront crosses itself")
                 if not arrives:
                     vertex = self._vertex(pieces[other][1], pieces[one][1], place)
                     leaving[one] = arriving[other] = vertex

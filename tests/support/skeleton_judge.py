@@ -48,6 +48,10 @@ ULP = 2.0**-52
 MOST_TOLD = 4
 """How many findings of one kind are told."""
 
+FAR = 1e9
+"""What is farther away than this, in sizes of the drawing, is not looked at: whether arcs that never end cross there,
+and, if a node is there, what shape the faces have that go on for ever."""
+
 BOX = 4.0
 """Half the width of the box around everything, by the distance of the farthest node from the middle."""
 
@@ -368,31 +372,30 @@ class Case:
         (start, end), (left, right) = self.skeleton.arcs.T, self.skeleton.arc_sides.T
         velocity = self.skeleton.arc_velocity
         speed = np.hypot(*velocity.T)
-        together = _dot(self.normal[left], self.normal[right])
-        level = speed == 0
-        turn = ULPS * ULP + self.grain / self.length  # how much the direction of each side may be off
-        apart = np.hypot(*(self.normal[left] + self.normal[right]).T)
+        level, ends = speed == 0, end >= 0
         yield from self._wrong_arcs(left == right, "has the same side twice")
-        yield from self._wrong_arcs(
-            level & (apart > turn[left] + turn[right]), "is level; its sides are not face to face"
-        )
+        yield from self._wrong_arcs(~ends & level, "goes nowhere")
+        # from end to end
+        allowed = self.allowed[start] + np.where(ends, self.allowed[end], 0)
+        step = np.where(ends[:, None], self.places[end] - self.places[start], 0)
+        wait = np.where(ends, self.time[end] - self.time[start], 0)
+        yield from self._wrong_arcs(wait < -allowed, "goes back in time")
+        yield from self._wrong_arcs(ends & (step == 0).all(axis=1), "has no length")
         # the bisector: both sides move along with it, and, should they be parallel, it is square to them
+        turn = ULPS * ULP + self.grain / self.length  # how much the direction of each side may be off
+        together, apart = _dot(self.normal[left], self.normal[right]), self.normal[left] + self.normal[right]
         for sides, which in ((left, "left"), (right, "right")):
             off = np.abs(_dot(velocity, self.normal[sides]) - 1)
             yield from self._wrong_arcs(~level & (off > turn[sides] * (1 + speed)), f"loses the side on its {which}")
         off = np.abs(speed**2 * (1 + together) / 2 - 1)
         yield from self._wrong_arcs(~level & (together > 0) & (off > turn[left] + turn[right]), "has a wrong speed")
-        yield from self._wrong_arcs((end < 0) & level, "goes nowhere")
-        ends = end >= 0
-        allowed = self.allowed[start] + np.where(ends, self.allowed[end], 0)
-        wait = np.where(ends, self.time[end] - self.time[start], 0)
-        yield from self._wrong_arcs(wait < -allowed, "goes back in time")
-        yield from self._wrong_arcs(level & (wait > allowed), "is level, but its ends differ in time")
-        step = self.places[end] - self.places[start]
-        yield from self._wrong_arcs(ends & (start >= self.count) & (step == 0).all(axis=1), "has no length")
         off = np.hypot(*(step - wait[:, None] * velocity).T)
         far = off > self.spread[start] + self.spread[end] + speed * (allowed + wait * (turn[left] + turn[right]))
         yield from self._wrong_arcs(ends & ~level & far, "does not lead to its end")
+        yield from self._wrong_arcs(level & (wait > allowed), "is level, but its ends differ in time")
+        off = np.hypot(*apart.T)
+        far = (off > turn[left] + turn[right]) & (off * np.hypot(*step.T) > allowed)
+        yield from self._wrong_arcs(ends & level & far, "is level, but its sides are not face to face")
 
     def _wrong_arcs(self, wrong: Bools, what: str) -> Iterator[str]:
         return _few(f"{self.arc(k)} {what}" for k in np.flatnonzero(wrong).tolist())
@@ -411,7 +414,7 @@ class Case:
         for k in np.flatnonzero(self.skeleton.arcs[:, 1] < 0).tolist():
             for flank, side in enumerate(self.skeleton.arc_sides[k].tolist()):
                 ray[int(self.skeleton.arcs[k, 0]), side, flank] = k
-        fence = self.grain * (2 + 2 * half / self.length.min())
+        fence = self.grain * (2 + 2 * half / self.length.min()) if half <= BOX * FAR * self.size else np.inf
         corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
         extra: dict[int, list[Floats]] = {}
         before = np.empty_like(self.after)
@@ -519,6 +522,8 @@ class Case:
         """Return whether a face's lower chain is above its upper one, by more than rounding explains."""
         some = slice(start[side], start[side + 1])
         x, y, off = u[some], v[some], 2 * spread[some].max()
+        if np.ptp(x) <= off:
+            return False  # nobody can tell
         left, right = int(np.argmin(x)), int(np.argmax(x))
         numbers = np.arange(len(x))
         lower = np.roll(numbers, -left)[: (right - left) % len(x) + 1]
@@ -549,10 +554,12 @@ class Case:
         turned = velocity / np.maximum(np.hypot(*velocity.T), 1e-300)[:, None]
         # the face on the left of an arc that goes out is counter-clockwise of it
         left = {int(self.skeleton.arc_sides[k, 0]): k for k in goes_on.tolist()}
+        far = np.hypot(*(self.places[self.skeleton.arcs[:, 0]] - self.middle).T) > FAR * self.size
         for side, arcs in out.items():
             if len(arcs) == 2 and side in left:
                 one, other = left[side], next((k for k in arcs if k != left[side]), left[side])
-                if turned[one, 0] * turned[other, 1] - turned[one, 1] * turned[other, 0] < -1e-9:
+                cross = turned[one, 0] * turned[other, 1] - turned[one, 1] * turned[other, 0]
+                if cross < -1 / FAR and not (far[one] or far[other]):
                     yield f"{self.arc(one)} crosses {self.arc(other)} far away"
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
-from oracles.straight_skeleton import ROUNDED, Node, Oracle
+from oracles.straight_skeleton import EXACT, ROUNDED, Node, Oracle, straight_skeleton
 from scipy.spatial import KDTree
 
 from foldcut.core.arrays import Floats
@@ -20,11 +20,30 @@ NEAR = 1e-9
 one of several, or several of one."""
 
 
-NEARLY_PARALLEL = (ROUNDED, 1e-7)
+NEARLY_PARALLEL = (1e-12, 1e-7)
 """The sine of the angle between two sides that are so nearly parallel that rounding decides where they meet."""
 
 FAR = 1e8
 """Nodes farther away than this, by the size of the drawing, are not compared."""
+
+
+def unlike_the_oracle(skeleton: StraightSkeleton) -> list[str]:
+    """Return where a skeleton differs from the oracle's: from the exact one, and from those in which ties are wider.
+
+    Where many parts of the wavefront come together, a rounding decides what goes on from there. A skeleton in doubles
+    is right if it is what one gets by taking events as one that are within rounding.
+    """
+    graph = skeleton.graph
+    found: list[str] = []
+    for same in (EXACT, *ROUNDED):
+        try:
+            differ = differences(skeleton, straight_skeleton(graph.points, graph.edges, graph.following, same))
+        except ArithmeticError as error:
+            differ = [f"the oracle fails: {error}"]
+        if not differ:
+            return []
+        found = found or differ
+    return found
 
 
 def differences(skeleton: StraightSkeleton, oracle: Oracle, near: float = NEAR) -> list[str]:

@@ -17,7 +17,7 @@ from foldcut.geometry.straight_skeleton import wavefront
 from foldcut.geometry.straight_skeleton.frame import Frame
 from foldcut.geometry.straight_skeleton.tables import Front, Graphs
 
-__all__ = ["DIGITS", "ZERO", "run_with_decimals"]
+__all__ = ["DIGITS", "ZERO", "decimal_copy", "run_with_decimals"]
 
 DIGITS = 60
 """How many digits numbers have."""

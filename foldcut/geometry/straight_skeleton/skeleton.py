@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from foldcut.core.arrays import Floats, Indices, Ints, Ragged, index_array, sealed
 from foldcut.core.compiled import COMPILED, compiled_copy, forget_unreadable, is_installed, is_ready
 from foldcut.geometry.straight_skeleton import wavefront
-from foldcut.geometry.straight_skeleton.decimals import ZERO
+from foldcut.geometry.straight_skeleton.decimals import ZERO, decimal_copy
 from foldcut.geometry.straight_skeleton.decimals import run_with_decimals as run_decimal
 from foldcut.geometry.straight_skeleton.frame import Frame
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
@@ -136,6 +136,8 @@ class Workspace:
         self.graph = graph
         self.tables = tables
         self.kernel: Any = compiled_copy(wavefront) if tables.compiled else wavefront
+        if isinstance(tables, Lists) and tables.zero is ZERO:
+            self.kernel = decimal_copy()
         lists = (graph.tail, graph.head, graph.following, graph.source)
         self.sides = Graphs(*lists) if tables.compiled else Graphs(*(array.tolist() for array in lists))
         self._make_room(graph.side_count * (1 + SPARE) + 16)

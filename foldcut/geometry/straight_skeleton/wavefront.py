@@ -50,6 +50,9 @@ SURE = 500
 """Where places that are farther apart than so many roundings of the coordinates are taken as the same, or where a node
 is that uncertain, doubles are not precise enough."""
 
+PARALLEL = 1e-9
+"""Velocities that differ by less do not tell which of two unbounded arcs is beside which."""
+
 SQUARE = 2.0**-22
 """The side of the squares by which nodes are found again; larger than any error."""
 
@@ -81,6 +84,9 @@ VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STA
 
 # places in ``numbers``
 NOW, END, LOW_X, LOW_Y, WIDTH, HEIGHT, NOISE, REACH = range(8)
+
+# ways of a face's outline along its side
+FORTH, BACK, FORTH_AGAIN, WRONG = 0, 1, 2, 3
 
 # values of the status
 DONE, NO_ROOM, STUCK = 0, 1, 2
@@ -1036,7 +1042,7 @@ def gather_faces(front, sides, faces):
     """Put the nodes of every face in order, counter-clockwise from its side's tail; -1 for the infinite.
 
     Half-edge 2k runs along arc k with the face on its left, 2k + 1 against it. Returns False where half-edges do not
-    make one outline.
+    make one outline. Notes if a face is not monotone, since then doubles were not precise enough.
     """
     count = len(sides.tail)
     for side in range(count):
@@ -1057,6 +1063,7 @@ def gather_faces(front, sides, faces):
         half_edges = find_half_edges(front, faces, side)
         if half_edges < 0:
             return False
+        way = FORTH
         tail, node = sides.tail[side], sides.head[side]
         if tail != node:
             faces.items[filled].value = tail
@@ -1069,12 +1076,22 @@ def gather_faces(front, sides, faces):
             half = faces.items[node].at_node
             half_edges -= 1
             arc = front.arcs[half >> 1]
-            node = arc.end if half & 1 == 0 else arc.start
+            before, node = node, arc.end if half & 1 == 0 else arc.start
             if node < 0:
                 faces.items[filled].value = -1
                 filled += 1
                 half_edges -= 1
-                node = front.arcs[arc.beyond].start
+                back = front.arcs[arc.beyond]
+                node = back.start
+                way = way_after(front, way, side, arc.vx, arc.vy, PARALLEL * (1 + abs(arc.vx) + abs(arc.vy)))
+                way = way_after(front, way, side, back.vx - arc.vx, back.vy - arc.vy, PARALLEL)
+                way = way_after(front, way, side, -back.vx, -back.vy, PARALLEL * (1 + abs(back.vx) + abs(back.vy)))
+            else:
+                one, other = front.nodes[before], front.nodes[node]
+                near = 4 * SURE * front.numbers[NOISE] * (1 + one.time + other.time)
+                way = way_after(front, way, side, other.x - one.x, other.y - one.y, near)
+            if way == WRONG:
+                front.counts[UNSURE] = 1
             if node == tail:
                 break
             if half_edges <= 0:
@@ -1083,6 +1100,22 @@ def gather_faces(front, sides, faces):
             return False
     faces.sides[count].offset = filled
     return True
+
+
+@inlined
+def way_after(front, way, side, dx, dy, near):
+    """Return which way a face's outline goes along its side after a step by (dx, dy): forth, back, and forth again.
+
+    Anything else is wrong: faces are monotone. Steps no longer than ``near`` do not count.
+    """
+    along = dx * front.sides[side].dx + dy * front.sides[side].dy
+    if along > near and way == BACK:
+        return FORTH_AGAIN
+    if along < -near and way == FORTH:
+        return BACK
+    if along < -near and way == FORTH_AGAIN:
+        return WRONG
+    return way
 
 
 @compiled
