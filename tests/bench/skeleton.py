@@ -1,7 +1,8 @@
 """The straight skeleton beside CGAL's and others', how it grows, and the patterns made from it.
 
     python tests/bench/skeleton.py [--parts cgal,growth,python,small,shapes,widths] [--largest 1e5] [--limit SECONDS]
-        [--effort fast] [--shapes FOLDER] [--beside FILE] [--drawings fish,FILE.svg] [--widths 50] [--out FOLDER]
+        [--effort fast] [--shapes FOLDER] [--beside FILE] [--drawings fish,FILE.svg] [--sheet a3]
+        [--widths 50] [--out FOLDER]
 
 ``make bench-skeleton``. What is measured is printed and written to skeleton.md in the folder; creases and folds of the
 shapes also to skeleton.tsv: name, creases, folds, shortest crease in mm, layers at the cut, "verified", "findings" or
@@ -39,7 +40,7 @@ from support.planar_graphs import hilbert, koch, of_cycle, random_polygon
 from yardsticks import check_polyskel, check_py_straight_skeleton, polyskel, py_straight_skeleton
 
 import foldcut
-from foldcut.core.model import FoldedPattern
+from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.geometry.straight_skeleton import Solver, graph_of, straight_skeleton
 from foldcut.geometry.straight_skeleton.moving import MovingSkeleton
 from foldcut.geometry.straight_skeleton.tables import Arrays, Lists
@@ -397,11 +398,11 @@ def widths(args: argparse.Namespace) -> Section:
         path = sample_path(drawing) if drawing in sample_names() else Path(drawing)
         rows = []
         for width in np.linspace(40, 260, args.widths).tolist():
-            row = in_a_copy(partial(fold_wide, path, width, args.effort, args.patience))
+            row = in_a_copy(partial(fold_wide, path, width, args.sheet, args.effort, args.patience))
             rows.append({"width": width, "pattern": row.get("failed", ""), "method": "", "s": 0.0, **row})
             print(*(f"{value:.4g}" if isinstance(value, float) else value for value in rows[-1].values()), flush=True)
         counts = Counter(row["pattern"] for row in rows)
-        yield f"## {path.stem} at {args.widths} widths from 40 to 260 mm on A3, effort {args.effort}"
+        yield f"## {path.stem} at {args.widths} widths from 40 to 260 mm, sheet {args.sheet}, effort {args.effort}"
         yield (
             f"{len(counts)} different pattern(s) up to scale, compared within {NEAR:g} widths around the shape to "
             f"{1 / DIGITS:g} of its width; {sum(row['s'] for row in rows):.1f} s of the processor in all, "
@@ -416,12 +417,18 @@ def widths(args: argparse.Namespace) -> Section:
         yield table(lines)
 
 
-def fold_wide(path: Path, width: float, effort: str, patience: float) -> Row:
-    """Return what comes of a drawing that is so many mm wide on A3: a pattern's hash, or why there is none."""
+def fold_wide(path: Path, width: float, sheet: str, effort: str, patience: float) -> Row:
+    """Return what comes of a drawing that is so many mm wide: a pattern's hash, or why there is none.
+
+    ``sheet`` is a name, or the side of a square sheet in widths of the drawing.
+    """
     end_after(patience)
+    square = sheet.replace(".", "").isdigit()
+    paper = Sheet(width * float(sheet), width * float(sheet)) if square else sheet
+    margin = 0.0 if square else 10.0
     start = time.process_time()
     try:
-        result = foldcut.fold(path, "a3", width=width, effort=effort, min_crease=0)
+        result = foldcut.fold(path, paper, margin=margin, width=width, effort=effort, min_crease=0)
     except foldcut.FoldcutError as error:
         return {"pattern": str(error)[:100], "s": time.process_time() - start}
     pattern = result.folded_pattern
@@ -496,6 +503,9 @@ def main() -> None:
     parser.add_argument("--shapes", type=Path, help="a folder of JSON shapes to be folded after the samples")
     parser.add_argument("--beside", type=Path, help="an earlier skeleton.tsv to compare creases and folds with")
     parser.add_argument("--drawings", default="fish", help="samples and files to be folded at many widths (fish)")
+    parser.add_argument(
+        "--sheet", default="a3", help="for these: a name, or a square's side in widths of a drawing (a3)"
+    )
     parser.add_argument("--widths", type=int, default=50, help="how many widths (50)")
     parser.add_argument("--out", type=Path, default=Path("out"))
     args = parser.parse_args()
