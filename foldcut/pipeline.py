@@ -9,6 +9,7 @@ from __future__ import annotations
 import html
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
@@ -20,16 +21,17 @@ import shapely
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import points_array
-from foldcut.core.errors import CreaseTooShortError, VerificationError
+from foldcut.core.errors import CreaseTooShortError, FoldcutError, UnfoldableError, VerificationError
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
 from foldcut.drawing.laying import Laying
 from foldcut.drawing.limits import Limits
 from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
-from foldcut.methods import DEFAULT_METHOD, METHODS, auto, check_choice, fewer_creases
+from foldcut.methods import AUTO, DEFAULT_METHOD, METHODS, auto, check_choice, fewer_creases
 from foldcut.methods.auto import FOLDED, Attempt
 from foldcut.methods.base import Effort, Made, Problem, Wishes
+from foldcut.methods.frame import cut_down
 from foldcut.methods.progress import Progress, Stages
 from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.proof.verify import verify
@@ -39,6 +41,9 @@ if TYPE_CHECKING:
     from foldcut.methods.disks.method import DiskStages
 
 __all__ = ["Progress", "Result", "fold"]
+
+MANY_FOLDS = 60
+"""With more folds than this, a pattern is hard to fold by hand."""
 
 READ = 0.02
 """The part of the whole progress, from 0 to 1, that is reached once the drawing is read and laid on its sheet."""
@@ -175,15 +180,8 @@ def fold(
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
         laid = laying.lay()
     may_turn = rotation is None and offset is None
-    made, attempts = auto.run(method, Problem(laid, laying.lay, wishes, may_turn, stages), exertion)
-    stages.up_to(FOLDED)
-    stages.up_to(1.0)
-    stages.seconds["build"] = sum(stages.seconds.values())
-    with stages("verify"):
-        findings = verify(made.creases, made.folded.layers, made.laid.shape)
-    if not findings:
-        least = METHODS[made.method].min_crease_mm if min_crease is None else min_crease
-        _require_length(made, least, {attempt.method for attempt in attempts})
+    problem = Problem(laid, laying.lay, wishes, may_turn, stages)
+    made, attempts, findings, cut = _on_less_paper(method, problem, exertion, laying)
     on = made.laid
     pattern = FoldedPattern(
         made.creases,
@@ -204,12 +202,69 @@ def fold(
         attempts,
         made.ribbon,
         stages.seconds,
-        (*read.notes, *on.notes),
+        (*cut, *read.notes, *on.notes),
         read.drawing,
         read.prepared,
         made.told,
         made.numbers,
     )
+
+
+def _on_less_paper(
+    method: str, problem: Problem, effort: Effort, laying: Laying
+) -> tuple[Made, tuple[Attempt, ...], Sequence[Finding], list[str]]:
+    """Do as ``_folded``, on the sheet cut down if it does not fold otherwise, or takes more folds than hands like.
+
+    The last that is returned is a note that says so. A drawing that is to lie at a certain place stays there.
+    """
+    smaller = cut_down(problem.laid) if laying.layout.offset is None else None
+    whole: tuple[Made, tuple[Attempt, ...], Sequence[Finding]] | UnfoldableError
+    try:
+        whole = _folded(method, problem, effort)
+        made = whole[0]
+        may_help = method == AUTO or METHODS[made.method].cuts_down
+        if not may_help or _folds(made) <= MANY_FOLDS or made.interrupted:
+            smaller = None
+    except UnfoldableError as error:
+        whole = error
+    if smaller is not None:
+        with suppress(FoldcutError):
+            part = _folded(method, _laid_on(problem, laying, *smaller), effort)
+            if isinstance(whole, UnfoldableError) or (not part[2] and _folds(part[0]) < _folds(whole[0])):
+                sheet = smaller[0]
+                why = (
+                    "no pattern was found for the whole sheet" if isinstance(whole, UnfoldableError) else "fewer folds"
+                )
+                return *part, [f"cut the sheet down to {sheet.width:g} by {sheet.height:g} mm first: {why}"]
+    if isinstance(whole, UnfoldableError):
+        raise whole
+    return *whole, []
+
+
+def _folds(made: Made) -> int:
+    """Return how many straight lines are folded."""
+    return crease_numbers(made.creases).lines
+
+
+def _laid_on(problem: Problem, laying: Laying, sheet: Sheet, margin: float) -> Problem:
+    """Return a problem with the shape laid on another sheet, as large as before."""
+    laying = replace(laying, layout=replace(laying.layout, sheet=sheet, margin=margin))
+    return replace(problem, laid=laying.lay(), lay=laying.lay)
+
+
+def _folded(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...], Sequence[Finding]]:
+    """Fold by a method and verify; return what was made, what was tried, and what verification found."""
+    stages, wishes = problem.stages, problem.wishes
+    made, attempts = auto.run(method, problem, effort)
+    stages.up_to(FOLDED)
+    stages.up_to(1.0)
+    stages.seconds["build"] = sum(stages.seconds.values())
+    with stages("verify"):
+        findings = verify(made.creases, made.folded.layers, made.laid.shape)
+    if not findings:
+        least = METHODS[made.method].min_crease_mm if wishes.min_crease is None else wishes.min_crease
+        _require_length(made, least, {attempt.method for attempt in attempts})
+    return made, attempts, findings
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,7 +38,8 @@ class Method:
     - ``min_crease_mm``: the shortest crease that its patterns may have unless told otherwise;
     - ``needs_ribbon``: without a ribbon along the cut its creases fold onto the cut line;
     - ``few_creases``: it is the one to try where another method's creases get too short;
-    - ``construction``: its stages can be drawn.
+    - ``construction``: its stages can be drawn;
+    - ``cuts_down``: more paper around the drawing makes more folds, so the sheet may be cut down first.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Method:
     needs_ribbon: bool = False
     few_creases: bool = False
     construction: bool = False
+    cuts_down: bool = False
 
     def fold(self, problem: Problem, effort: Effort) -> Made:
         """Return the pattern that this method makes of a shape on its sheet.
@@ -75,7 +77,7 @@ METHODS = {
             needs_ribbon=True,
             construction=True,
         ),
-        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton"),
+        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton", cuts_down=True),
         Method("gate", "the same as paper for several loops", package="gate", needs_ribbon=True),
     )
 }

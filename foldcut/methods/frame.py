@@ -12,6 +12,7 @@ one, and then on the problem's own.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -27,7 +28,7 @@ from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.pattern.crop import crop
 from foldcut.proof.verify import verify
 
-__all__ = ["ADJUST", "Frame", "frame_scale", "in_frame"]
+__all__ = ["ADJUST", "Frame", "cut_down", "frame_scale", "in_frame"]
 
 ADJUST = 0.5
 """How far corners are moved at most unless told otherwise, in mm of the frame: 1/500 of a drawing's longer side, or a
@@ -35,6 +36,13 @@ little more."""
 
 SHEETS = (1.0, 1.6, 3.0, 16.0)
 """The sheets of a frame: A4 as it lies best for the shape, enlarged by these factors around its middle."""
+
+MOST_LEFT = 0.9
+"""A sheet is not cut down if more than this part of it would be left."""
+
+MARGIN_LEFT = 0.9
+"""The part of the margin around the shape that is asked for on a sheet that was cut down: a little less than there is,
+so that the shape is as large as it was."""
 
 COVERS = 1e-9
 """How far the problem's sheet may reach beyond the frame's, relative to the diagonal of the latter."""
@@ -161,6 +169,26 @@ def frames(laid: Laid) -> Iterator[Frame]:
 def frame_scale(laid: Laid) -> float:
     """Return how large a shape lies on its sheet: mm for each mm of its frame."""
     return _page(laid).scale
+
+
+def cut_down(laid: Laid) -> tuple[Sheet, float] | None:
+    """Return the sheet that is left if a larger one is cut down to the frame's, and the margin around the shape, in mm.
+
+    None where there is little to cut off.
+    """
+    page = _page(laid)
+    width, height = (np.abs(page.turn) @ [page.sheet.width, page.sheet.height]) * page.scale
+    sheet = Sheet(min(_rounded_down(width), laid.sheet.width), min(_rounded_down(height), laid.sheet.height))
+    if sheet.width * sheet.height > MOST_LEFT * laid.sheet.width * laid.sheet.height:
+        return None
+    size = np.ptp(np.concatenate(laid.shape.loops), axis=0)
+    margin = float(min(sheet.width - size[0], sheet.height - size[1])) / 2
+    return sheet, MARGIN_LEFT * margin
+
+
+def _rounded_down(length: float) -> float:
+    """Return a length in whole tenths of a millimetre."""
+    return math.floor(10 * length) / 10
 
 
 def _page(laid: Laid) -> Frame:
