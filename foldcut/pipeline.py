@@ -232,9 +232,7 @@ def _on_less_paper(
             part = _folded(method, _laid_on(problem, laying, *smaller), effort)
             if isinstance(whole, UnfoldableError) or (not part[2] and _folds(part[0]) < _folds(whole[0])):
                 sheet = smaller[0]
-                why = (
-                    "no pattern was found for the whole sheet" if isinstance(whole, UnfoldableError) else "fewer folds"
-                )
+                why = "the whole sheet has no pattern" if isinstance(whole, UnfoldableError) else "it takes fewer folds"
                 return *part, [f"cut the sheet down to {sheet.width:g} by {sheet.height:g} mm first: {why}"]
     if isinstance(whole, UnfoldableError):
         raise whole

@@ -50,11 +50,32 @@ def test_a_drawing_and_its_sheet_may_have_any_size(name: str, method: str) -> No
             DRAWINGS[name], sheet, width=width, margin=0.02 * width, method=method, effort="fast", min_crease=0.0
         )
         assert result.findings == ()
-        found.append(creases_in_widths(result, width, beyond=0.05))
+        found.append(creases_in_widths(result, width, beyond=0.02))
     assert len(found[0][0]) > 50
     for ends, kinds in found[1:]:
         assert kinds == found[0][1]
         np.testing.assert_allclose(ends, found[0][0], atol=2e-6)
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_one_sheet_for_all_sizes_is_cut_down_where_that_takes_fewer_folds(name: str) -> None:
+    found = []
+    for width in WIDTHS:
+        result = foldcut.fold(DRAWINGS[name], "a3", width=width, effort="fast")
+        assert result.findings == ()
+        sheet = result.folded_pattern.sheet
+        note = f"cut the sheet down to {sheet.width:g} by {sheet.height:g} mm first"
+        assert any(text.startswith(note) for text in result.notes) == (sheet.width < 420.0)
+        found.append(creases_in_widths(result, width, beyond=0.02))
+    for ends, kinds in found[1:]:
+        assert kinds == found[0][1]
+        np.testing.assert_allclose(ends, found[0][0], atol=2e-6)
+
+
+def test_a_drawing_that_is_to_lie_at_a_place_keeps_its_sheet() -> None:
+    loops = DRAWINGS["dog"]
+    result = foldcut.fold(loops, "a4-landscape", width=150.0, offset=(20.0, 20.0), method="skeleton", effort="fast")
+    assert (result.folded_pattern.sheet.width, result.folded_pattern.sheet.height) == (297.0, 210.0)
 
 
 def test_the_same_sheet_around_drawings_that_differ_a_little_in_size_only_ends_creases_elsewhere() -> None:
