@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -30,15 +31,28 @@ def test_without_numba_the_extra_is_named(tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_what_an_earlier_version_left_is_not_ready_and_is_forgotten() -> None:
-    copy = compiled.compiled_copy(wavefront)
-    function = copy.cell_of  # nothing calls it by itself, so it is not compiled by itself
-    index = Path(function._cache._cache_file._index_path)
-    index.parent.mkdir(parents=True, exist_ok=True)
-    index.write_bytes(b"not a pickle")
-    assert not compiled.is_ready(function)
-    compiled.forget_unreadable(copy)
-    assert not index.exists()
+LEFT_BEHIND = """
+from pathlib import Path
+from foldcut.core import compiled
+from foldcut.geometry.straight_skeleton import wavefront
+
+copy = compiled.compiled_copy(wavefront)
+index = Path(copy.run._cache._cache_file._index_path)
+index.parent.mkdir(parents=True, exist_ok=True)
+index.write_bytes(b"not a pickle")
+print(compiled.is_ready(copy.run))
+compiled.forget_unreadable(copy)
+print(index.exists())
+"""
+
+
+def test_what_an_earlier_version_left_is_not_ready_and_is_forgotten(tmp_path: Path) -> None:
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", LEFT_BEHIND], capture_output=True, text=True, check=True, env=environment
+    )
+    assert done.stdout.split() == ["False", "False"]
+    assert list(tmp_path.iterdir())
 
 
 def test_compiled_code_is_used_only_once_it_has_been_worth_loading() -> None:
