@@ -7,7 +7,7 @@ import pytest
 from support.planar_graphs import KINDS, hilbert, koch, random_graph, random_polygon
 from support.skeleton_judge import judge
 
-from foldcut.geometry.straight_skeleton import Solver, StraightSkeleton, graph_of, straight_skeleton
+from foldcut.geometry.straight_skeleton import Solver, StraightSkeleton, graph_of, straight_skeleton, wavefront
 from foldcut.geometry.straight_skeleton.tables import Arrays, Lists
 
 
@@ -57,3 +57,9 @@ def test_candidates_with_other_points_are_refused() -> None:
     points, edges = random_graph(0)
     with pytest.raises(ValueError, match="points"):
         Solver(graph_of(points, edges)).solve_one(points[1:])
+
+
+@pytest.mark.parametrize("seed", range(2 * len(KINDS)))
+def test_small_graphs_come_out_right_with_the_grid_for_large_ones(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(wavefront, "FEW", 0)
+    assert judge(straight_skeleton(*random_graph(seed), tables=Lists())) == []
