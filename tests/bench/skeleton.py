@@ -55,6 +55,8 @@ COMPILED, PLAIN = Arrays(), Lists()
 ROUNDS = 3
 SHORTEST = 0.03
 """Seconds for which short calls are repeated in each round."""
+LONG = 1.0
+"""What takes more seconds is done once."""
 SEEDS = (1, 2, 3)
 STEP = 1e-3
 """How far a corner moves in a small change, in lengths of one of its edges."""
@@ -77,7 +79,7 @@ def spikes(corners: int, seed: int) -> np.ndarray:
 
 
 def snowflake(corners: int, seed: int) -> np.ndarray:
-    """Return ``koch_loop`` of the first seed from 1,000 times this one on whose sides do not cross, ``(corners, 2)``."""
+    """Return ``koch_loop`` of the first seed from 1,000 times this one on with no crossing, ``(corners, 2)``."""
     loops = (koch_loop(corners, other) for other in count(1000 * seed))
     return next(loop for loop in loops if shapely.LinearRing(loop).is_simple)
 
@@ -152,13 +154,12 @@ def cgal(graph: Graph) -> Calls:
 def in_turns(calls: Calls, limit: float) -> dict[str, float]:
     """Return the median processor seconds of each call, in rounds in which each has its turn; ended after the limit."""
     end_after(limit)
-    spent: dict[str, list[float]] = {name: [] for name in calls}
-    for call in calls.values():
-        call()
+    spent = {name: [seconds_of(call)] for name, call in calls.items()}
     for _ in range(ROUNDS):
         for name, call in calls.items():
-            spent[name].append(seconds_of(call))
-    return {name: median(seconds) for name, seconds in spent.items()}
+            if spent[name][0] < LONG:
+                spent[name].append(seconds_of(call))
+    return {name: median(seconds[-ROUNDS:]) for name, seconds in spent.items()}
 
 
 def seconds_of(call: Callable[[], Any]) -> float:
