@@ -25,7 +25,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import partial
-from itertools import cycle
+from itertools import count, cycle
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -55,6 +55,8 @@ COMPILED, PLAIN = Arrays(), Lists()
 ROUNDS = 3
 SHORTEST = 0.03
 """Seconds for which short calls are repeated in each round."""
+LONG = 1.0
+"""What takes more seconds is done once."""
 SEEDS = (1, 2, 3)
 STEP = 1e-3
 """How far a corner moves in a small change, in lengths of one of its edges."""
@@ -76,10 +78,16 @@ def spikes(corners: int, seed: int) -> np.ndarray:
     return rng.uniform(0.3, 1, corners)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
+def snowflake(corners: int, seed: int) -> np.ndarray:
+    """Return ``koch_loop`` of the first seed from 1,000 times this one on with no crossing, ``(corners, 2)``."""
+    loops = (koch_loop(corners, other) for other in count(1000 * seed))
+    return next(loop for loop in loops if shapely.LinearRing(loop).is_simple)
+
+
 RANDOM: dict[str, Callable[[int, int], Graph]] = {
     "maze": random_polygon,
     "rough star": lambda corners, seed: of_cycle(star_loop(corners, seed)),
-    "random snowflake": lambda corners, seed: of_cycle(koch_loop(corners, seed)),
+    "random snowflake": lambda corners, seed: of_cycle(snowflake(corners, seed)),
     "spikes": lambda corners, seed: of_cycle(spikes(corners, seed)),
 }
 CURVES: dict[str, Callable[[int, int], Graph]] = {
@@ -146,13 +154,12 @@ def cgal(graph: Graph) -> Calls:
 def in_turns(calls: Calls, limit: float) -> dict[str, float]:
     """Return the median processor seconds of each call, in rounds in which each has its turn; ended after the limit."""
     end_after(limit)
-    spent: dict[str, list[float]] = {name: [] for name in calls}
-    for call in calls.values():
-        call()
+    spent = {name: [seconds_of(call)] for name, call in calls.items()}
     for _ in range(ROUNDS):
         for name, call in calls.items():
-            spent[name].append(seconds_of(call))
-    return {name: median(seconds) for name, seconds in spent.items()}
+            if spent[name][0] < LONG:
+                spent[name].append(seconds_of(call))
+    return {name: median(seconds[-ROUNDS:]) for name, seconds in spent.items()}
 
 
 def seconds_of(call: Callable[[], Any]) -> float:
@@ -160,15 +167,15 @@ def seconds_of(call: Callable[[], Any]) -> float:
 
     The thread's clock is taken: that of a process whose time is limited may stand still for milliseconds.
     """
-    count = 1
+    calls = 1
     while True:
         start = time.thread_time()
-        for _ in range(count):
+        for _ in range(calls):
             call()
         spent = time.thread_time() - start
         if spent >= SHORTEST:
-            return spent / count
-        count *= 2
+            return spent / calls
+        calls *= 2
 
 
 def load() -> None:
@@ -409,11 +416,11 @@ def widths(args: argparse.Namespace) -> Section:
             f"{median(row['s'] for row in rows):.2f} s in the median."
         )
         lines = [["pattern", "widths", "how many", "method", "creases", "folds"]]
-        for pattern, count in counts.most_common():
+        for pattern, times in counts.most_common():
             some = [row for row in rows if row["pattern"] == pattern]
             numbers = [", ".join(sorted({str(row.get(name, "")) for row in some})) for name in ("creases", "folds")]
-            at = ", ".join(f"{row['width']:.0f}" for row in some[:8]) + (" ..." if count > 8 else "")
-            lines.append([pattern, at, str(count), some[0]["method"], *numbers])
+            at = ", ".join(f"{row['width']:.0f}" for row in some[:8]) + (" ..." if times > 8 else "")
+            lines.append([pattern, at, str(times), some[0]["method"], *numbers])
         yield table(lines)
 
 

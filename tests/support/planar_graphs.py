@@ -486,7 +486,7 @@ def random_polygon(corners: int, seed: int) -> Graph:
     # each cell has four corners, counter-clockwise from its lower left; the way goes on from each to the next of its
     # cell, or, where the tree passes between these, to the neighbour's corner
     following = 4 * cells[:, None] + np.array([1, 2, 3, 0])
-    level = end == start + 1
+    level = (end == start + 1) & (width > 1)
     a, b = start[level], end[level]
     following[a, 1], following[b, 3] = 4 * b, 4 * a + 2
     a, b = start[~level], end[~level]
