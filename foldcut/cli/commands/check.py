@@ -11,7 +11,7 @@ from foldcut.cli.commands import Command
 EXAMPLES = """\
 examples:
   foldcut check fish.fold
-  foldcut check fish.fold --shape fish     also check that the cut gives this shape
+  foldcut check star.fold --shape star     also check that the cut gives this shape
   foldcut check fish.fold --json
 """
 
@@ -45,7 +45,9 @@ def check(args: Namespace) -> int:
         shape = make_shape(loops)
     findings = verify(read.pattern, read.layers, shape)
     checked = report.check_report(read.pattern, findings, shape is not None, notes)
-    remedy = "mend the pattern" + (", or give the drawing it was made from" if args.shape else "")
+    remedy = "mend the pattern"
+    if args.shape:
+        remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --adjust 0mm)"
     return options.console(args).verdict(checked, report.check_lines(checked), findings, remedy)
 
 

@@ -34,6 +34,9 @@ SPARE = 3
 MOST_DECIMAL = 500
 """Graphs with more sides are not computed once more with decimals, unless doubles fail: it takes more than a second."""
 
+MOST_DECIMAL_IF_WRONG = 3000
+"""The same where a face is seen to be wrong; it takes up to half a minute."""
+
 PATIENCE = 1.0
 """After so many seconds of the processor without it, compiled code is loaded, which takes about half as long."""
 
@@ -120,7 +123,7 @@ class Solver:
         frame = Frame(graph.points)
         done = self.workspace.run(frame.x, frame.y, frame.noise)
         workspace = self.workspace
-        if not done or (workspace.is_unsure and graph.side_count <= MOST_DECIMAL):
+        if not done or workspace.wants_decimals:
             workspace = exact = Workspace(graph, Lists(ZERO))
             if not exact.run_with_decimals(frame):
                 raise ArithmeticError("the straight skeleton does not come to an end: a fault of this program")
@@ -150,9 +153,11 @@ class Workspace:
         self.faces = faces_of(self.tables, count, points, room)
 
     @property
-    def is_unsure(self) -> bool:
-        """Whether doubles may have been too coarse."""
-        return bool(self.front.counts[wavefront.UNSURE])
+    def wants_decimals(self) -> bool:
+        """Whether doubles may have been too coarse, and decimals do not take too long."""
+        counts, count = self.front.counts, self.graph.side_count
+        most = MOST_DECIMAL_IF_WRONG if counts[wavefront.WRONG_FACES] else MOST_DECIMAL
+        return count <= most and bool(counts[wavefront.WRONG_FACES] or counts[wavefront.UNSURE])
 
     def run(self, x: Any, y: Any, noise: float) -> bool:
         """Move the wavefront to its end and make the faces; return whether that could be done."""

@@ -23,7 +23,8 @@ SIDE = "dx dy ox oy turn"
 
 VERTEX = (
     "x y born vx vy error drift shrinks hits key entered "
-    "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place: sibling:"
+    "left: right: prev: next: node: state: target: target_end: mark: heap_place: live_place: sibling: "
+    "passed: passed_end:"
 )
 """Of a vertex of the wavefront, from its birth to its end.
 
@@ -31,7 +32,8 @@ Place and time of birth, velocity, how uncertain place and velocity are; when th
 has no length left, when this vertex hits a fragment, and the earlier of the two; until when
 its path is in the grid; the sides that arrive and leave, the
 neighbours, the node of birth, the state; start and end of the fragment to be hit; the last meeting that it was part of;
-where it is in the columns ``heap`` and ``live`` of the slots; the one that was born at the same node before it.
+where it is in the columns ``heap`` and ``live`` of the slots; the one that was born at the same node before it;
+a fragment that it has passed without hitting it, -1 if none.
 """
 
 NODE = "x y time error same_as: born: beside:"

@@ -78,9 +78,8 @@ FEW_LATE = 3000
 DEAD, CONVEX, REFLEX, CLOSING = 0, 1, 2, 3
 
 # places in ``counts``
-VERTICES, NODES, ARCS, WAITING, LIVING, ENTRIES_USED, GRID, MEETINGS, GROUP, STATUS, MEETINGS_BEFORE, FULL, UNSURE = (
-    range(13)
-)
+VERTICES, NODES, ARCS, WAITING, LIVING, GROUP, STATUS, UNSURE, WRONG_FACES = range(9)
+ENTRIES_USED, GRID, FULL, MEETINGS, MEETINGS_BEFORE = range(9, 14)
 
 # places in ``numbers``
 NOW, END, LOW_X, LOW_Y, WIDTH, HEIGHT, NOISE, REACH = range(8)
@@ -208,6 +207,7 @@ def new_vertex(front, left, right, node, is_start):
     new.sibling = birth.born
     birth.born = vertex
     new.mark = 0
+    new.passed = -1
     new.entered = new.shrinks = new.hits = new.key = NEVER
     cross = a.dx * b.dy - a.dy * b.dx
     dot = a.dx * b.dx + a.dy * b.dy
@@ -309,7 +309,7 @@ def time_of_hit(front, vertex, start, latest):
         return NEVER
     side = front.sides[one.right]
     rate = 1 + side.dy * moving.vx - side.dx * moving.vy
-    if rate <= moving.drift:
+    if rate <= moving.drift or (start == moving.passed and one.next == moving.passed_end):
         return NEVER
     gap = side.dx * (moving.y - side.oy) - side.dy * (moving.x - side.ox) - moving.born
     if not gap < (latest - moving.born) * rate:
@@ -455,7 +455,7 @@ def meet(front, time, x, y, away, through):
     for k in range(counts[GROUP]):
         end_vertex(front, front.slots[k].group, node)
     if rays > 0:
-        pair_rays(front, rays, node)
+        pair_rays(front, rays, node, through)
 
 
 @inlined
@@ -503,8 +503,12 @@ def sort_rays(front, rays):
 
 
 @compiled
-def pair_rays(front, rays, node):
-    """Join each fragment that leaves a node to the one that arrives next to it, counter-clockwise."""
+def pair_rays(front, rays, node, through):
+    """Join each fragment that leaves a node to the one that arrives next to it, counter-clockwise.
+
+    If the fragment that passes ``through`` the node stays whole, it was not hit but passed, as far as doubles tell.
+    """
+    passed_end = front.vertices[through].next if through >= 0 else -1
     sort_rays(front, rays)
     # as with brackets: what leaves opens one, what arrives closes the last that is open
     depth = 0
@@ -525,6 +529,11 @@ def pair_rays(front, rays, node):
             else:
                 front.slots[made].group = new_pair(front, other, k, node)
             made += 1
+    if through >= 0 and front.vertices[through].next == passed_end:
+        front.counts[UNSURE] = 1
+        for k in range(made):
+            front.vertices[front.slots[k].group].passed = through
+            front.vertices[front.slots[k].group].passed_end = passed_end
     for k in range(made):
         vertex = front.slots[k].group
         before = front.vertices[vertex].prev
@@ -986,7 +995,7 @@ def run(front, sides, x, y, noise):
     """
     start(front, sides, x, y, noise)
     counts, numbers = front.counts, front.numbers
-    most = 64 * len(sides.tail) + 1024
+    most = 8 * len(sides.tail) + 256
     while counts[WAITING] > 0 and counts[STATUS] == DONE:
         vertex = front.slots[0].heap
         moving = front.vertices[vertex]
@@ -1042,7 +1051,7 @@ def gather_faces(front, sides, faces):
     """Put the nodes of every face in order, counter-clockwise from its side's tail; -1 for the infinite.
 
     Half-edge 2k runs along arc k with the face on its left, 2k + 1 against it. Returns False where half-edges do not
-    make one outline. Notes if a face is not monotone, since then doubles were not precise enough.
+    make one outline. Notes if a face is not monotone: then doubles were not precise enough.
     """
     count = len(sides.tail)
     for side in range(count):
@@ -1091,7 +1100,7 @@ def gather_faces(front, sides, faces):
                 near = 4 * SURE * front.numbers[NOISE] * (1 + one.time + other.time)
                 way = way_after(front, way, side, other.x - one.x, other.y - one.y, near)
             if way == WRONG:
-                front.counts[UNSURE] = 1
+                front.counts[WRONG_FACES] = 1
             if node == tail:
                 break
             if half_edges <= 0:
