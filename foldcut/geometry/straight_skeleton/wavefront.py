@@ -655,6 +655,7 @@ def place_node(front, node, time, x, y, away, through):
     """
     noise = front.numbers[NOISE]
     meeting = front.counts[MEETINGS]
+    found_x, found_y, found_time = x, y, time
     prior = noise / max(away / SAFETY, noise)
     prior = prior * prior
     error = 0
@@ -706,6 +707,8 @@ def place_node(front, node, time, x, y, away, through):
         e = b * q - c
         error = 1 / xx + (1 + b * b) / p + (1 + q * q + e * e) / r
     placed = front.nodes[node]
+    if max(abs(x - found_x), abs(y - found_y), abs(time - found_time)) > 8 * (away + noise * (1 + time)):
+        front.counts[UNSURE] = 1  # the lines of the sides do not meet there
     placed.x, placed.y, placed.time = x, y, time
     placed.error = noise * sqrt(error)
     must_be_sure(front, placed.error / SAFETY, time)
