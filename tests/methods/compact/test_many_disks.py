@@ -151,7 +151,7 @@ def test_a_crease_of_very_many_that_is_too_short_ends_the_folding(monkeypatch: p
     loop = many_corners()
     creases = fold_compact(loop, A4, effort="fast").creases
     parts: list[float] = []
-    with pytest.raises(foldcut.CreaseTooShortError, match="with 160 corners .* than 0.5 mm; .*--simplify") as no:
+    with pytest.raises(foldcut.CreaseTooShortError, match="with 160 corners creases get too short") as no:
         fold_compact(loop, A4, effort="fast", least=0.5, progress=lambda _, part: parts.append(part))
     assert parts == [0.0], "at once"
     assert 0 < no.value.length < 0.5
