@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from foldcut.core.arrays import Floats, Ints, Numbers, Ragged
+from foldcut.core.arrays import Floats, Indices, Ints, Numbers, Ragged
 from foldcut.core.model import CreasePattern
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "edge_lengths",
     "edge_sides",
     "faces_of_sides",
+    "following_half_edges",
     "half_edges",
     "pair_keys",
     "signed_areas",
@@ -106,6 +107,26 @@ def signed_areas(vertices_coords: Floats, faces: Ragged) -> Floats:
     return np.bincount(faces.rows, weights=ax * by - ay * bx, minlength=len(faces)) / 2
 
 
+def following_half_edges(vertices_coords: Floats, edges_vertices: Numbers) -> Indices:
+    """Return for each half-edge the one that goes on at its end around the same face, on its left.
+
+    Half-edge 2k runs along edge k, 2k + 1 against it. At a vertex with a single edge it is the same edge backwards.
+    """
+    tail = edges_vertices.reshape(-1)
+    head = edges_vertices[:, ::-1].reshape(-1)
+    dx, dy = (vertices_coords[head] - vertices_coords[tail]).T
+    order = np.lexsort((np.arctan2(dy, dx), tail))
+    place = np.empty(len(order), dtype=np.int64)
+    place[order] = np.arange(len(order))
+    degree = np.bincount(tail, minlength=len(vertices_coords))
+    first = np.cumsum(degree) - degree
+    # at its end, the face on the left of a half-edge continues along the next edge in clockwise order
+    opposite = np.arange(len(tail)) ^ 1
+    clockwise = first[head] + (place[opposite] - first[head] - 1) % degree[head]
+    following: Indices = order[clockwise]
+    return following
+
+
 def trace_faces(vertices_coords: Floats, edges_vertices: Ints) -> Ragged:
     """Return the bounded faces of a plane graph, counter-clockwise.
 
@@ -113,17 +134,7 @@ def trace_faces(vertices_coords: Floats, edges_vertices: Ints) -> Ragged:
     outlines without area.
     """
     tail = edges_vertices.reshape(-1)
-    head = edges_vertices[:, ::-1].reshape(-1)  # half-edge h and its opposite h ^ 1 lie side by side
-    dx, dy = (vertices_coords[head] - vertices_coords[tail]).T
-    order = np.lexsort((np.arctan2(dy, dx), tail))
-    place = np.empty(len(order), dtype=np.int64)
-    place[order] = np.arange(len(order))
-    first = np.searchsorted(tail[order], np.arange(len(vertices_coords)))
-    degree = np.bincount(tail, minlength=len(vertices_coords))
-    # at its end, the face on the left of a half-edge continues along the next edge in clockwise order
-    opposite = np.arange(len(tail)) ^ 1
-    clockwise = first[head] + (place[opposite] - first[head] - 1) % degree[head]
-    following: list[int] = order[clockwise].tolist()
+    following: list[int] = following_half_edges(vertices_coords, edges_vertices).tolist()
 
     outlines, seen = [], [False] * len(following)
     for start in range(len(following)):

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from foldcut.core.arrays import Floats, Indices, sealed
 from foldcut.geometry.straight_skeleton.graph import Graph
 from foldcut.geometry.straight_skeleton.skeleton import StraightSkeleton
+from foldcut.geometry.vectors import left_normal
 
 __all__ = ["NodeDerivatives", "node_derivatives"]
 
@@ -78,7 +79,7 @@ def node_derivatives(skeleton: StraightSkeleton) -> NodeDerivatives:
     count, points = len(skeleton.nodes), len(graph.points)
     three, area = _three_sides(skeleton)
     good = np.flatnonzero(area > FLAT) + points
-    normal = _normals(graph)
+    normal = left_normal(graph.side_along)
     own = np.arange(points)
     sides = three[good - points]
     inverse = np.linalg.inv(np.concatenate([normal[sides], np.full((*sides.shape, 1), -1.0)], axis=2))
@@ -95,11 +96,6 @@ def node_derivatives(skeleton: StraightSkeleton) -> NodeDerivatives:
     return NodeDerivatives(sealed(node), sealed(point), sealed(found), count, points)
 
 
-def _normals(graph: Graph) -> Floats:
-    """Return the normals of all sides, ``(s, 2)``, to the left."""
-    return np.stack([-graph.side_along[:, 1], graph.side_along[:, 0]], axis=1)
-
-
 def _three_sides(skeleton: StraightSkeleton) -> tuple[Indices, Floats]:
     """Return for each node that is no point three of its sides, ``(k - n, 3)``, and the area that their normals span.
 
@@ -107,7 +103,7 @@ def _three_sides(skeleton: StraightSkeleton) -> tuple[Indices, Floats]:
     """
     graph, sides_of = skeleton.graph, skeleton.sides_of_nodes
     points, count = len(graph.points), len(skeleton.nodes)
-    normal = _normals(graph)
+    normal = left_normal(graph.side_along)
     three = np.empty((count - points, 3), dtype=np.intp)
     lengths = np.diff(sides_of.offsets)[points:]
     first = sides_of.offsets[points:-1]
@@ -149,7 +145,7 @@ def _along_arcs(
 ) -> tuple[Indices, Indices, Floats]:
     """Add the derivatives of nodes at which arcs between sides of one direction end, the earliest first."""
     graph = skeleton.graph
-    normal = _normals(graph)
+    normal = left_normal(graph.side_along)
     known: dict[int, dict[int, Floats]] = {}
     by_node = np.argsort(node, kind="stable")
     starts = np.searchsorted(node[by_node], np.arange(len(skeleton.nodes) + 1))

@@ -14,6 +14,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import Floats, Indices, sealed
+from foldcut.geometry.planar_graph import following_half_edges
 from foldcut.geometry.union_find import groups
 
 __all__ = ["Graph", "graph_of"]
@@ -122,17 +123,10 @@ def graph_of(points: ArrayLike, edges: ArrayLike) -> Graph:
     points = np.array(points, dtype=np.float64).reshape(-1, 2)
     edges = np.array(edges, dtype=np.intp).reshape(-1, 2)
     _require_planar(points, edges)
-    tail, head = edges.reshape(-1), edges[:, ::-1].reshape(-1)  # side h and its opposite h ^ 1 lie beside each other
+    tail, head = edges.reshape(-1), edges[:, ::-1].reshape(-1)
     count = len(tail)
-    dx, dy = (points[head] - points[tail]).T
-    order = np.lexsort((np.arctan2(dy, dx), tail))
-    place = np.empty(count, dtype=np.intp)
-    place[order] = np.arange(count)
+    following = following_half_edges(points, edges)
     degree = np.bincount(tail, minlength=len(points))
-    first = np.cumsum(degree) - degree
-    # at its head, the region on the left of a side goes on along the next edge in clockwise order
-    opposite = np.arange(count) ^ 1
-    following = order[first[head] + (place[opposite] - first[head] - 1) % degree[head]]
     source = np.arange(count)
     ends = np.flatnonzero(degree[head] == 1)
     if len(ends):
@@ -140,7 +134,7 @@ def graph_of(points: ArrayLike, edges: ArrayLike) -> Graph:
         following = np.concatenate([following, ends ^ 1])
         source = np.concatenate([source, ends])
         tail, head = np.concatenate([tail, head[ends]]), np.concatenate([head, head[ends]])
-    return Graph(*(sealed(array) for array in (points, edges, tail, head, following, source)))
+    return Graph(sealed(points), sealed(edges), sealed(tail), sealed(head), sealed(following), sealed(source))
 
 
 def _require_planar(points: Floats, edges: Indices) -> None:

@@ -156,8 +156,6 @@ def _arcs_of_outlines(skeleton: StraightSkeleton) -> Indices:
     """Return the arc from each node of the faces to the next, -1 for the sides themselves."""
     faces, nodes = skeleton.face_nodes, len(skeleton.nodes)
     node, side = faces.values.astype(np.intp), faces.rows.astype(np.intp)
-    after = np.arange(1, len(node) + 1)
-    after[faces.offsets[1:] - 1] = faces.offsets[:-1]
     (start, end), (left, right) = skeleton.arcs.T, skeleton.arc_sides.T
     number = np.arange(len(start))
     # a step is known by its face and the node where it starts, or, if it comes from the infinite, where it ends
@@ -165,7 +163,7 @@ def _arcs_of_outlines(skeleton: StraightSkeleton) -> Indices:
     known = np.concatenate([left * 2 * nodes + start, right * 2 * nodes + comes])
     order = np.argsort(known)
     arcs = np.concatenate([number, number])[order]
-    wanted = side * 2 * nodes + np.where(node < 0, node[after] + nodes, node)
+    wanted = side * 2 * nodes + np.where(node < 0, node[faces.following] + nodes, node)
     place = np.minimum(np.searchsorted(known[order], wanted), len(order) - 1)
     found: Indices = np.where(known[order][place] == wanted, arcs[place], -1)
     return found

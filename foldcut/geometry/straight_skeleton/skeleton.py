@@ -7,7 +7,6 @@ Source: Aichholzer and Aurenhammer, "Straight Skeletons for General Polygonal Fi
 from __future__ import annotations
 
 import math
-import threading
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cached_property
@@ -120,12 +119,10 @@ class Solver:
         if self.workspace is None or self.workspace.tables is not tables:
             self.workspace = Workspace(graph, tables)
         started = 0.0 if tables.compiled else process_time()
-        frame = Frame(graph.points)
-        done = self.workspace.run(frame.x, frame.y, frame.noise)
-        workspace = self.workspace
-        if not done or workspace.wants_decimals:
-            workspace = exact = Workspace(graph, Lists(ZERO))
-            if not exact.run_with_decimals(frame):
+        frame, workspace = Frame(graph.points), self.workspace
+        if not workspace.run(frame.x, frame.y, frame.noise) or workspace.wants_decimals:
+            workspace = Workspace(graph, Lists(ZERO))
+            if not workspace.run_with_decimals(frame):
                 raise ArithmeticError("the straight skeleton does not come to an end: a fault of this program")
         if not tables.compiled:
             DEFAULT.spent += process_time() - started
@@ -225,17 +222,15 @@ class Default:
         self.spent = 0.0
         self.made: Tables = Lists()
         self.is_decided = False
-        self.lock = threading.Lock()
 
     def tables(self) -> Tables:
         """Return what to use now."""
         if not self.is_decided and (COMPILED.many_drawings or self.spent > PATIENCE):
-            with self.lock:
-                self.is_decided = True
-                if is_installed():
-                    kernel: Any = compiled_copy(wavefront)
-                    if is_ready(kernel.run) and is_ready(kernel.gather_faces):
-                        self.made = Arrays()
+            self.is_decided = True
+            if is_installed():
+                kernel: Any = compiled_copy(wavefront)
+                if is_ready(kernel.run) and is_ready(kernel.gather_faces):
+                    self.made = Arrays()
         return self.made
 
 
