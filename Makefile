@@ -7,7 +7,7 @@ CODE := foldcut exporters profiles samples tests
 
 .PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
 
-## Fold three samples on A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
+## Fold three samples out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
 	@mkdir -p out
 	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold --force

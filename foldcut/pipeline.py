@@ -182,6 +182,7 @@ def fold(
     may_turn = rotation is None and offset is None
     problem = Problem(laid, laying.lay, wishes, may_turn, stages)
     made, attempts, findings, cut = _on_less_paper(method, problem, exertion, laying)
+    stages.seconds["build"] = sum(stages.seconds.values()) - stages.seconds["verify"]
     on = made.laid
     pattern = FoldedPattern(
         made.creases,
@@ -228,7 +229,8 @@ def _on_less_paper(
     except UnfoldableError as error:
         whole = error
     if smaller is not None:
-        with suppress(FoldcutError):
+        ends_the_search = () if isinstance(whole, UnfoldableError) else (KeyboardInterrupt,)
+        with suppress(FoldcutError, *ends_the_search):
             part = _folded(method, _laid_on(problem, laying, *smaller), effort)
             if isinstance(whole, UnfoldableError) or (not part[2] and _folds(part[0]) < _folds(whole[0])):
                 sheet = smaller[0]
@@ -256,7 +258,6 @@ def _folded(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[
     made, attempts = auto.run(method, problem, effort)
     stages.up_to(FOLDED)
     stages.up_to(1.0)
-    stages.seconds["build"] = sum(stages.seconds.values())
     with stages("verify"):
         findings = verify(made.creases, made.folded.layers, made.laid.shape)
     if not findings:

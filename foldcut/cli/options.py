@@ -235,9 +235,9 @@ def add_folding(command: ArgumentParser) -> None:
     command.add_argument(
         "--sheet",
         default="a4",
-        help="a paper size such as a4, turned to suit the drawing, or a4-landscape, or WIDTHxHEIGHT; where much of it "
-        "would be left around the drawing, the pattern may be one for less paper, and the report says to how much the "
-        "sheet is to be cut down first; with --offset it never is (default: %(default)s)",
+        help="a paper size such as a4, turned to suit the drawing, or a4-landscape, or WIDTHxHEIGHT. A drawing that "
+        "leaves much of it free may get a pattern for less paper; the report then says to what size to cut the sheet "
+        "down first. With --offset that never happens (default: %(default)s)",
     )
     command.add_argument(
         "--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)"

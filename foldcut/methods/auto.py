@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.methods import AUTO, METHODS
@@ -51,6 +51,7 @@ def _best(problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
     """Go through the table of tries."""
     made: list[Made] = []
     attempts: list[Attempt] = []
+    interrupted = False
     for row in TRIES:
         if not row.when(problem) or (row.last_resort and made):
             continue
@@ -64,15 +65,18 @@ def _best(problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
         except KeyboardInterrupt:
             if not made:
                 raise
+            interrupted = True
             break
         made.append(one)
         attempts.append(_attempt(one))
-        if row.is_best or one.interrupted:
+        interrupted = one.interrupted
+        if row.is_best or interrupted:
             break
     if not made:
         raise UnfoldableError("; ".join(f"{attempt.method}: {attempt.failure}" for attempt in attempts))
     scale = frame_scale(problem.laid)
-    return min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale)), tuple(attempts)
+    best = min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale))
+    return replace(best, interrupted=interrupted), tuple(attempts)
 
 
 def _attempt(made: Made) -> Attempt:

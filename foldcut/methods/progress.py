@@ -33,7 +33,7 @@ class Stages:
         self.report(0.0)
         start = time.perf_counter()
         yield
-        self.seconds[name] = time.perf_counter() - start
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
         self.report(1.0)
 
     def report(self, fraction: float, doing: str = "") -> None:

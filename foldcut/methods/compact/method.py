@@ -43,6 +43,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
             told=search_told("compact", found.tried, interrupted=found.interrupted),
             numbers={"tried": found.tried, "interrupted": found.interrupted},
             regions=frame.regions(regions(found.walk, found.molecules, frame.sheet)),
+            interrupted=found.interrupted,
             detail=found,
         )
 

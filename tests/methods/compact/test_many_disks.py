@@ -160,6 +160,8 @@ def test_a_crease_of_very_many_that_is_too_short_ends_the_folding(monkeypatch: p
     at = int(np.hypot(*(ends.mean(axis=1) - no.value.place).T).argmin())
     assert lengths[at] == pytest.approx(no.value.length, abs=1e-9), "the whole pattern has that crease"
     assert fold_compact(loop, A4, effort="fast", least=float(lengths.min())).tried == 1
+    with pytest.raises(foldcut.CreaseTooShortError, match="with 160 corners .* than 0.5 mm; .*--simplify"):
+        foldcut.fold([loop], A4, method="compact", effort="fast")
 
 
 def test_progress_of_many_turns_goes_up(monkeypatch: pytest.MonkeyPatch) -> None:

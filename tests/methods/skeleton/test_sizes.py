@@ -6,11 +6,13 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 import numpy as np
 import pytest
 
 import foldcut
+from foldcut import pipeline
 from foldcut.core.model import Sheet
 from foldcut.pattern.crop import crop
 from foldcut.samples import sample_path
@@ -69,6 +71,27 @@ def test_one_sheet_for_all_sizes_is_cut_down_where_that_takes_fewer_folds(name: 
     for ends, kinds in found[1:]:
         assert kinds == found[0][1]
         np.testing.assert_allclose(ends, found[0][0], atol=2e-6)
+
+
+def test_ctrl_c_while_less_paper_is_tried_keeps_the_pattern_for_the_whole_sheet(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(pipeline, "MANY_FOLDS", 0)
+    fold_in_turn, turns = pipeline._folded, []
+
+    def folded(*problem: Any) -> Any:
+        turns.append(problem)
+        if len(turns) == 2:
+            raise KeyboardInterrupt
+        return fold_in_turn(*problem)
+
+    monkeypatch.setattr(pipeline, "_folded", folded)
+    result = foldcut.fold(sample_path("star"), "a4-landscape", width=60.0, method="skeleton", effort="fast")
+    assert len(turns) == 2
+    assert result.verified
+    assert result.folded_pattern.sheet.width == 297.0
+    stages = {name: seconds for name, seconds in result.seconds.items() if name not in ("build", "verify")}
+    assert result.seconds["build"] == pytest.approx(sum(stages.values()))
 
 
 def test_a_drawing_that_is_to_lie_at_a_place_keeps_its_sheet() -> None:
