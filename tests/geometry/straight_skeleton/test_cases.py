@@ -101,6 +101,15 @@ def test_regions_are_the_faces_of_the_plane() -> None:
     assert len(set(graph.side_contour)) == 4
 
 
+def test_a_node_knows_the_contours_that_meet_there() -> None:
+    skeleton = straight_skeleton(*CASES["square with a hole"])
+    contour = skeleton.graph.side_contour
+    ring = sorted({int(contour[0]), int(contour[9])})  # inside of the outer square, outside of the hole
+    found = [skeleton.node_contours(node).tolist() for node in range(8, len(skeleton.nodes))]
+    assert ring in found
+    assert [int(contour[8])] in found, "the middle of the hole"
+
+
 @pytest.mark.parametrize("name", DRAWINGS)
 def test_drawings_are_judged_right(name: str) -> None:
     assert judge(straight_skeleton(*DRAWINGS[name])) == []
