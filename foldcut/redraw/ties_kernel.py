@@ -340,8 +340,6 @@ def factor(t, size):
 def step(t, n, rows):
     """Set ``t.change`` to the best step that satisfies the linear constraints as far as they do not contradict."""
     size = 2 * n
-    if not factor(t, size):
-        return False
     # y = L^-1 slope, and rows of g L^-T in place
     for i in range(size):
         total = t.slope[i]
@@ -394,7 +392,6 @@ def step(t, n, rows):
         for k in range(i + 1, size):
             total -= t.h[k, i] * t.change[k]
         t.change[i] = total / t.h[i, i]
-    return True
 
 
 @compiled
@@ -425,12 +422,12 @@ def solve(t, n, ties, meetings, samples):
             return SOLVED
         if turn < fits:
             add_fit(t, n, samples)
-        else:  # nothing but the constraints: the least change
-            add_fit(t, n, samples)
+            if not factor(t, 2 * n):
+                return FAILED
+        else:  # nothing but the constraints: the least change, measured as before
             for i in range(2 * n):
                 t.slope[i] = 0.0
-        if not step(t, n, rows):
-            return FAILED
+        step(t, n, rows)
         longest = 0.0
         for i in range(2 * n):
             longest = max(longest, abs(t.change[i]))

@@ -1,0 +1,329 @@
+"""The search for an outline within the tolerance that folds with few and long creases.
+
+Outlines to begin with -> ``Assessment``s, better and better ones.
+
+Nodes of the straight skeleton are tied together one after the other (``greedy``), as long as that makes the outline
+cheaper; then corners are left out, put in, and moved at random, each time followed by ties (``anneal``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from random import Random
+from typing import NamedTuple
+
+import numpy as np
+
+from foldcut.core.arrays import Floats
+from foldcut.redraw.proxy import Assessment, Engine, Meeting, Tie
+
+REACH = 10.0, 10.0
+"""Ridges up to so many tolerances, and so many mm more, are tried to be shrunk to nothing."""
+
+LEAST_GAIN = 0.05
+"""A change that saves less than this is not made."""
+
+FAR_MISS = 0.6
+"""Perpendiculars are moved to nodes that they miss by up to this part of the reach."""
+
+
+class Candidate(NamedTuple):
+    """A tie or a meeting that would mend something; the less its ``weight``, the sooner it is tried."""
+
+    weight: float
+    tie: Tie | None
+    meeting: Meeting | None
+
+
+class Outline(NamedTuple):
+    """Corners ``(n, 2)`` of loops of some sizes, and the ties that they are to keep."""
+
+    points: Floats
+    loop_sizes: tuple[int, ...]
+    ties: list[Tie]
+
+
+class Search:
+    """A search in the field of an engine; ``best`` is the best outline so far. ``most`` assessments and solutions."""
+
+    def __init__(
+        self, engine: Engine, most: int, seed: int = 0, better: Callable[[Assessment], None] | None = None
+    ) -> None:
+        self.engine = engine
+        self.most = most
+        self.random = Random(seed)
+        self.better = better
+        self.best: Assessment | None = None
+        self.pool: list[Assessment] = []
+        self.last_gain = 0
+        self.reach = REACH[0] * engine.field.tolerance + REACH[1]
+        self.statistics: dict[str, list[int]] = {}
+
+    @property
+    def spent(self) -> int:
+        """How much of the search is done: assessments, and solutions, which take about ten times as long."""
+        return self.engine.assessed + 6 * self.engine.solved
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all is spent, or nothing has become better for a third of that."""
+        return self.spent >= self.most or (self.best is not None and self.spent - self.last_gain > self.most / 2)
+
+    def assess(self, points: Floats, loop_sizes: tuple[int, ...]) -> Assessment | None:
+        """Assess an outline, with the details that moves need."""
+        return self.engine.assess(points, loop_sizes, self.reach * FAR_MISS)
+
+    def keep(self, one: Assessment) -> None:
+        """Remember an outline if it is among the best."""
+        if self.best is None or one.key < self.best.key:
+            self.best = one
+            self.last_gain = self.spent
+            if self.better is not None:
+                self.better(one)
+        if all(abs(one.cost - other.cost) > 1e-6 for other in self.pool):
+            self.pool = sorted([*self.pool, one], key=lambda other: other.key)[:12]
+
+    def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]], share: float = 0.5) -> Assessment | None:
+        """Search from some outlines; returns the best one."""
+        begun = [one for points, sizes in starts if (one := self.assess(points, sizes)) is not None]
+        if not begun:
+            return None
+        begun.sort(key=lambda one: one.cost + 0.7 * len(one.points))
+        done: list[Assessment] = []
+        end, first = self.most, self.spent
+        for number, one in enumerate(begun):
+            self.most = first + int(share * (end - first) * (number + 1) / len(begun))
+            found = self.greedy(one, 400)
+            done.append(found)
+            self.keep(found)
+        self.most = end
+        self.last_gain = self.spent
+        self.anneal(sorted(done, key=lambda one: one.key))
+        return self.best
+
+    def greedy(self, here: Assessment, tries: int) -> Assessment:
+        """Add ties and meetings one after the other as long as that makes an outline cheaper."""
+        refused: set[Tie | Meeting] = set()
+        count = 0
+        while count < tries and self.spent < self.most:
+            found = None
+            have, meetings = here.details.ties(), here.details.meetings()
+            for candidate in candidates(here, self.reach):
+                new = candidate.tie or candidate.meeting
+                if new is None or new in refused:
+                    continue
+                refused.add(new)
+                count += 1
+                found = self._with(here, have, meetings, candidate)
+                if found is not None or count >= tries or self.spent >= self.most:
+                    break
+            if found is None:
+                break
+            here = found
+        return here
+
+    def _with(
+        self, here: Assessment, have: Sequence[Tie], meetings: Sequence[Meeting], new: Candidate
+    ) -> Assessment | None:
+        """Return the outline with one tie or meeting more if that is cheaper."""
+        ties = list(have)
+        if new.tie is not None:
+            tie = set(new.tie)
+            ties = [one for one in ties if not tie.issuperset(one)] + [new.tie]
+        for kept in (meetings, ()) if meetings else ((),):
+            wanted = [*kept, new.meeting] if new.meeting is not None else kept
+            points = self.engine.solve(here.points, here.loop_sizes, ties, wanted)
+            if points is None or not self.engine.is_good(points, here.loop_sizes):
+                continue
+            found = self.assess(points, here.loop_sizes)
+            if found is not None and found.cost < here.cost - LEAST_GAIN:
+                return found
+            break
+        return None
+
+    def anneal(self, starts: Sequence[Assessment]) -> None:
+        """Leave out, put in and move corners at random, and tie again."""
+        if not starts:
+            return
+        here = starts[0]
+        others = list(starts[1:4])
+        moves = (self._without_corner, self._with_corner_across, self._shaken, self._slid, self._without_corner)
+        first = self.spent
+        while not self.is_over:
+            left = 1 - (self.spent - first) / max(1, self.most - first)
+            move = moves[self.random.randrange(len(moves))]
+            if others and self.random.random() < 0.002:
+                here = others.pop(0)
+            statistics = self.statistics.setdefault(move.__name__, [0, 0, 0])
+            statistics[0] += 1
+            outline = move(here)
+            before = self.spent
+            found = self._realised(outline) if outline is not None else None
+            if found is None:
+                if self.spent == before:
+                    self.engine.assessed += 1  # a move that finds nothing is not for free
+                continue
+            statistics[1] += 1
+            if found.cost < here.cost + 15:
+                found = self.greedy(found, 12)
+            warmth = 1.5 * left
+            gain = here.cost - found.cost
+            if gain > 1e-9 or self.random.random() < math.exp((gain - 1e-9) / max(warmth, 1e-3)):
+                statistics[2] += gain > 1e-9
+                here = found
+                self.keep(here)
+
+    def _realised(self, outline: Outline) -> Assessment | None:
+        """Return a changed outline with as many of its ties as can be had."""
+        for ties in (outline.ties, [])[: 1 + bool(outline.ties)]:
+            points = self.engine.solve(outline.points, outline.loop_sizes, ties)
+            if points is not None and self.engine.is_good(points, outline.loop_sizes):
+                return self.assess(points, outline.loop_sizes)
+        return None
+
+    # changes: each returns an outline, or None
+
+    def _loop_of(self, sizes: tuple[int, ...], corner: int) -> tuple[int, int, int]:
+        """Return a corner's loop, where it begins, and how many corners it has."""
+        first = 0
+        for number, size in enumerate(sizes):
+            if corner < first + size:
+                return number, first, size
+            first += size
+        raise IndexError(corner)
+
+    def _without_corner(self, here: Assessment) -> Outline | None:
+        """Leave out a corner, or a side whose neighbours are made longer until they meet."""
+        corner = self.random.randrange(len(here.points))
+        loop, first, size = self._loop_of(here.loop_sizes, corner)
+        if size <= 3:
+            return None
+        points = here.points.copy()
+        after = first + (corner - first + 1) % size
+        if self.random.random() < 0.5:
+            before, beyond = first + (corner - first - 1) % size, first + (corner - first + 2) % size
+            one, other = points[corner] - points[before], points[beyond] - points[after]
+            area = one[0] * other[1] - one[1] * other[0]
+            if abs(area) < 1e-6 * math.hypot(*one) * math.hypot(*other):
+                return None
+            away = points[after] - points[corner]
+            part = (away[0] * other[1] - away[1] * other[0]) / area
+            place = points[corner] + part * one
+            if math.hypot(*(place - (points[corner] + points[after]) / 2)) > 15 * self.engine.field.tolerance:
+                return None
+            points[after] = place
+        # side k begins at corner k: the side from the corner goes
+        number = {side: side - (side > corner) for side in range(len(points)) if side != corner}
+        sizes = tuple(n - (k == loop) for k, n in enumerate(here.loop_sizes))
+        return Outline(np.delete(points, corner, axis=0), sizes, _renumbered(here.details.ties(), number))
+
+    def _with_corner_across(self, here: Assessment) -> Outline | None:
+        """Follow a corner's bisector to the side across, on either flank, and put a corner there."""
+        points, sizes = here.points, here.loop_sizes
+        corner = self.random.randrange(len(points))
+        _, first, size = self._loop_of(sizes, corner)
+        before, after = first + (corner - first - 1) % size, first + (corner - first + 1) % size
+        here_at = points[corner]
+        one, other = points[before] - here_at, points[after] - here_at
+        one, other = one / math.hypot(*one), other / math.hypot(*other)
+        bisector = one + other
+        if math.hypot(*bisector) < 1e-6:
+            bisector = np.array([-other[1], other[0]])
+        bisector = bisector / math.hypot(*bisector) * (1 if self.random.random() < 0.5 else -1)
+        start = points
+        following = np.concatenate([np.roll(np.arange(a, a + n), -1) for a, n in _spans(sizes)])
+        step = points[following] - start
+        area = bisector[0] * -step[:, 1] + step[:, 0] * bisector[1]
+        away = start - here_at
+        with np.errstate(all="ignore"):
+            reach = (away[:, 0] * -step[:, 1] + step[:, 0] * away[:, 1]) / area
+            part = (bisector[0] * away[:, 1] - bisector[1] * away[:, 0]) / area
+            hit = (reach > 2) & (part > 0.02) & (part < 0.98) & np.isfinite(reach)
+        if not hit.any():
+            return None
+        side = int(np.flatnonzero(hit)[np.argmin(reach[hit])])
+        if reach[side] > 100:
+            return None
+        place = points[side] + part[side] * step[side]
+        loop, _, _ = self._loop_of(sizes, side)
+        number = {k: k + (k > side) for k in range(len(points))}
+        new = np.insert(points, side + 1, place, axis=0)
+        ties = _renumbered(here.details.ties(), number)
+        flanks = self._flanks_between(points, corner, before, side, here_at, place, following)
+        if flanks is not None:
+            near, far = flanks
+            tie = {2 * number[before] + near, 2 * number[corner] + near, 2 * side + far, 2 * (side + 1) + far}
+            ties = [*ties, tuple(sorted(tie))]
+        return Outline(new, tuple(n + (k == loop) for k, n in enumerate(sizes)), ties)
+
+    def _flanks_between(
+        self, points: Floats, corner: int, before: int, side: int, here: Floats, there: Floats, following: Floats
+    ) -> tuple[int, int] | None:
+        """Return on which flank (0 left, 1 right) the way from a corner to a side leaves and arrives."""
+        way = there - here
+        into, out = points[corner] - points[before], points[int(following[corner])] - points[corner]
+        left = into[0] * way[1] - into[1] * way[0] > 0
+        also = out[0] * way[1] - out[1] * way[0] > 0
+        convex = into[0] * out[1] - into[1] * out[0] > 0
+        near = 0 if ((left and also) if convex else (left or also)) else 1
+        along = points[int(following[side])] - points[side]
+        far = 0 if along[0] * -way[1] - along[1] * -way[0] > 0 else 1
+        return near, far
+
+    def _shaken(self, here: Assessment) -> Outline | None:
+        """Move one corner, or all, by a little."""
+        size = self.engine.field.tolerance * self.random.choice((0.15, 0.4, 0.8))
+        points = here.points.copy()
+        which = [self.random.randrange(len(points))] if self.random.random() < 0.5 else range(len(points))
+        for k in which:
+            points[k] += (self.random.gauss(0, size), self.random.gauss(0, size))
+        return Outline(points, here.loop_sizes, here.details.ties())
+
+    def _slid(self, here: Assessment) -> Outline | None:
+        """Move a corner along one of its sides."""
+        points = here.points.copy()
+        corner = self.random.randrange(len(points))
+        _, first, size = self._loop_of(here.loop_sizes, corner)
+        other = first + (corner - first + self.random.choice((-1, 1))) % size
+        points[corner] += (points[other] - points[corner]) * self.random.uniform(-0.35, 0.35)
+        return Outline(points, here.loop_sizes, here.details.ties())
+
+
+def _spans(sizes: Sequence[int]) -> Iterator[tuple[int, int]]:
+    first = 0
+    for size in sizes:
+        yield first, size
+        first += size
+
+
+def _renumbered(ties: Iterable[Tie], number: dict[int, int]) -> list[Tie]:
+    """Return ties with their sides' edges renumbered; sides that are gone are left out, and ties that then say nothing."""
+    new = [tuple(sorted(2 * number[s >> 1] + (s & 1) for s in tie if s >> 1 in number)) for tie in ties]
+    return [tie for tie in new if len(tie) > 3]
+
+
+def candidates(here: Assessment, reach: float) -> list[Candidate]:
+    """Return ties and meetings that would mend something, the most promising first."""
+    d = here.details
+    found: list[Candidate] = []
+    corners = d.corners
+    for a, b, length in d.ridges:
+        if a >= corners and b >= corners and length < reach:
+            odd = d.degree[a] % 2 + d.degree[b] % 2
+            tie = tuple(sorted({*d.sides[a], *d.sides[b]}))
+            found.append(Candidate(length * (3.0, 2.5, 1.0)[odd], tie, None))
+    for miss, path, step, node in d.misses:
+        start, end, way, taken = d.paths[path]
+        if node in (start, end) or start < corners or node not in d.sides or miss > FAR_MISS * reach:
+            continue
+        odd = d.degree[node] % 2
+        weight = miss * ((1.2 if odd else 3.0) if taken else (0.6 if odd else 1.5))
+        found.append(Candidate(weight, None, Meeting(d.sides[start], way[: step + 1], d.sides[node])))
+    for start, end, way, taken in d.paths:
+        if taken and len(way) > 1:
+            for node, beyond in ((start, way[1]), (end, way[-2])):
+                if node >= corners and beyond not in d.sides[node]:
+                    found.append(Candidate(4.0, tuple(sorted({*d.sides[node], beyond})), None))
+    found.sort(key=lambda one: one.weight)
+    return found
