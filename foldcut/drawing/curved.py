@@ -51,7 +51,7 @@ def curves_of(
 
 
 def similarity(drawn: Floats, placed: Floats) -> Floats:
-    """Return the similarity, ``(2, 3)``, that takes points to ``placed``, both ``(n, 2)``; it turns, does not mirror."""
+    """Return the similarity, ``(2, 3)``, without mirroring, that takes points to ``placed``, both ``(n, 2)``."""
     middle, to = drawn.mean(axis=0), placed.mean(axis=0)
     z, w = (drawn - middle) @ (1, 1j), (placed - to) @ (1, 1j)
     factor = complex((z.conj() * w).sum() / (z.conj() * z).sum())
@@ -66,7 +66,7 @@ def _box(loop: Floats) -> Floats:
 def _is_same(loop: Floats, drawn: Floats, size: float) -> bool:
     """Whether a loop is a drawn one, perhaps without collinear corners and the other way around."""
     off, _ = KDTree(drawn).query(loop)
-    if off.max() > SAME * size:
+    if np.max(off) > SAME * size:
         return False
     middle = loop.mean(axis=0)
     return abs(abs(signed_area(loop - middle)) - abs(signed_area(drawn - middle))) <= SAME * size**2

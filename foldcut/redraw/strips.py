@@ -1,7 +1,7 @@
 """Circles, arcs and strips in a drawing.
 
-``Target`` -> ``Round``s, pieces of the outline that are arcs of circles, and ``Strip``s, pairs of pieces that run side by
-side at one distance: letters and strokes are made of them.
+``Target`` -> ``Round``s, pieces of the outline that are arcs of circles, and ``Strip``s, pairs of pieces that run side
+by side at one distance: letters and strokes are made of them.
 
 Strips are found from discs: the largest disc that touches the outline at a point, on one side of it, touches it
 somewhere else, too. Where the disc's radius hardly changes and the two tangents are opposite, there is a strip.
@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -158,6 +159,7 @@ class _Discs:
         return cls(samples, points, towards, first, radius, partner, np.where(other, same_way, opposite))
 
     def loop_of(self, sample: int) -> int:
+        """Return the loop that a sample is on."""
         return int(np.searchsorted(self.first, sample, side="right")) - 1
 
     def runs(self) -> Iterator[Indices]:
@@ -193,6 +195,7 @@ class _Discs:
         return start + np.arange(int(at.min()), min(int(at.max()), int(at.min()) + count - 1) + 1) % count
 
     def strip(self, window: Indices, *, inside: bool) -> Strip:
+        """Return the strip that neighbouring discs make."""
         radius = self.radius[window]
         half = float(radius.max() + radius.min()) / 2
         one, other = self.loop_of(int(window[0])), self.loop_of(int(self.partner[window[0]]))
@@ -262,7 +265,7 @@ def rounds(target: Target) -> list[Round]:
         stops = [*(int(one) - start for one in corners), len(loop)] if len(corners) else [0, len(loop)]
         around = np.roll(loop, -start, axis=0)
         around = np.concatenate([around, around[:1]])
-        for first, last in zip(stops[:-1], stops[1:], strict=True):
+        for first, last in pairwise(stops):
             for one, other, circle in _arcs(around[first : last + 1]):
                 a, b = ((first + end + start) % len(loop) for end in (one, other))
                 end_along = along[b] if b > a else along[b] + along[-1]

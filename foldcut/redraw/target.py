@@ -1,8 +1,8 @@
 """What a redrawn outline must stay near to: the drawing in mm of the frame, and what can be recognised in it.
 
-``Shape`` in the frame and, where they are known, its curves -> ``Target``: dense polygons, curves, true corners. From it
-come mirror axes (``redraw.symmetry``), parts that are smaller than a tolerance (``redraw.small_parts``), and circles,
-arcs and strips (``redraw.strips``).
+``Shape`` in the frame and, where they are known, its curves -> ``Target``: dense polygons, curves, true corners. From
+it come mirror axes (``redraw.symmetry``), parts that are smaller than a tolerance (``redraw.small_parts``), and
+circles, arcs and strips (``redraw.strips``).
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ class Samples:
     """Points along one loop, about evenly apart, true corners among them.
 
     ``points`` ``(n, 2)`` mm; ``tangents`` ``(n, 2)``: unit vectors ahead; ``along`` ``(n,)``: mm from the start of the
-    loop; ``corner`` ``(n,)``: whether it is a true corner; ``places`` ``(n,)`` on the curved loop. ``length`` is that of
-    the loop.
+    loop; ``corner`` ``(n,)``: whether it is a true corner; ``places`` ``(n,)`` on the curved loop. ``length`` is the
+    loop's.
     """
 
     points: Floats
