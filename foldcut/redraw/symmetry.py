@@ -345,7 +345,7 @@ class _Outline:
         return angle, offset, self.off(_image(self.many, angle, offset))
 
     def turned(self, order: int, allowed: float) -> tuple[Floats, float] | None:
-        """Return the centre about which the outline can be turned by a part of the whole turn, and how far off it is."""
+        """Return the centre about which equal turns bring the outline onto itself, and how far off they are."""
         angle = math.tau / order
         cosine, sine = math.cos(angle), math.sin(angle)
         turn = np.array([(cosine, -sine), (sine, cosine)])
