@@ -20,13 +20,14 @@ FLOORS = (
     ("drawing", "pattern"),
     ("readers", "proof", "jobs"),
     ("methods", "foldfile", "folding_steps"),
+    ("redraw",),
     ("exporters",),
     ("output", "web"),
     ("pipeline",),
     ("batch",),
     ("cli",),
 )
-ONLY = {"readers": {"core", "drawing"}, "exporters.pictures.construction": {"core", "geometry", "profiles", "methods"}}
+ONLY = {"readers": {"core", "geometry", "drawing"}, "exporters.pictures.construction": {"core", "geometry", "profiles", "methods"}}
 """Rooms that see less than all floors below them."""
 
 METHODS_BELOW = {
