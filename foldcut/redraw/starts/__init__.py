@@ -24,8 +24,10 @@ import numpy as np
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
 from foldcut.redraw.starts import pieces
+from foldcut.redraw.starts.arcs import fit_bends
 from foldcut.redraw.starts.chains import Axis, Chain, Chains, Line, chains_of
 from foldcut.redraw.starts.directions import direction_set, straight_directions
+from foldcut.redraw.starts.disks import fit_disks
 from foldcut.redraw.starts.fitting import ANY, End, fit
 from foldcut.redraw.starts.near import Near
 from foldcut.redraw.starts.strips import Strip, find_strips, without_overlap
@@ -42,6 +44,7 @@ class Kind(NamedTuple):
     ``edges``: which strips are fitted as such: "" none, "in" and "out" those of paper inside or outside, "both".
     ``step``: degrees between directions, 0 for any direction. ``part``: of the tolerance, how far lines may be off.
     ``own``: edges of a strip are parallel, but not at one distance. ``phase``: how far directions are turned, in steps.
+    ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
     """
 
     edges: str
@@ -49,10 +52,12 @@ class Kind(NamedTuple):
     part: float
     own: bool = False
     phase: float = 0.0
+    arcs: bool = False
+    disks: bool = False
 
     def __str__(self) -> str:
         words = [self.edges or "sides", f"{self.step:g}" if self.step else "any", f"{self.part:g}"]
-        return " ".join(words + ["own"] * self.own + [f"phase {self.phase:g}"] * (self.phase > 0))
+        return " ".join(words + ["arcs"] * self.arcs + ["disks"] * self.disks + ["own"] * self.own + [f"phase {self.phase:g}"] * (self.phase > 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +77,11 @@ def kinds() -> Iterator[Kind]:
     """Yield the kinds of outlines."""
     for edges in ("in", "out", "both", ""):
         for part in PARTS:
+            yield Kind(edges, 0.0, part, arcs=True)
             yield Kind(edges, 0.0, part)
             if edges:
+                yield Kind(edges, 0.0, part, disks=True)
+                yield Kind(edges, 0.0, part, arcs=True, disks=True)
                 yield Kind(edges, 0.0, part, own=True)
     for edges in ("in", "both", ""):
         for step in STEPS:
@@ -135,7 +143,7 @@ class _Fitter:
         if not edges:
             return []
         if (edges, own) not in self._strips:
-            variation = 4 * self.tolerance if own else 1.6 * self.tolerance
+            variation = 12 * self.tolerance if own else 3.6 * self.tolerance
             sides = {"in": (True,), "out": (False,), "both": (True, False)}[edges]
             found = [strip for inside in sides for strip in find_strips(self.chains, variation, inside=inside)]
             found.sort(key=lambda strip: -strip.length)
@@ -144,7 +152,7 @@ class _Fitter:
 
     def loops(self, kind: Kind) -> list[Floats] | None:
         """Return the loops of an outline of a kind, or None where there is none."""
-        strips = self.strips(kind.edges, kind.own)
+        strips = self.strips(kind.edges, kind.own or kind.disks)
         if kind.edges and not strips:
             return None
         directions = None
@@ -155,18 +163,18 @@ class _Fitter:
         tolerance = kind.part * self.tolerance
         lines: list[list[Line]] = [[] for _ in self.chains.chains]
         for strip in strips:
-            for number, some in self._fitted_strip(strip, tolerance, directions, kind.own):
+            for number, some in self._fitted_strip(strip, tolerance, directions, kind):
                 lines[number] += some
         fitted = []
         for chain, known in zip(self.chains.chains, lines, strict=True):
-            whole = _filled(chain, known, tolerance, directions)
+            whole = _filled(chain, known, tolerance, directions, kind.arcs)
             if whole is None:
                 return None
             fitted.append(whole)
         return self.chains.loops(fitted)
 
     def _fitted_strip(
-        self, strip: Strip, tolerance: float, directions: Floats | None, own: bool
+        self, strip: Strip, tolerance: float, directions: Floats | None, kind: Kind
     ) -> list[tuple[int, list[Line]]]:
         """Return the lines of both edges of a strip, with the numbers of their chains; nothing if there are none."""
         chains = [self.chains.chains[number] for number in strip.chains]
@@ -181,23 +189,22 @@ class _Fitter:
             first = _across(chains[0].ends[0], rows[0, 1] - rows[0, 0])
         if b1 == 0 and a1 == len(chains[0].points) - 1 and chains[0].ends[1] is not None:
             last = _across(chains[0].ends[1], rows[0, -1] - rows[0, -2])
-        sides = fit(
-            rows,
-            tolerance,
-            shift=np.array([0.0, width]),
-            breaks=breaks,
-            own=own,
-            first=first,
-            last=last,
-            directions=directions,
-        )
+        shift = np.array([0.0, width])
+        if kind.disks:
+            sign = 0.5 if strip.inside else -0.5
+            sides = fit_disks(rows, sign * strip.widths, tolerance, first=first, last=last)
+        elif kind.arcs:
+            sides = fit_bends(rows, tolerance, shift=shift, breaks=breaks, first=first, last=last)
+        else:
+            ends = {"first": first, "last": last}
+            sides = fit(rows, tolerance, shift=shift, breaks=breaks, own=kind.own, directions=directions, **ends)
         if sides is None:
             return []
         front, back = [], []
-        for s, normal in enumerate(sides.normals):
+        for s, (normal, other) in enumerate(zip(*sides.normals, strict=True)):
             start, end = strip.places[sides.cuts[s]], strip.places[sides.cuts[s + 1]]
             front.append(Line(int(start[0]), int(end[0]), normal, float(sides.offsets[0, s])))
-            back.append(Line(int(end[1]), int(start[1]), -normal, -float(sides.offsets[1, s])))
+            back.append(Line(int(end[1]), int(start[1]), -other, -float(sides.offsets[1, s])))
         return [(strip.chains[0], front), (strip.chains[1], back[::-1])]
 
 
@@ -210,7 +217,7 @@ def _across(axis: Axis, ahead: Floats) -> End:
     return End(pieces.DIRECTED, (x, y), price=0.5)
 
 
-def _filled(chain: Chain, known: list[Line], tolerance: float, directions: Floats | None) -> list[Line] | None:
+def _filled(chain: Chain, known: list[Line], tolerance: float, directions: Floats | None, arcs: bool) -> list[Line] | None:
     """Return lines for a whole chain: those known, in order, and between them the fewest that fit."""
     known = sorted(known, key=lambda line: (line.start, line.end))
     runs: list[list[Line]] = []
@@ -226,7 +233,7 @@ def _filled(chain: Chain, known: list[Line], tolerance: float, directions: Float
         if there < here:
             return None
         if there > here:
-            between = _between(chain, here, there, behind, run[0] if run else None, tolerance, directions)
+            between = _between(chain, here, there, behind, run[0] if run else None, tolerance, directions, arcs)
             if between is None:
                 return None
             for line in between:
@@ -252,6 +259,7 @@ def _between(
     ahead: Line | None,
     tolerance: float,
     directions: Floats | None,
+    arcs: bool,
 ) -> list[Line] | None:
     """Return the fewest lines from sample ``here`` to ``there`` of a chain, between two known ones, which may go on."""
     points = chain.points[here : there + 1]
@@ -266,12 +274,14 @@ def _between(
     elif there == len(chain.points) - 1 and end is not None:
         last = _across(end, points[-1] - points[-2])
     breaks = chain.corners[here : there + 1]
-    sides = fit(points[None], tolerance, breaks=breaks, first=first, last=last, directions=directions)
+    sides = fit_bends(points[None], tolerance, breaks=breaks, first=first, last=last) if arcs else None
+    if sides is None:
+        sides = fit(points[None], tolerance, breaks=breaks, first=first, last=last, directions=directions)
     if sides is None:
         return None
     lines = [
         Line(int(here + sides.cuts[s]), int(here + sides.cuts[s + 1]), normal, float(sides.offsets[0, s]))
-        for s, normal in enumerate(sides.normals)
+        for s, normal in enumerate(sides.normals[0])
     ]
     if behind is not None and lines and _is_same(lines[0], behind):
         lines[0] = Line(lines[0].start, lines[0].end, behind.normal, behind.offset)

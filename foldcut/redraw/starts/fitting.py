@@ -49,7 +49,7 @@ ANY = End()
 class Sides:
     """Lines for the pieces of rows: piece s goes from place ``cuts[s]`` to ``cuts[s + 1]``.
 
-    ``normals`` ``(s, 2)`` point to the left; the line of row k is ``normals[s] @ p == offsets[k, s]``. ``cost``: the
+    ``normals`` ``(k, s, 2)`` point to the left; the line of row k is ``normals[k, s] @ p == offsets[k, s]``. ``cost``: the
     number of lines, and a little for how far they are off.
     """
 
@@ -171,7 +171,7 @@ def _sides(
     for s, end in ((0, first), (-1, last)):
         if end.kind == pieces.GIVEN and (normals[s] == np.array(end.normal)).all():
             offsets[:, s] = end.offset + shift
-    return Sides(cuts, normals, offsets, cost)
+    return Sides(cuts, np.repeat(normals[None], len(points), axis=0), offsets, cost)
 
 
 @cache

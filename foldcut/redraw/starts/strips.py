@@ -167,13 +167,17 @@ def _strip(
     if end - start < 2:
         return None
     columns: list[tuple[int, int]] = []
+    wide: list[float] = []
     for here in range(start, end + 1):
         i, j = int(samples.place[here]), int(samples.place[partner[here]])
         if columns:
             last_i, last_j = columns[-1]
-            columns += [(last_i, k) for k in range(last_j - 1, j, -1)]
+            between = range(last_j - 1, j, -1)
+            columns += [(last_i, k) for k in between]
+            wide += np.linspace(wide[-1], width[here], len(between) + 2)[1:-1].tolist()
         columns.append((i, j))
-    places = np.array(columns)
+        wide.append(float(width[here]))
+    places, widths = np.array(columns), np.array(wide)
     numbers = (int(samples.chain[start]), int(samples.chain[partner[start]]))
     # corners within limits of the same chain must not overlap
     (a, a0, a1), (b, b0, b1) = (
@@ -184,9 +188,9 @@ def _strip(
         if a == b and a0 < b1 and b0 < a1:
             # the strip is seen from both edges: keep the half up to where they meet
             keep = places[:, 0] < places[:, 1]
-            return _half(chains, numbers, places[keep], width[start : end + 1], inside)
+            return _half(chains, numbers, places[keep], widths[keep], inside)
         return None
-    return _made(chains, numbers, places, width[start : end + 1], inside)
+    return _made(chains, numbers, places, widths, inside)
 
 
 def _half(
@@ -216,7 +220,7 @@ def without_overlap(strips: Sequence[Strip]) -> list[Strip]:
         if run is None or run[1] - run[0] < 3:
             continue
         places = strip.places[run[0] : run[1]]
-        part = Strip(strip.chains, places, strip.widths, strip.inside, strip.length * len(places) / len(free))
+        part = Strip(strip.chains, places, strip.widths[run[0] : run[1]], strip.inside, strip.length * len(places) / len(free))
         if any(b <= a for _, a, b in part.intervals()):
             continue
         if any(a < d and c < b for number, a, b in part.intervals() for c, d in taken.get(number, ())):
