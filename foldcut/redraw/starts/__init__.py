@@ -1,0 +1,299 @@
+"""Outlines to begin the search with: a drawing's loops and a tolerance -> polygons within it that promise few folds.
+
+An outline folds with few folds if an even number of ridges meets in each node of its straight skeleton. So it is where
+both edges of a strip, of paper inside or outside, have the same bends at the same places. ``starts`` makes outlines of
+several kinds (``KINDS``), all by dividing the drawn loops into the fewest pieces that are straight within the
+tolerance:
+
+- ``sides``: every loop for itself, lines of any direction;
+- ``directions``: every loop for itself, lines of few directions;
+- ``strips``: both edges of a strip together, so that their lines are parallel and their bends matched.
+
+Mirror axes that are given are kept exactly: half of the drawing is fitted, or a quarter, and mirrored.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from foldcut.core.arrays import Floats
+from foldcut.core.model import Shape
+from foldcut.redraw.starts import pieces
+from foldcut.redraw.starts.arcs import fit_bends
+from foldcut.redraw.starts.chains import Axis, Chain, Chains, Line, chains_of
+from foldcut.redraw.starts.directions import direction_set, straight_directions
+from foldcut.redraw.starts.disks import fit_disks
+from foldcut.redraw.starts.fitting import ANY, End, fit
+from foldcut.redraw.starts.near import Near
+from foldcut.redraw.starts.strips import Strip, find_strips, without_overlap
+
+__all__ = ["Axis", "Start", "all_starts", "starts"]
+
+SLACK = 1.02
+"""By how much the check on samples may find an outline farther than the tolerance."""
+
+
+class Kind(NamedTuple):
+    """How an outline is made.
+
+    ``edges``: which strips are fitted as such: "" none, "in" and "out" those of paper inside or outside, "both".
+    ``step``: degrees between directions, 0 for any direction. ``part``: of the tolerance, how far lines may be off.
+    ``own``: edges of a strip are parallel, but not at one distance. ``phase``: how far directions are turned, in steps.
+    ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
+    """
+
+    edges: str
+    step: float
+    part: float
+    own: bool = False
+    phase: float = 0.0
+    arcs: bool = False
+    disks: bool = False
+
+    def __str__(self) -> str:
+        words = [self.edges or "sides", f"{self.step:g}" if self.step else "any", f"{self.part:g}"]
+        return " ".join(words + ["arcs"] * self.arcs + ["disks"] * self.disks + ["own"] * self.own + [f"phase {self.phase:g}"] * (self.phase > 0))
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """An outline in mm of the frame, the kind it is, how many lines were fitted, and how symmetric it is."""
+
+    shape: Shape
+    kind: Kind
+    axes: tuple[Axis, ...]
+
+
+STEPS = (90.0, 60.0, 45.0, 36.0, 30.0, 22.5, 18.0, 15.0)
+PARTS = (0.95, 0.7, 0.5)
+
+
+def kinds() -> Iterator[Kind]:
+    """Yield the kinds of outlines."""
+    for edges in ("in", "out", "both", ""):
+        for part in PARTS:
+            yield Kind(edges, 0.0, part, arcs=True)
+            yield Kind(edges, 0.0, part)
+            if edges:
+                yield Kind(edges, 0.0, part, disks=True)
+                yield Kind(edges, 0.0, part, arcs=True, disks=True)
+                yield Kind(edges, 0.0, part, own=True)
+    for edges in ("in", "both", ""):
+        for step in STEPS:
+            yield Kind(edges, step, 0.95)
+            yield Kind(edges, step, 0.95, phase=0.5)
+
+
+def starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterator[Shape]:
+    """Yield outlines within ``tolerance`` mm of a drawing's dense loops, the most promising first.
+
+    ``drawn``: the loops in mm of the frame, flattened to 0.02 mm or so. ``axes``: mirror axes to keep exactly, at most
+    two, at right angles. Each outline has the same loops, nested in the same way.
+    """
+    for start in all_starts(drawn, tolerance, axes):
+        yield start.shape
+
+
+def all_starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterator[Start]:
+    """Yield outlines as ``starts`` does, with how they were made."""
+    near = Near(drawn)
+    seen: list[Floats] = []
+    for some in ([tuple(axes), ()] if axes else [()]):
+        chains = chains_of(drawn, tolerance, some)
+        if chains is None:
+            continue
+        fitter = _Fitter(drawn, chains, tolerance)
+        for kind in kinds():
+            loops = fitter.loops(kind)
+            if loops is None:
+                continue
+            shape = near.shape(loops, SLACK * tolerance)
+            if shape is None or _is_known(shape, seen, 0.05 * tolerance):
+                continue
+            yield Start(shape, kind, some)
+
+
+def _is_known(shape: Shape, seen: list[Floats], same: float) -> bool:
+    """Tell whether an outline has been seen, and remember it."""
+    corners = np.concatenate(shape.loops)
+    order = np.lexsort(np.round(corners, 3).T)
+    corners = corners[order]
+    for other in seen:
+        if len(other) == len(corners) and np.abs(other - corners).max() < same:
+            return True
+    seen.append(corners)
+    return False
+
+
+class _Fitter:
+    """Fits the chains of one drawing; what several kinds need is found once."""
+
+    def __init__(self, drawn: Shape, chains: Chains, tolerance: float) -> None:
+        self.drawn, self.chains, self.tolerance = drawn, chains, tolerance
+        self._strips: dict[tuple[str, bool], list[Strip]] = {}
+        self._straight = straight_directions(drawn.loops, max(12.0, 3 * tolerance), chains.axes)
+
+    def strips(self, edges: str, own: bool) -> list[Strip]:
+        """Return the strips for a kind, of which no two overlap."""
+        if not edges:
+            return []
+        if (edges, own) not in self._strips:
+            variation = 12 * self.tolerance if own else 3.6 * self.tolerance
+            sides = {"in": (True,), "out": (False,), "both": (True, False)}[edges]
+            found = [strip for inside in sides for strip in find_strips(self.chains, variation, inside=inside)]
+            found.sort(key=lambda strip: -strip.length)
+            self._strips[edges, own] = without_overlap(found)
+        return self._strips[edges, own]
+
+    def loops(self, kind: Kind) -> list[Floats] | None:
+        """Return the loops of an outline of a kind, or None where there is none."""
+        strips = self.strips(kind.edges, kind.own or kind.disks)
+        if kind.edges and not strips:
+            return None
+        directions = None
+        if kind.step:
+            directions = direction_set(self._straight, math.radians(kind.step), kind.phase)
+            if kind.phase and self._straight:
+                return None
+        tolerance = kind.part * self.tolerance
+        lines: list[list[Line]] = [[] for _ in self.chains.chains]
+        for strip in strips:
+            for number, some in self._fitted_strip(strip, tolerance, directions, kind):
+                lines[number] += some
+        fitted = []
+        for chain, known in zip(self.chains.chains, lines, strict=True):
+            whole = _filled(chain, known, tolerance, directions, kind.arcs)
+            if whole is None:
+                return None
+            fitted.append(whole)
+        return self.chains.loops(fitted)
+
+    def _fitted_strip(
+        self, strip: Strip, tolerance: float, directions: Floats | None, kind: Kind
+    ) -> list[tuple[int, list[Line]]]:
+        """Return the lines of both edges of a strip, with the numbers of their chains; nothing if there are none."""
+        chains = [self.chains.chains[number] for number in strip.chains]
+        rows = strip.rows(self.chains.chains)
+        width = strip.width if strip.inside else -strip.width
+        breaks = np.zeros(len(strip.places), dtype=bool)
+        for k, chain in enumerate(chains):
+            breaks |= chain.corners[strip.places[:, k]]
+        first = last = ANY
+        (a0, b0), (a1, b1) = strip.places[0], strip.places[-1]
+        if a0 == 0 and b0 == len(chains[1].points) - 1 and chains[0].ends[0] is not None:
+            first = _across(chains[0].ends[0], rows[0, 1] - rows[0, 0])
+        if b1 == 0 and a1 == len(chains[0].points) - 1 and chains[0].ends[1] is not None:
+            last = _across(chains[0].ends[1], rows[0, -1] - rows[0, -2])
+        shift = np.array([0.0, width])
+        if kind.disks:
+            sign = 0.5 if strip.inside else -0.5
+            sides = fit_disks(rows, sign * strip.widths, tolerance, first=first, last=last)
+        elif kind.arcs:
+            sides = fit_bends(rows, tolerance, shift=shift, breaks=breaks, first=first, last=last)
+        else:
+            ends = {"first": first, "last": last}
+            sides = fit(rows, tolerance, shift=shift, breaks=breaks, own=kind.own, directions=directions, **ends)
+        if sides is None:
+            return []
+        front, back = [], []
+        for s, (normal, other) in enumerate(zip(*sides.normals, strict=True)):
+            start, end = strip.places[sides.cuts[s]], strip.places[sides.cuts[s + 1]]
+            front.append(Line(int(start[0]), int(end[0]), normal, float(sides.offsets[0, s])))
+            back.append(Line(int(end[1]), int(start[1]), -other, -float(sides.offsets[1, s])))
+        return [(strip.chains[0], front), (strip.chains[1], back[::-1])]
+
+
+def _across(axis: Axis, ahead: Floats) -> End:
+    """Return what a piece is that begins or ends on an axis, and runs ``ahead``: best at a right angle to it."""
+    normal = axis.along
+    if float(ahead[0] * normal[1] - ahead[1] * normal[0]) < 0:
+        normal = -normal
+    x, y = normal.tolist()
+    return End(pieces.DIRECTED, (x, y), price=0.5)
+
+
+def _filled(chain: Chain, known: list[Line], tolerance: float, directions: Floats | None, arcs: bool) -> list[Line] | None:
+    """Return lines for a whole chain: those known, in order, and between them the fewest that fit."""
+    known = sorted(known, key=lambda line: (line.start, line.end))
+    runs: list[list[Line]] = []
+    for line in known:
+        if runs and runs[-1][-1].end == line.start:
+            runs[-1].append(line)
+        else:
+            runs.append([line])
+    whole: list[Line] = []
+    here, behind = 0, None
+    for run in [*runs, None]:
+        there = run[0].start if run else len(chain.points) - 1
+        if there < here:
+            return None
+        if there > here:
+            between = _between(chain, here, there, behind, run[0] if run else None, tolerance, directions, arcs)
+            if between is None:
+                return None
+            for line in between:
+                if whole and line.normal is whole[-1].normal:
+                    whole[-1] = Line(whole[-1].start, line.end, line.normal, line.offset)
+                else:
+                    whole.append(line)
+        if run:
+            if whole and run[0].normal is whole[-1].normal:
+                whole[-1] = Line(whole[-1].start, run[0].end, run[0].normal, run[0].offset)
+                whole += run[1:]
+            else:
+                whole += run
+            here, behind = run[-1].end, run[-1]
+    return whole
+
+
+def _between(
+    chain: Chain,
+    here: int,
+    there: int,
+    behind: Line | None,
+    ahead: Line | None,
+    tolerance: float,
+    directions: Floats | None,
+    arcs: bool,
+) -> list[Line] | None:
+    """Return the fewest lines from sample ``here`` to ``there`` of a chain, between two known ones, which may go on."""
+    points = chain.points[here : there + 1]
+    start, end = chain.ends
+    first = last = ANY
+    if behind is not None and not chain.corners[here]:
+        first = _going_on(behind)
+    elif here == 0 and start is not None:
+        first = _across(start, points[1] - points[0])
+    if ahead is not None and not chain.corners[there]:
+        last = _going_on(ahead)
+    elif there == len(chain.points) - 1 and end is not None:
+        last = _across(end, points[-1] - points[-2])
+    breaks = chain.corners[here : there + 1]
+    sides = fit_bends(points[None], tolerance, breaks=breaks, first=first, last=last) if arcs else None
+    if sides is None:
+        sides = fit(points[None], tolerance, breaks=breaks, first=first, last=last, directions=directions)
+    if sides is None:
+        return None
+    lines = [
+        Line(int(here + sides.cuts[s]), int(here + sides.cuts[s + 1]), normal, float(sides.offsets[0, s]))
+        for s, normal in enumerate(sides.normals[0])
+    ]
+    if behind is not None and lines and _is_same(lines[0], behind):
+        lines[0] = Line(lines[0].start, lines[0].end, behind.normal, behind.offset)
+    if ahead is not None and lines and _is_same(lines[-1], ahead):
+        lines[-1] = Line(lines[-1].start, lines[-1].end, ahead.normal, ahead.offset)
+    return lines
+
+
+def _going_on(line: Line) -> End:
+    x, y = line.normal.tolist()
+    return End(pieces.GIVEN, (x, y), line.offset)
+
+
+def _is_same(a: Line, b: Line) -> bool:
+    return bool((a.normal == b.normal).all()) and a.offset == b.offset

@@ -1,0 +1,197 @@
+"""Fit tangents of few circles to smooth rows of points: rows -> ``Sides``, by the dynamic program of ``arcs_code``."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+
+from foldcut.core.arrays import Bools, Floats
+from foldcut.core.compiled import compiled_copy, is_installed
+from foldcut.redraw.starts import arcs_code, pieces
+from foldcut.redraw.starts.fitting import ANY, End, Sides
+
+__all__ = ["fit_bends"]
+
+MOST_PLACES = 70
+"""The largest number of places whose tangents are anchors."""
+
+ASIDE = (0.0, 0.55, 0.95)
+"""How far tangents are moved to the inside of a bend, as parts of the tolerance."""
+
+STRAIGHT = math.radians(0.7)
+"""A row that turns by no more is straight."""
+
+
+def fit_bends(
+    points: Floats,
+    tolerance: float,
+    *,
+    shift: Floats | None = None,
+    breaks: Bools | None = None,
+    weight: float = 0.3,
+    first: End = ANY,
+    last: End = ANY,
+) -> Sides | None:
+    """Return few lines for rows of ``points`` ``(k, m, 2)``, in each bend tangents of one circle, or None.
+
+    Parameters as for ``fitting.fit``.
+    """
+    rows, m = points.shape[:2]
+    shift = np.zeros(rows) if shift is None else np.asarray(shift, dtype=np.float64)
+    stops = [0, *(np.flatnonzero(breaks[1:-1]) + 1).tolist(), m - 1] if breaks is not None else [0, m - 1]
+    cuts, normals, offsets, total = [0], [], [], 0.0
+    for a, b in zip(stops[:-1], stops[1:], strict=True):
+        ends = first if a == 0 else ANY, last if b == m - 1 else ANY
+        part = _fit(np.ascontiguousarray(points[:, a : b + 1]), shift, tolerance, weight, *ends)
+        if part is None:
+            return None
+        some, angles, middle, cost = part
+        cuts += [a + k for k in some[1:]]
+        normals += [(-math.sin(t), math.cos(t)) for t in angles]
+        offsets += middle
+        total += cost
+    return Sides(np.array(cuts), np.repeat(np.array(normals)[None], rows, axis=0), np.array(offsets) + shift[:, None], total)
+
+
+def _fit(
+    points: Floats, shift: Floats, tolerance: float, weight: float, first: End, last: End
+) -> tuple[list[int], list[float], list[float], float] | None:
+    """Return cuts, directions and middle offsets of the fewest lines for a smooth row."""
+    m = points.shape[1]
+    theta = _directions(points)
+    anchors, price = _anchors(points, shift, theta, tolerance, first, last)
+    count = len(anchors)
+    cost, along = np.empty(count), np.empty(count)
+    previous, between = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    end = _code().fit_arcs(
+        points, shift, theta, tolerance, weight, anchors, price, cost, previous, between, along
+    )
+    if end < 0:
+        return None
+    taken = [int(end)]
+    while previous[taken[-1]] >= 0:
+        taken.append(int(previous[taken[-1]]))
+    taken.reverse()
+    cuts, angles, offsets = [0], [float(anchors[taken[0], 2])], [float(anchors[taken[0], 3])]
+    for b, n in zip(taken[:-1], taken[1:], strict=True):
+        a0, a1, c0, c1 = anchors[b, 2], anchors[n, 2], anchors[b, 3], anchors[n, 3]
+        sides, sign = int(between[n]), 1.0 if a1 > a0 else -1.0
+        step = abs(a1 - a0) / (sides + 1)
+        here = int(anchors[b, 1])
+        start, stop = _normal(a0), _normal(a1)
+        apart = start - stop
+        base = apart * (c0 - c1) / (apart @ apart)
+        middle = base + along[n] * _normal((a0 + a1) / 2)
+        radius = float(start @ middle - c0)
+        for s in range(1, sides + 2):
+            bound = (s - 0.5) * step
+            while here < anchors[n, 0] and (theta[here] - a0) * sign < bound:
+                here += 1
+            cuts.append(max(here, cuts[-1]))
+            angle = a0 + sign * s * step
+            angles.append(float(angle))
+            offsets.append(float(c1) if s == sides + 1 else float(_normal(angle) @ middle) - radius)
+    return [*cuts, m - 1], angles, offsets, float(cost[end])
+
+
+def _normal(angle: float) -> Floats:
+    return np.array([-math.sin(angle), math.cos(angle)])
+
+
+def _directions(points: Floats) -> Floats:
+    """Return the direction of the rows at each place, in radians, without jumps."""
+    steps = np.zeros((points.shape[1] + 1, 2))
+    for row in points:
+        steps[1:-1] += np.diff(row, axis=0)
+    around = steps[:-1] + steps[1:]
+    angles: Floats = np.unwrap(np.arctan2(around[:, 1], around[:, 0]))
+    return angles
+
+
+def _anchors(
+    points: Floats, shift: Floats, theta: Floats, tolerance: float, first: End, last: End
+) -> tuple[Floats, Floats]:
+    """Return the anchors ``(n, 4)`` of a row, and what each costs."""
+    m = points.shape[1]
+    found: list[tuple[float, float, float, float, float]] = []
+    curving = np.gradient(theta) if m > 2 else np.zeros(m)
+    straight = _straight_parts(points, theta, max(5.0, 2.5 * tolerance))
+    covered = np.zeros(m, dtype=bool)
+    for a, b in straight:
+        ahead = (points[:, b] - points[:, a]).sum(axis=0)
+        angle = _near(math.atan2(ahead[1], ahead[0]), float(theta[(a + b) // 2]))
+        found.append((a, b, angle, _middle(points, shift, a, b, angle), 1.0))
+        covered[a + 1 : b] = True
+    stride = max(1, math.ceil(m / MOST_PLACES))
+    for place in range(0, m, stride):
+        if covered[place]:
+            continue
+        angle = float(theta[place])
+        offset = _middle(points, shift, place, place, angle)
+        sign = float(np.sign(curving[place]))
+        for part in ASIDE:
+            found.append((place, place, angle, offset + sign * part * tolerance, 1.0))
+    for end, place in ((first, 0), (last, m - 1)):
+        if end.kind == pieces.FREE:
+            continue
+        x, y = end.normal
+        angle = _near(math.atan2(-x, y), float(theta[place]))
+        if end.kind == pieces.GIVEN:
+            found.append((place, place, angle, end.offset, 0.0))
+            continue
+        offset = _middle(points, shift, place, place, angle)
+        inward = 1 if place == 0 else m - 2
+        sign = float(np.sign(curving[inward]))
+        for part in ASIDE:
+            found.append((place, place, angle, offset + sign * part * tolerance, end.price))
+    array = np.array(sorted(found))
+    return np.ascontiguousarray(array[:, :4]), np.ascontiguousarray(array[:, 4])
+
+
+def _middle(points: Floats, shift: Floats, a: int, b: int, angle: float) -> float:
+    heights = points[:, a : b + 1] @ _normal(angle) - shift[:, None]
+    return float(heights.min() + heights.max()) / 2
+
+
+def _near(angle: float, other: float) -> float:
+    """Return an angle by whole turns as near to another as possible."""
+    return other + math.remainder(angle - other, 2 * math.pi)
+
+
+def _straight_parts(points: Floats, theta: Floats, least: float) -> list[tuple[int, int]]:
+    """Return the longest parts, first and last place, along which all rows are straight, longer than ``least`` mm."""
+    steps = np.diff(points, axis=1)
+    angles = np.arctan2(steps[..., 1], steps[..., 0])
+    moves = np.hypot(steps[..., 0], steps[..., 1])
+    # a row that stands still between two places has the direction of the others
+    angles = np.where(moves > 1e-9, angles, (theta[:-1] + theta[1:])[None] / 2)
+    parts: list[tuple[int, int]] = []
+    start = 0
+    count = angles.shape[1]
+    while start < count:
+        end = start
+        while end + 1 < count and (np.abs(_turn(angles[:, end + 1] - angles[:, start])) < STRAIGHT).all():
+            end += 1
+        length = float(np.hypot(*(points[0, end + 1] - points[0, start])))
+        if len(points) > 1:
+            length = min(length, float(np.hypot(*(points[-1, end + 1] - points[-1, start]))))
+        if length > least:
+            parts.append((start, end + 1))
+            start = end + 1
+        else:
+            start += 1
+    return parts
+
+
+def _turn(angles: Floats) -> Floats:
+    turns: Floats = (angles + math.pi) % (2 * math.pi) - math.pi
+    return turns
+
+
+@cache
+def _code() -> ModuleType:
+    """Return the dynamic program, compiled where that is possible."""
+    return compiled_copy(arcs_code) if is_installed() else arcs_code

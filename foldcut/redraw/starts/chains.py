@@ -1,0 +1,328 @@
+"""Cut drawn loops into the chains that sides are fitted to, and put loops together again from fitted chains.
+
+A *chain* is a row of samples of one loop, with the paper of the shape on its left: a whole loop, cut open at a corner,
+or, in a drawing with mirror axes, the part of a loop from one axis to the next. Only as many chains are fitted as are
+needed: the others are mirror images.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from foldcut.core.arrays import Bools, Floats
+from foldcut.core.model import Shape
+
+__all__ = ["Axis", "Chain", "Chains", "Line", "chains_of", "loop_corners"]
+
+FLAT = 0.05
+"""How far samples are from the drawn line at most, as a part of the tolerance."""
+
+SHARP = math.radians(28)
+"""Where a drawn line turns by more than this at one point, it has a true corner."""
+
+MEET = math.sin(math.radians(2.5))
+"""Lines with a smaller sine of the angle between them do not make a corner."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """A mirror axis: a place on it ``(2,)`` in mm, and its direction in radians."""
+
+    place: Floats
+    angle: float
+
+    @property
+    def along(self) -> Floats:
+        """Its unit direction."""
+        return np.array([math.cos(self.angle), math.sin(self.angle)])
+
+    @property
+    def normal(self) -> Floats:
+        """Its left unit normal."""
+        return np.array([-math.sin(self.angle), math.cos(self.angle)])
+
+    def side(self, points: Floats) -> Floats:
+        """Return how far points ``(n, 2)`` are to the left of it, in mm."""
+        distances: Floats = (points - self.place) @ self.normal
+        return distances
+
+    def mirrored(self, points: Floats) -> Floats:
+        """Return the mirror images of points ``(n, 2)``."""
+        images: Floats = points - 2 * self.side(points)[:, None] * self.normal
+        return images
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """A row of samples, ``points`` ``(m, 2)``, of loop number ``loop``, with the shape's paper on its left.
+
+    ``corners`` ``(m,)``: which samples are true corners. ``ends``: the axes on which the chain begins and ends; both
+    None where it is a whole loop, whose last sample is the first once more.
+    """
+
+    loop: int
+    points: Floats
+    corners: Bools
+    ends: tuple[Axis | None, Axis | None]
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether it is a whole loop."""
+        return self.ends[0] is None
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A fitted side: the line ``normal @ p == offset``, paper on its left, for samples ``start`` to ``end``."""
+
+    start: int
+    end: int
+    normal: Floats
+    offset: float
+
+
+@dataclass(frozen=True, eq=False)
+class Chains:
+    """All chains of a drawing, and for each loop the chain it is made from, and by which axes that is mirrored."""
+
+    chains: tuple[Chain, ...]
+    source: tuple[tuple[int, tuple[Axis, ...]], ...]
+    axes: tuple[Axis, ...]
+
+    def loops(self, lines: Sequence[Sequence[Line]]) -> list[Floats] | None:
+        """Return the loops that fitted lines, chain by chain, make; None where lines do not meet."""
+        made = []
+        for chain, fitted in zip(self.chains, lines, strict=True):
+            loop = loop_corners(chain, fitted)
+            if loop is None or len(loop) < 3:
+                return None
+            made.append(loop)
+        loops = []
+        for number, axes in self.source:
+            loop = made[number]
+            for axis in axes:
+                loop = axis.mirrored(loop)[::-1]
+            loops.append(loop)
+        return loops
+
+
+def chains_of(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Chains | None:
+    """Return the chains of a drawing's dense loops; ``tolerance`` in mm decides how dense their samples are.
+
+    None if the drawing is not symmetric enough about ``axes`` for its loops to be taken apart.
+    """
+    loops = [loop if drawn.depth(k) % 2 == 0 else loop[::-1] for k, loop in enumerate(drawn.loops)]
+    crossing = [[axis for axis in axes if _crosses(axis, loop)] for loop in loops]
+    chains: list[Chain] = []
+    source: list[tuple[int, tuple[Axis, ...]] | None] = [None] * len(loops)
+    for k, loop in enumerate(loops):
+        if source[k] is not None:
+            continue
+        chain = _chain(k, loop, tolerance, crossing[k])
+        if chain is None:
+            return None
+        chains.append(chain)
+        for ways in _ways([axis for axis in axes if axis not in crossing[k]]):
+            image = loop
+            for axis in ways:
+                image = axis.mirrored(image)[::-1]
+            which = _same_loop(image, loops, tolerance)
+            if which is None:
+                return None
+            if source[which] is None:
+                source[which] = (len(chains) - 1, ways)
+    return Chains(tuple(chains), tuple(one for one in source if one is not None), tuple(axes))
+
+
+def _ways(axes: Sequence[Axis]) -> list[tuple[Axis, ...]]:
+    """Return the products of reflections in one or two axes."""
+    if not axes:
+        return [()]
+    if len(axes) == 1:
+        return [(), (axes[0],)]
+    return [(), (axes[0],), (axes[1],), (axes[0], axes[1])]
+
+
+def _crosses(axis: Axis, loop: Floats) -> bool:
+    sides = axis.side(loop)
+    return bool(min(sides.max(), -sides.min()) > 0.25 * np.abs(sides).max())
+
+
+def _same_loop(image: Floats, loops: Sequence[Floats], tolerance: float) -> int | None:
+    """Return the number of the loop whose box is that of ``image``."""
+    box = np.concatenate([image.min(axis=0), image.max(axis=0)])
+    off = [float(np.abs(np.concatenate([q.min(axis=0), q.max(axis=0)]) - box).max()) for q in loops]
+    best = int(np.argmin(off))
+    return best if off[best] <= 2 * tolerance else None
+
+
+def _chain(number: int, loop: Floats, tolerance: float, axes: Sequence[Axis]) -> Chain | None:
+    if not axes:
+        turned = np.roll(loop, -_cut_open(loop), axis=0)
+        points = np.concatenate([turned, turned[:1]])
+        return _sampled(number, points, tolerance, (None, None))
+    points = _part(loop, axes[0])
+    if points is None:
+        return None
+    ends = (axes[0], axes[0])
+    if len(axes) == 2:
+        # of the half, the part on the left of the other axis
+        halved = _open_part(points, axes[1])
+        if halved is None:
+            return None
+        points, at_start = halved
+        ends = (axes[0], axes[1]) if at_start else (axes[1], axes[0])
+    return _sampled(number, points, tolerance, ends)
+
+
+def _part(loop: Floats, axis: Axis) -> Floats | None:
+    """Return the longest part of a closed loop on the left of an axis, with both ends on the axis."""
+    sides = axis.side(loop)
+    start = int(np.argmin(sides))
+    turned, sides = np.roll(loop, -start, axis=0), np.roll(sides, -start)
+    turned, sides = np.concatenate([turned, turned[:1]]), np.concatenate([sides, sides[:1]])
+    up = np.flatnonzero((sides[:-1] <= 0) & (sides[1:] > 0))
+    down = np.flatnonzero((sides[:-1] > 0) & (sides[1:] <= 0))
+    if not len(up) or len(up) != len(down):
+        return None
+    best = int(np.argmax(down - up)) if len(up) > 1 else 0
+    if len(up) > 1:
+        heights = [sides[a + 1 : b + 1].max() for a, b in zip(up, down, strict=True)]
+        best = int(np.argmax(heights))
+    a, b = int(up[best]), int(down[best])
+    return np.concatenate([[_at(turned, sides, a)], turned[a + 1 : b + 1], [_at(turned, sides, b)]])
+
+
+def _open_part(points: Floats, axis: Axis) -> tuple[Floats, bool] | None:
+    """Return the part of a row that is on the left of an axis which it crosses once, and whether its start is there."""
+    sides = axis.side(points)
+    cross = np.flatnonzero((sides[:-1] > 0) != (sides[1:] > 0))
+    if len(cross) != 1:
+        return None
+    k = int(cross[0])
+    place = _at(points, sides, k)
+    if sides[0] > 0:
+        return np.concatenate([points[: k + 1], [place]]), True
+    return np.concatenate([[place], points[k + 1 :]]), False
+
+
+def _at(points: Floats, sides: Floats, k: int) -> Floats:
+    """Return where the line from point k to the next crosses the axis."""
+    part = sides[k] / (sides[k] - sides[k + 1])
+    place: Floats = points[k] + part * (points[k + 1] - points[k])
+    return place
+
+
+def _cut_open(loop: Floats) -> int:
+    """Return where to cut a loop open: at its sharpest corner, or at its highest point if it has none."""
+    turns = np.abs(_turns(np.concatenate([loop[-1:], loop, loop[:1]])))
+    best = int(turns.argmax())
+    return best if turns[best] > SHARP else int(loop[:, 1].argmax())
+
+
+def _turns(points: Floats) -> Floats:
+    """Return the turn at all points of a row but the first and the last, in radians, to the left."""
+    steps = np.diff(points, axis=0)
+    a, b = steps[:-1], steps[1:]
+    turns: Floats = np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], (a * b).sum(axis=1))
+    return turns
+
+
+def _sampled(
+    number: int, points: Floats, tolerance: float, ends: tuple[Axis | None, Axis | None]
+) -> Chain:
+    """Return a chain of samples of a dense row of points, true corners among them."""
+    keep = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9])
+    points = points[keep]
+    sharp = np.zeros(len(points), dtype=bool)
+    sharp[1:-1] = np.abs(_turns(points)) > SHARP
+    if ends[0] is None:
+        closing = np.concatenate([points[-2:-1], points[:1], points[1:2]])
+        sharp[[0, -1]] = abs(float(_turns(closing)[0])) > SHARP
+    places = np.flatnonzero(sharp)
+    bounds = sorted({0, *places.tolist(), len(points) - 1})
+    step = min(1.0 + tolerance, 3.0)
+    rows, corners = [], []
+    for a, b in zip(bounds[:-1], bounds[1:], strict=True):
+        thinned = shapely.get_coordinates(shapely.simplify(shapely.linestrings(points[a : b + 1]), FLAT * tolerance))
+        counts = np.maximum(1, np.ceil(np.hypot(*np.diff(thinned, axis=0).T) / step)).astype(int)
+        first = np.repeat(np.cumsum(counts) - counts, counts)
+        part = ((np.arange(counts.sum()) - first) / np.repeat(counts, counts))[:, None]
+        row = np.repeat(thinned[:-1], counts, axis=0) * (1 - part) + np.repeat(thinned[1:], counts, axis=0) * part
+        rows.append(row)
+        corners.append(np.arange(len(row)) == 0)
+        corners[-1][0] = sharp[a]
+    rows.append(points[-1:])
+    corners.append(np.array([bool(sharp[-1])]))
+    return Chain(number, np.concatenate(rows), np.concatenate(corners), ends)
+
+
+def loop_corners(chain: Chain, lines: Sequence[Line]) -> Floats | None:
+    """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None if they do not meet."""
+    lines = _merged(chain, lines)
+    if lines is None:
+        return None
+    corners = []
+    for a, b in zip(lines[:-1], lines[1:], strict=True):
+        corner = _meeting(a.normal, a.offset, b.normal, b.offset)
+        if corner is None:
+            return None
+        corners.append(corner)
+    if chain.is_closed:
+        corner = _meeting(lines[-1].normal, lines[-1].offset, lines[0].normal, lines[0].offset)
+        return None if corner is None else np.array([corner, *corners])
+    start, end = chain.ends
+    assert start is not None
+    assert end is not None
+    row = np.array(corners).reshape(-1, 2)
+    row = np.concatenate([_on_axis(lines[0], start), row, _on_axis(lines[-1], end)])
+    half = np.concatenate([row, _image(row, end)])
+    return half if start is end else np.concatenate([half, _image(half, start)])
+
+
+def _image(row: Floats, axis: Axis) -> Floats:
+    """Return the mirror image of a row that ends at an axis, backwards, without the corners on the axis."""
+    off = np.abs(axis.side(row)) > 1e-9
+    return axis.mirrored(row[off])[::-1]
+
+
+def _on_axis(line: Line, axis: Axis) -> Floats:
+    """Return where a line meets an axis, ``(1, 2)``, or nothing if it does so at a right angle."""
+    if abs(float(line.normal @ axis.normal)) < 1e-6:
+        return np.empty((0, 2))
+    corner = _meeting(line.normal, line.offset, axis.normal, float(axis.normal @ axis.place))
+    return np.empty((0, 2)) if corner is None else corner[None]
+
+
+def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line] | None:
+    """Return lines of which no two that follow each other are parallel, where those are on one line nearly."""
+    kept: list[Line] = []
+    for line in lines:
+        if kept and abs(_sine(kept[-1].normal, line.normal)) < MEET:
+            a = kept[-1]
+            longer = a if a.end - a.start >= line.end - line.start else line
+            kept[-1] = Line(a.start, line.end, longer.normal, longer.offset)
+        else:
+            kept.append(line)
+    if chain.is_closed and len(kept) > 3 and abs(_sine(kept[-1].normal, kept[0].normal)) < MEET:
+        a, b = kept.pop(), kept[0]
+        longer = a if a.end - a.start >= b.end - b.start else b
+        kept[0] = Line(b.start, b.end, longer.normal, longer.offset)
+    return kept if kept else None
+
+
+def _sine(a: Floats, b: Floats) -> float:
+    return float(a[0] * b[1] - a[1] * b[0])
+
+
+def _meeting(a: Floats, c: float, b: Floats, d: float) -> Floats | None:
+    """Return where the lines ``a @ p == c`` and ``b @ p == d`` meet, or None if they hardly do."""
+    sine = _sine(a, b)
+    if abs(sine) < MEET:
+        return None
+    return np.array([c * b[1] - d * a[1], a[0] * d - b[0] * c]) / sine

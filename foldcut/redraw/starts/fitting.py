@@ -1,0 +1,180 @@
+"""Fit straight sides to rows of points: rows -> ``Sides``, by the dynamic programs of ``pieces``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from types import ModuleType
+
+import numpy as np
+
+from foldcut.core.arrays import Bools, Floats, Indices
+from foldcut.core.compiled import compiled_copy, is_installed
+from foldcut.redraw.starts import pieces
+
+__all__ = ["ANY", "End", "Sides", "fit"]
+
+APART = np.sin(np.radians(8))
+"""The least sine of the angle between sides that follow each other, where directions are from a set."""
+
+
+@dataclass(frozen=True)
+class End:
+    """How the first or the last piece of a row has to be: ``kind`` of ``pieces``, the left normal of its line, its offset.
+
+    ``price``: what the piece costs, where others cost 1. ``optional``: whether it may have another direction.
+    """
+
+    kind: float = pieces.FREE
+    normal: tuple[float, float] = (0.0, 0.0)
+    offset: float = 0.0
+    price: float = 1.0
+    optional: bool = True
+
+    def array(self) -> Floats:
+        """The form that ``pieces`` takes."""
+        return np.array([self.kind, *self.normal, self.offset, self.price, float(self.optional)])
+
+    def reversed(self) -> End:
+        """The same for rows that run the other way."""
+        x, y = self.normal
+        return End(self.kind, (-x, -y), -self.offset, self.price, self.optional)
+
+
+ANY = End()
+"""A first or last piece like any other."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """Lines for the pieces of rows: piece s goes from place ``cuts[s]`` to ``cuts[s + 1]``.
+
+    ``normals`` ``(k, s, 2)`` point to the left; the line of row k is ``normals[k, s] @ p == offsets[k, s]``. ``cost``: the
+    number of lines, and a little for how far they are off.
+    """
+
+    cuts: Indices
+    normals: Floats
+    offsets: Floats
+    cost: float
+
+
+def fit(
+    points: Floats,
+    tolerance: float,
+    *,
+    shift: Floats | None = None,
+    breaks: Bools | None = None,
+    weight: float = 0.3,
+    own: bool = False,
+    first: End = ANY,
+    last: End = ANY,
+    directions: Floats | None = None,
+) -> Sides | None:
+    """Return the fewest lines for rows of ``points`` ``(k, m, 2)``, each within ``tolerance`` of its piece, or None.
+
+    ``shift`` ``(k,)``: how far each row's line is to the left of the middle one; with ``own`` the lines of a piece are
+    parallel at any distance. ``breaks`` ``(m,)``: where a piece has to end. ``directions`` ``(d, 2)``: the left normals
+    that lines may have, if not any. Lengths in mm.
+    """
+    rows, m = points.shape[:2]
+    points = np.ascontiguousarray(points)
+    shift = np.zeros(rows) if shift is None else np.asarray(shift, dtype=np.float64)
+    stops = np.zeros(m, dtype=np.int64) if breaks is None else breaks.astype(np.int64)
+    ends = first.array(), last.array()
+    if m < 2:
+        return None
+    code = _code()
+    if directions is None:
+        cost, previous, normals = np.empty(m), np.empty(m, dtype=np.int64), np.empty((m, 2))
+        sums = np.empty((rows, m, 5))
+        code.fit_freely(points, shift, stops, tolerance, weight, own, *ends, sums, cost, previous, normals)
+        if cost[-1] >= pieces.INFINITE:
+            return None
+        cuts = [m - 1]
+        while cuts[-1] > 0:
+            cuts.append(int(previous[cuts[-1]]))
+        cuts.reverse()
+        chosen, total = normals[cuts[1:]], float(cost[-1])
+    else:
+        found = _fit_directed(points, shift, stops, tolerance, weight, own, first, last, directions)
+        if found is None:
+            return None
+        cuts, chosen, total = found
+    return _sides(points, shift, np.array(cuts), chosen, own, first, last, total)
+
+
+def _fit_directed(
+    points: Floats,
+    shift: Floats,
+    stops: Indices,
+    tolerance: float,
+    weight: float,
+    own: bool,
+    first: End,
+    last: End,
+    directions: Floats,
+) -> tuple[list[int], Floats, float] | None:
+    """Return cuts, normals and cost of the fewest lines of given directions."""
+    m, count = points.shape[1], len(directions)
+    cost = np.empty((m, count + 1))
+    previous, before = np.empty((m, count + 1), dtype=np.int64), np.empty((m, count + 1), dtype=np.int64)
+    ends = first.array(), last.array()
+    _code().fit_directed(
+        points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before
+    )
+    every = np.concatenate([directions, [first.normal]])
+    j, d = m - 1, int(cost[-1].argmin())
+    total = float(cost[j, d])
+    tail: list[int] = []
+    if last.kind == pieces.GIVEN:  # the last pieces may be on the given line
+        heights = points @ np.array(last.normal) - last.offset - shift[:, None]
+        off = np.maximum.accumulate(np.abs(heights).max(axis=0)[::-1])[::-1]
+        apart = np.abs(every[:, 0] * last.normal[1] - every[:, 1] * last.normal[0]) >= APART
+        for i in np.flatnonzero(off[:-1] <= tolerance)[::-1].tolist():
+            if stops[i + 1 : -1].any():
+                break
+            reach = np.where(apart, cost[i], np.inf)
+            if i == 0 and not (first.kind == pieces.GIVEN):
+                j, total, tail = 0, 0.0, [m - 1]
+            elif reach.min() < total:
+                j, d, total, tail = i, int(reach.argmin()), float(reach.min()), [m - 1]
+    if total >= pieces.INFINITE:
+        return None
+    cuts, normals = [*tail, j], [np.array(last.normal)] * len(tail)
+    while cuts[-1] > 0:
+        j = cuts[-1]
+        cuts.append(int(previous[j, d]))
+        normals.append(every[d])
+        d = int(before[j, d])
+    return cuts[::-1], np.array(normals[::-1]), total
+
+
+def _sides(
+    points: Floats,
+    shift: Floats,
+    cuts: Indices,
+    normals: Floats,
+    own: bool,
+    first: End,
+    last: End,
+    cost: float,
+) -> Sides:
+    """Return the lines in the middle of their pieces."""
+    offsets = np.empty((len(points), len(normals)))
+    for s, normal in enumerate(normals):
+        heights = points[:, cuts[s] : cuts[s + 1] + 1] @ normal - shift[:, None]
+        low, high = heights.min(axis=1), heights.max(axis=1)
+        if not own:
+            low, high = np.full(len(points), low.min()), np.full(len(points), high.max())
+        offsets[:, s] = (low + high) / 2 + shift
+    for s, end in ((0, first), (-1, last)):
+        if end.kind == pieces.GIVEN and (normals[s] == np.array(end.normal)).all():
+            offsets[:, s] = end.offset + shift
+    return Sides(cuts, np.repeat(normals[None], len(points), axis=0), offsets, cost)
+
+
+@cache
+def _code() -> ModuleType:
+    """Return the dynamic programs, compiled where that is possible."""
+    return compiled_copy(pieces) if is_installed() else pieces

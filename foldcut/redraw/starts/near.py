@@ -1,0 +1,89 @@
+"""Tell whether an outline is within a tolerance of a drawing, on samples: fast, for sifting outlines.
+
+The exact check is ``foldcut.geometry.curves.farthest_apart``; here both are sampled, so the answer is right to a few
+hundredths of a millimetre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from foldcut.core.arrays import Floats, points_array
+from foldcut.core.model import Shape
+from foldcut.geometry.vectors import signed_area
+
+__all__ = ["Near"]
+
+STEP = 1.0
+"""The distance between samples, in mm of the frame."""
+
+
+class Near:
+    """Loops ``(n, 2)``, dense, in mm of the frame, and how they are nested: what outlines must be near to."""
+
+    def __init__(self, drawn: Shape) -> None:
+        self.drawn = drawn
+        self._lines = [shapely.linearrings(loop) for loop in drawn.loops]
+        for line in self._lines:
+            shapely.prepare(line)
+        self._samples = [shapely.points(sampled(loop, STEP)) for loop in drawn.loops]
+
+    def distance(self, loops: Sequence[Floats], enough: float = float("inf")) -> float:
+        """Return how far loops are from the drawn ones, pair by pair, the larger of both ways, in mm.
+
+        The answer is only a lower bound where it is more than ``enough``.
+        """
+        worst = 0.0
+        for loop, line, samples in zip(loops, self._lines, self._samples, strict=True):
+            ring = shapely.linearrings(loop)
+            shapely.prepare(ring)
+            worst = max(worst, float(shapely.distance(samples, ring).max()))
+            if worst > enough:
+                return worst
+            worst = max(worst, float(shapely.distance(shapely.points(sampled(loop, STEP)), line).max()))
+            if worst > enough:
+                return worst
+        return worst
+
+    @cached_property
+    def _turns(self) -> list[float]:
+        return [float(np.sign(signed_area(loop))) for loop in self.drawn.loops]
+
+    def shape(self, loops: Sequence[Floats], tolerance: float) -> Shape | None:
+        """Return the shape of ``loops``, one for each drawn one, if it is near enough, else None.
+
+        Loops may not cross or touch, and must be nested as the drawn ones are.
+        """
+        turned = []
+        for loop in loops:
+            if len(loop) < 3 or not np.isfinite(loop).all():
+                return None
+            turned.append(points_array(loop if signed_area(loop) > 0 else loop[::-1]))
+        rings = [shapely.linearrings(loop) for loop in turned]
+        if not shapely.is_simple(shapely.multilinestrings([shapely.linestrings([*r, r[0]]) for r in turned])):
+            return None
+        if self.distance(turned, tolerance) > tolerance:
+            return None
+        polygons = shapely.polygons(rings)
+        for k, parent in enumerate(self.drawn.parent):
+            if parent >= 0 and not shapely.contains_xy(polygons[parent], *turned[k][0]):
+                return None
+            if parent < 0 and any(
+                shapely.contains_xy(polygons[m], *turned[k][0]) for m in range(len(turned)) if m != k
+            ):
+                return None
+        return Shape(tuple(turned), self.drawn.parent)
+
+
+def sampled(loop: Floats, step: float) -> Floats:
+    """Return a closed loop's points and more between them, none farther apart than ``step``."""
+    after = np.roll(loop, -1, axis=0)
+    counts = np.maximum(1, np.ceil(np.hypot(*(after - loop).T) / step)).astype(int)
+    first = np.repeat(np.cumsum(counts) - counts, counts)
+    part = (np.arange(counts.sum()) - first) / np.repeat(counts, counts)
+    points: Floats = np.repeat(loop, counts, axis=0) + part[:, None] * np.repeat(after - loop, counts, axis=0)
+    return points
