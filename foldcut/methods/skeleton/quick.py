@@ -22,8 +22,8 @@ TRIES = 8
 def fold_outline(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, tries: int = TRIES) -> Skeletal:
     """Return the pattern of the first promising set of perpendiculars, of at most ``tries``, that can be folded.
 
-    ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are refused.
-    Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
+    ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
+    refused. Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
     problem = "no set of perpendiculars makes the creases at every node even"
     budget = Budget(float("inf"))
