@@ -188,7 +188,7 @@ class Search:
 
         While no set has a pattern, one with no more contradictions is no worse, each step changes something in the
         cause of a contradiction, and the walk ends at the first pattern. From a pattern it only goes to patterns that
-        are no harder to fold, and tries sets with the fewest pieces first. It ends when ``end`` seconds are spent.
+        are no harder to fold, and tries sets with the fewest folds first. It ends when ``end`` seconds are spent.
         """
         perpendiculars, folds = here.drawing.perpendiculars, here.made is not None
         every = exchanges(perpendiculars)
@@ -196,9 +196,9 @@ class Search:
         while self.budget.spent + (order_cost(len(here.made.creases.faces_vertices)) if here.made else 0.0) <= end:
             ways = [one for one in every if one & here.cause and here.taken ^ one not in seen]
             if folds and ways:
-                pieces = [perpendiculars.pieces(here.taken ^ one) for one in ways]
-                fewest = min(*pieces, perpendiculars.pieces(here.taken))
-                ways = [one for one, count in zip(ways, pieces, strict=True) if count == fewest]
+                counts = [perpendiculars.line_count(here.taken ^ one) for one in ways]
+                fewest = min(*counts, perpendiculars.line_count(here.taken))
+                ways = [one for one, count in zip(ways, counts, strict=True) if count == fewest]
             if not ways:
                 break
             taken = here.taken ^ ways[int(random.integers(len(ways)))]

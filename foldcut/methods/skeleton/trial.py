@@ -120,9 +120,8 @@ def perpendiculars_in(perpendiculars: Perpendiculars, facets: Facets, within: It
     """Return the perpendiculars that border on some of the facets, or would divide them if they were folded."""
     outlines = [facets.flat[facets.facets[k]] for k in within]
     tree = shapely.STRtree(shapely.polygons([shapely.linearrings(outline) for outline in outlines]))
-    pieces = [
-        (k, (piece.start + piece.end) / 2) for k, path in enumerate(perpendiculars.paths) for piece in path.pieces
-    ]
-    middles = shapely.points(np.array([middle for _, middle in pieces]))
+    number = [k for k, path in enumerate(perpendiculars.paths) for _ in path.pieces]
+    ends = np.array([(*piece.start, *piece.end) for path in perpendiculars.paths for piece in path.pieces])
+    middles = shapely.points((ends[:, :2] + ends[:, 2:]) / 2)
     found = tree.query(middles, predicate="dwithin", distance=perpendiculars.ridges.snap)[0]
-    return frozenset(pieces[k][0] for k in found.tolist())
+    return frozenset(number[k] for k in found.tolist())
