@@ -137,10 +137,14 @@ class Division:
             low, high = max(low, parts[0]), min(high, parts[1])
         if (high - low) * np.hypot(*step) <= snap:
             return
-        first = a if low == 0.0 else self._add_on_border(start + low * step)
-        last = b if high == 1.0 else self._add_on_border(start + high * step)
+        first, last = self._ridge_end(a, low, start + low * step), self._ridge_end(b, 1.0 - high, start + high * step)
         between = sorted(self._on_ridge[ridge], key=lambda v: float((self.points[v] - start) @ step))
         self._edges += pairwise([first, *between, last])
+
+    def _ridge_end(self, vertex: int, cut_off: float, place: Floats) -> int:
+        """Return the vertex at the end of what lies of a ridge on the sheet; nodes may lie on the border, too."""
+        whole = cut_off == 0.0 and self._ridges.on_sheet(self.points[vertex])
+        return vertex if whole else self._add_on_border(place)
 
     def _draw_border(self) -> None:
         middle = self._ridges.size / 2
