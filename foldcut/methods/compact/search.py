@@ -31,12 +31,12 @@ from foldcut.methods.compact.cover import CLEARANCES, Cover, under_nodes
 from foldcut.methods.compact.linear_program import Program, Wishes
 from foldcut.methods.compact.many_disks import fold_many_disks
 from foldcut.methods.compact.outline import Outline
-from foldcut.methods.compact.part import SheetPart
 from foldcut.methods.compact.pattern import Molecules, Walk
 from foldcut.methods.compact.plans import Plan, neighbours, plans
 from foldcut.methods.compact.short_creases import ShortCreases
 from foldcut.methods.compact.trials import MANY_TURNS, Attempt, Trials
 from foldcut.methods.compact.turns import Solution
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.pattern.ranking import FOLDABLE_MM
 
 FOLLOWING = 0.3

@@ -1,11 +1,15 @@
-"""Cut a symmetric shape at its mirror axes, and join what is left to one loop: what has to be folded is a half or less.
+"""Cut a symmetric shape at its mirror axes, and close what is left to loops: what has to be folded is a half or less.
 
 ``Shape`` on its sheet, symmetric about the sheet's own axes -> ``Half`` candidates.
 
 The loops are cut at the axes. In the half sheet this leaves *chains*, which run from border to border with the shape on
-their left. What lies beyond the border does not matter, so there the ends of chains are joined by arcs, in any way in
-which they do not cross, to form one loop. The compact pattern of that loop, clipped at the half sheet, folds the half.
-Holes and several components need nothing else, as long as every loop meets an axis.
+their left, and the loops that meet no axis. What lies beyond the border does not matter, so there the ends of chains
+are joined by arcs, in any way in which they do not cross:
+
+- to form one loop, for the method ``compact``: its pattern of that loop, clipped at the half sheet, folds the half;
+- to form any loops, for the straight skeleton. There each chain goes straight on until it meets the next one or is far
+  away, so that nothing that begins beyond the border comes back to the half sheet. Its skeleton is then that of the
+  whole shape, and its ridges and perpendiculars end at the axis.
 
 An axis is one fold through a single layer; every other fold then goes through two layers, or through four.
 See docs/several-loops.md.
@@ -14,7 +18,7 @@ See docs/several-loops.md.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
+from itertools import islice, pairwise
 
 import numpy as np
 import shapely
@@ -50,15 +54,37 @@ Arc = tuple[int, int]
 """The two ends of chains that an arc joins: 2 n is the start of the nth chain, 2 n + 1 its end."""
 
 
-def halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
-    """Yield loops by which a half or a quarter of the sheet can be folded, the simplest first.
+def halves_of(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
+    """Yield loops by whose straight skeleton a half or a quarter of the sheet can be folded, the simplest first.
+
+    ``shape`` is symmetric about each of ``axes``: 0 is the sheet's upright middle line, 1 the level one. Its loops may
+    meet the axes as often as they like, or not at all. The last that is yielded are the loops of the whole shape.
+    """
+    half, middle = _part(sheet, axes)
+    chains, closed = _chains(shape, middle, axes)
+    for part in FAR:
+        loops = _straight_on(chains, axes, part * half.diagonal)
+        if loops is not None:
+            loops += closed
+            if _are_disjoint(loops):
+                yield Half(shape, tuple(_counter_clockwise(loop) for loop in loops), half, axes)
+                break
+    yield whole(shape, sheet, axes)
+
+
+def whole(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Half:
+    """Return a half or a quarter of the sheet with the loops of the whole shape, which is symmetric about ``axes``."""
+    half, middle = _part(sheet, axes)
+    return Half(shape, tuple(points_array(loop - middle) for loop in shape.loops), half, axes)
+
+
+def one_loop_halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
+    """Yield single loops by which a half or a quarter of the sheet can be folded, the simplest first.
 
     ``shape`` is symmetric about each of ``axes``: 0 is the sheet's upright middle line, 1 the level one. Raises
     ``UnfoldableError`` where a loop meets no axis, and where the shape crosses the axes too often.
     """
-    size = np.array([sheet.width, sheet.height])
-    middle = np.where(np.isin([0, 1], axes), size / 2, 0.0)
-    half = Sheet(*(size - middle).tolist())
+    half, middle = _part(sheet, axes)
     chains, closed = _chains(shape, middle, axes)
     if closed and (chains or len(closed) > 1):
         x, y = closed[0].mean(axis=0) + middle
@@ -66,7 +92,7 @@ def halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
     if len(chains) > MOST_CHAINS:
         raise UnfoldableError(f"the drawing crosses the mirror axis {2 * len(chains)} times; too often to be folded")
     if closed:
-        yield Half(shape, points_array(closed[0]), half, axes)
+        yield Half(shape, (points_array(closed[0]),), half, axes)
         return
     ends = np.array([(_along_border(chain[0], axes), _along_border(chain[-1], axes)) for chain in chains])
     order = np.argsort(ends.ravel(), kind="stable")
@@ -77,7 +103,14 @@ def halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterator[Half]:
         for arcs in ways:
             loop = _joined(chains, arcs, axes, *margins)
             if loop is not None:
-                yield Half(shape, points_array(loop), half, axes)
+                yield Half(shape, (points_array(loop),), half, axes)
+
+
+def _part(sheet: Sheet, axes: tuple[int, ...]) -> tuple[Sheet, Floats]:
+    """Return the half or quarter of a sheet above and to the right of its axes, and where on the sheet it begins."""
+    size = np.array([sheet.width, sheet.height])
+    middle = np.where(np.isin([0, 1], axes), size / 2, 0.0)
+    return Sheet(*(size - middle).tolist()), middle
 
 
 def _chains(shape: Shape, middle: Floats, axes: Sequence[int]) -> tuple[list[Floats], list[Floats]]:
@@ -190,6 +223,66 @@ def _joined(
     polygon = shapely.Polygon(loop)
     good = len(loop) > 2 and polygon.is_valid and signed_area(loop) > 0
     return loop if good else None
+
+
+def _straight_on(chains: Sequence[Floats], axes: Sequence[int], away: float) -> list[Floats] | None:
+    """Let chains go straight on beyond the border, ``away`` mm far, and close them to loops; None where that fails.
+
+    Of neighbouring ends whose sides meet there, those are joined first that meet nearest to the border. What is left is
+    closed far away, where the shape is between neighbours. The loops have the shape on their left.
+    """
+    place: dict[int, Floats] = {}
+    far: dict[int, Floats] = {}
+    for number, chain in enumerate(chains):
+        for end, (before, last) in ((2 * number, (chain[1], chain[0])), (2 * number + 1, (chain[-2], chain[-1]))):
+            place[end], far[end] = last, extended(before, last, axes, away)
+    ends = sorted(place, key=lambda end: _along_border(place[end], axes))
+    joins: dict[int, tuple[int, list[Floats]]] = {}
+
+    def join(a: int, b: int, between: list[Floats]) -> None:
+        if b % 2:
+            a, b, between = b, a, between[::-1]
+        joins[a] = (b, between)
+
+    while ends:
+        met = []
+        for a, b in pairwise(ends):
+            apex = _meeting(place[a], far[a], place[b], far[b])
+            if apex is not None:
+                met.append((max(float(-apex[list(axes)].min()), 0.0), a, b, apex))
+        if not met:
+            break
+        _, a, b, apex = min(met, key=lambda one: one[0])
+        join(a, b, [apex])
+        ends = [end for end in ends if end not in (a, b)]
+    for a, b in zip(ends[::2], ends[1::2], strict=True):
+        around = len(axes) == 2 and _along_border(place[a], axes) * _along_border(place[b], axes) < 0
+        join(a, b, [far[a], *([np.array([-away, -away])] if around else []), far[b]])
+    if len(joins) < len(chains) or any(not a % 2 or b % 2 for a, (b, _) in joins.items()):
+        return None
+    loops = []
+    left = set(range(len(chains)))
+    while left:
+        points: list[Floats] = []
+        at = min(left)
+        while at in left:
+            left.remove(at)
+            points += list(chains[at][1:-1])  # an end on the border is in the middle of a straight side
+            following, between = joins[2 * at + 1]
+            at, points = following // 2, points + between
+        loops.append(_without_straight(np.array(points)))
+    return loops
+
+
+def _are_disjoint(loops: Sequence[Floats]) -> bool:
+    """Return whether loops neither cross nor touch, and have three corners or more."""
+    if any(len(loop) < 3 for loop in loops):
+        return False
+    return bool(shapely.multilinestrings([shapely.linearrings(loop) for loop in loops]).is_simple)
+
+
+def _counter_clockwise(loop: Floats) -> Floats:
+    return points_array(loop if signed_area(loop) > 0 else loop[::-1])
 
 
 def _reaches(arcs: Sequence[Arc], place: dict[int, float], near: float, far: float) -> dict[Arc, float]:

@@ -13,7 +13,7 @@ from foldcut.drawing.laying import AS_IT_IS, Laid
 from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
-from foldcut.methods.mirror.halves import halves
+from foldcut.methods.mirror.halves import one_loop_halves
 from foldcut.methods.mirror.search import fold_mirrored
 from foldcut.methods.mirror.unfold import Half
 from foldcut.proof.tolerance import COINCIDENT
@@ -77,7 +77,7 @@ def _candidates(problem: Problem) -> Iterator[tuple[Half, Laid]]:
             notes = (*notes, f"made symmetric: corners moved by at most {moved:.2g} mm")
         on = Laid(on.sheet, shape, on.placement, notes, on.quarter, shape, AS_IT_IS)
         try:
-            for half in halves(shape, on.sheet, axes):
+            for half in one_loop_halves(shape, on.sheet, axes):
                 found = True
                 yield half, on
         except UnfoldableError as error:

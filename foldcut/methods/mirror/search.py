@@ -86,7 +86,7 @@ def fold_mirrored(
         nonlocal best, part
         try:
             found = fold_compact(
-                half.loop,
+                half.loops[0],
                 half.sheet,
                 ribbon=ribbon,
                 effort=effort,
@@ -130,6 +130,6 @@ def _by_promise(candidates: Sequence[Half]) -> list[Half]:
     keys = []
     for number, half in enumerate(candidates):
         way = id(half.shape), half.axes
-        keys.append((len(half.loop) - 2 * len(half.axes), seen[way], number))
+        keys.append((len(half.loops[0]) - 2 * len(half.axes), seen[way], number))
         seen[way] += 1
     return [candidates[number] for *_, number in sorted(keys)]

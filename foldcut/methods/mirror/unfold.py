@@ -9,41 +9,97 @@ needs to be shown about it. Mountains and valleys are read off the order, also a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+import shapely
 
-from foldcut.core.arrays import Bools, Floats, points_array
-from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
+from foldcut.core.arrays import Bools, Floats, Indices, points_array
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
 from foldcut.geometry.vectors import signed_area
-from foldcut.methods.compact.part import SheetPart
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.pattern.assemble import assemble, creases_of_stack
 
 
 @dataclass(frozen=True, eq=False)
 class Half(SheetPart):
-    """A half or a quarter of the sheet, and a loop to fold it by.
+    """A half or a quarter of the sheet, and loops to fold it by.
 
     ``axes`` are the axes that are folded first: 0 is the sheet's upright middle line, 1 the level one. ``sheet`` is the
-    part to the right of the upright axis, above the level one, or both. ``loop`` ``(n, 2)`` mm, counter-clockwise, is
-    in the coordinates of that part and reaches beyond its border at the axes. ``shape`` is the whole shape, on the
-    whole sheet.
+    part to the right of the upright axis, above the level one, or both. ``loops``, ``(n, 2)`` mm each, are in the
+    coordinates of that part; they run counter-clockwise, no two cross or touch, and they may reach beyond the border at
+    the axes. On the part they agree with ``shape``, which is the whole shape, on the whole sheet.
     """
 
-    loop: Floats
+    loops: tuple[Floats, ...]
     sheet: Sheet
     axes: tuple[int, ...]
+
+    @cached_property
+    def outline(self) -> Shape:
+        """The loops as a shape, in the coordinates of the part."""
+        polygons = shapely.polygons([shapely.linearrings(loop) for loop in self.loops])
+        inside, around = shapely.STRtree(polygons).query(polygons, predicate="within")
+        depth = np.bincount(inside, minlength=len(polygons))
+        pairs = zip(inside.tolist(), around.tolist(), strict=True)
+        parent = {one: other for one, other in pairs if depth[one] == depth[other] + 1}
+        return Shape(self.loops, tuple(parent.get(number, -1) for number in range(len(polygons))))
+
+    def with_loops(self, loops: Sequence[Floats]) -> Half:
+        """Return the same part with the corners of its loops moved, and those of the whole shape with them.
+
+        Raises ``UnfoldableError`` where a corner comes to an axis.
+        """
+        at, on_axis, sign = self._corners
+        corners = np.concatenate(loops)
+        images = corners[at]
+        following = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
+        for axis in self.axes:
+            here = on_axis == axis
+            start, step = corners[at[here]], following[at[here]] - corners[at[here]]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                images[here] = start - step * (start[:, axis] / step[:, axis])[:, None]
+            images[here, axis] = 0.0
+        if not (np.isfinite(images).all() and (images[:, list(self.axes)] > 0)[on_axis < 0].all()):
+            raise UnfoldableError("a corner comes to the mirror axis when corners are moved")
+        points = images * sign + self._middle
+        ends = np.cumsum([len(loop) for loop in self.shape.loops])[:-1]
+        shape = Shape(tuple(points_array(loop) for loop in np.split(points, ends)), self.shape.parent)
+        return replace(self, shape=shape, loops=tuple(points_array(loop) for loop in loops))
+
+    @cached_property
+    def _corners(self) -> tuple[Indices, Indices, Floats]:
+        """For each corner of the shape the loops' corner of which it is an image, and on which axis it lies.
+
+        The axis is -1 for those off the axes. For a corner on an axis it is instead the first corner of the loops' side
+        that crosses the axis there. Last come the signs, ``(n, 2)``, that make the image a corner of the shape again.
+        """
+        away = np.concatenate(self.shape.loops) - self._middle
+        sign = np.where((away < 0) & np.isin([0, 1], self.axes), -1.0, 1.0)
+        away = away * sign
+        near = away <= 10 * self.tie
+        on_axis = np.full(len(away), -1)
+        for axis in self.axes:
+            on_axis[near[:, axis]] = axis
+        corners = np.concatenate(self.loops)
+        following = np.concatenate([np.roll(loop, -1, axis=0) for loop in self.loops])
+        sides, places = shapely.linestrings(np.stack([corners, following], axis=1)), shapely.points(away)
+        to_corner = shapely.STRtree(shapely.points(corners)).nearest(places)
+        return np.where(on_axis < 0, to_corner, shapely.STRtree(sides).nearest(places)), on_axis, sign
+
+    @property
+    def _middle(self) -> Floats:
+        """The place of the part's lower left corner on the whole sheet, in mm."""
+        return np.where(np.isin([0, 1], self.axes), [self.sheet.width, self.sheet.height], 0.0)
 
     @property
     def first_folds(self) -> tuple[Floats, ...]:
         """The axes as lines on the whole sheet, ``(2, 2)`` mm each, in the order in which they are folded."""
-        size = np.array([self.sheet.width, self.sheet.height]) * np.where(np.isin([0, 1], self.axes), 2.0, 1.0)
-        lines = []
-        for axis in reversed(self.axes):
-            line = np.array([(0.0, 0.0), size])
-            line[:, axis] = size[axis] / 2
-            lines.append(points_array(line))
-        return tuple(lines)
+        width, height = self._middle.tolist()
+        return axis_lines(Sheet(self.sheet.width + width, self.sheet.height + height), self.axes)
 
     def creased(self, creases: CreasePattern) -> Bools:
         """Return which edges of the half's pattern are creases of the whole: those on the axes are, too."""
@@ -58,17 +114,14 @@ class Half(SheetPart):
 
     def unfold(self, creases: CreasePattern, folded: FoldedState) -> tuple[CreasePattern, FoldedState]:
         """Return the pattern of the whole sheet, from that of the half."""
-        size = np.array([self.sheet.width, self.sheet.height])
-        at = np.zeros(2)
         for axis in self.axes:
-            at[axis] = size[axis]
             creases, folded = _doubled(creases, folded, axis, self.tie)
-        moved = points_array(creases.vertices_coords + at)
+        moved = points_array(creases.vertices_coords + self._middle)
         return CreasePattern(moved, creases.edges_vertices, creases.edges_assignment, creases.faces_vertices), folded
 
     def unfold_regions(self, regions: tuple[Region, ...]) -> tuple[Region, ...]:
         """Return the regions of the whole sheet: those of the half, each with its mirror images as outlines."""
-        at = np.where(np.isin([0, 1], self.axes), [self.sheet.width, self.sheet.height], 0.0)
+        at = self._middle
         signs = [np.ones(2)]
         for axis in self.axes:
             signs += [sign * np.where(np.arange(2) == axis, -1.0, 1.0) for sign in signs]
@@ -78,6 +131,17 @@ class Half(SheetPart):
             )
             for region in regions
         )
+
+
+def axis_lines(sheet: Sheet, axes: Sequence[int]) -> tuple[Floats, ...]:
+    """Return axes of a sheet as lines on it, ``(2, 2)`` mm each, in the order in which they are folded."""
+    lines = []
+    for axis in reversed(axes):
+        line = np.array([(0.0, 0.0), (sheet.width, sheet.height)])
+        line[:, axis] /= 2
+        line[0, axis] = line[1, axis]
+        lines.append(points_array(line))
+    return tuple(lines)
 
 
 def _doubled(creases: CreasePattern, folded: FoldedState, axis: int, tie: float) -> tuple[CreasePattern, FoldedState]:

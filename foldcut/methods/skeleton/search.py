@@ -16,6 +16,7 @@ import numpy as np
 
 from foldcut.core.errors import UnfoldableError, UnfoldableWhereError
 from foldcut.core.model import Shape, Sheet
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget, order_cost
 from foldcut.methods.skeleton.choices import exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
@@ -58,6 +59,7 @@ def fold_skeletal(
     seconds: float | None = None,
     share: float = 1.0,
     progress: Callable[[str, float], None] | None = None,
+    part_of: Callable[[Shape], SheetPart] = SheetPart,
 ) -> Skeletal:
     """Fold a shape along its straight skeleton.
 
@@ -65,14 +67,15 @@ def fold_skeletal(
     that joins nodes of the skeleton or takes perpendiculars to them. ``ribbon`` is a half-width in mm: this near to the
     cut, creases only run straight across it or along a corner's bisector. ``effort`` is one of ``SECONDS``, ``seconds``
     replaces it, and ``share`` is the part of either that may be spent. ``progress`` is called with a text and the part
-    done. Ctrl-C ends the search with the best pattern so far.
+    done. Where ``sheet`` is a part of a sheet, ``part_of`` returns that part for the shape or a variant of it with
+    corners moved. Ctrl-C ends the search with the best pattern so far.
     Raises ``UnfoldableError`` with the reason where perpendiculars do not end, where there are too many corners or
     creases, and where no set of perpendiculars has a layer order.
     """
     if shape.corner_count > MOST_CORNERS:
         raise UnfoldableError(f"the drawing has {shape.corner_count} corners; this method takes at most {MOST_CORNERS}")
     budget = Budget(share * (seconds if seconds is not None else SECONDS[effort]))
-    search = Search(sheet, ribbon, budget, progress)
+    search = Search(sheet, ribbon, budget, progress, part_of)
     patience = PATIENCE * budget.limit
     variants = adjusted(shape, sheet, near)
     interrupted = False
@@ -100,7 +103,7 @@ def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float)
     if ridges.odd:
         raise UnfoldableError("some nodes of the straight skeleton need perpendiculars")
     facets = divide_sheet(Perpendiculars(ridges, []), [])
-    return ordered(tied, moved, facets, conditions_of(facets), 0)
+    return ordered(SheetPart(tied), moved, facets, conditions_of(facets), 0)
 
 
 def ridges_of(shape: Shape, sheet: Sheet, ribbon: float) -> Ridges:
@@ -133,13 +136,14 @@ def adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, float
 class Search:
     """The search for the pattern that is easiest to fold: ``best`` is the best trial so far that made one.
 
-    ``ribbon`` in mm; ``problem`` is the first reason why something failed.
+    ``ribbon`` in mm; ``part_of`` as for ``fold_skeletal``; ``problem`` is the first reason why something failed.
     """
 
     sheet: Sheet
     ribbon: float
     budget: Budget
     progress: Callable[[str, float], None] | None = None
+    part_of: Callable[[Shape], SheetPart] = SheetPart
     best: Trial | None = None
     problem: UnfoldableError | None = None
 
@@ -169,11 +173,12 @@ class Search:
         Raises ``UnfoldableError`` where there are no sets, or none with few enough creases.
         """
         nearest: Trial | None = None
+        part = self.part_of(shape)
         for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(shape, self.sheet, self.ribbon))):
             spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
             if spent and number >= LEAST_SETS:
                 break
-            trial = self.attempt(Drawing(shape, moved, perpendiculars), frozenset(taken))
+            trial = self.attempt(Drawing(part, moved, perpendiculars), frozenset(taken))
             if nearest is None or trial.quality < nearest.quality:
                 nearest = trial
         return nearest

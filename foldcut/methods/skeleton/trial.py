@@ -14,6 +14,7 @@ import shapely
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.facets import Facets, divide_sheet
 from foldcut.methods.skeleton.layer_order import NO_ORDER, OrderConditions, layer_order
@@ -29,7 +30,8 @@ class Skeletal:
     """What the method made.
 
     ``shape`` is the drawing that was folded, and ``moved_mm`` how far its corners were moved for that at most;
-    ``perpendiculars`` how many are folded; ``interrupted`` whether Ctrl-C ended the search early.
+    ``perpendiculars`` how many are folded; ``creases`` and ``folded`` are those of the whole sheet, ``part`` has the
+    creases of the part of it that was folded (see ``SheetPart``); ``interrupted``: Ctrl-C ended the search early.
     """
 
     shape: Shape
@@ -37,14 +39,15 @@ class Skeletal:
     perpendiculars: int
     creases: CreasePattern
     folded: FoldedState
+    part: CreasePattern
     interrupted: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A shape, how far in mm its corners were ``moved`` at most, and its perpendiculars."""
+    """The part of a sheet that is folded, how far in mm corners were ``moved`` at most, and its perpendiculars."""
 
-    shape: Shape
+    part: SheetPart
     moved: float
     perpendiculars: Perpendiculars
 
@@ -69,8 +72,7 @@ class Trial:
         """Less is better: first all that have a pattern, those that are easy to fold before others."""
         if self.made is None:
             return (1.0, *self.contradictory)
-        creases = self.made.creases
-        return (0.0, *rank(crease_numbers(creases).lines, shortest_crease(creases)))
+        return (0.0, *rank(crease_numbers(self.made.part).lines, shortest_crease(self.made.creases)))
 
 
 def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget) -> Trial:
@@ -88,7 +90,7 @@ def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget) -> Trial:
         if any(contradictory):
             return Trial(drawing, taken, None, NO_ORDER, contradictory, cause)
         try:
-            made = ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+            made = ordered(drawing.part, drawing.moved, facets, conditions, len(taken))
         finally:
             budget.ordered(len(facets.facets), conditions.rounds)
     except UnfoldableError as error:
@@ -101,19 +103,22 @@ def conditions_of(facets: Facets) -> OrderConditions:
     return OrderConditions(facets.folded, facets.facets, facets.creases, facets.up)
 
 
-def ordered(shape: Shape, moved: float, facets: Facets, conditions: OrderConditions, perpendiculars: int) -> Skeletal:
-    """Find a layer order, and return the pattern that it makes.
+def ordered(
+    part: SheetPart, moved: float, facets: Facets, conditions: OrderConditions, perpendiculars: int
+) -> Skeletal:
+    """Find a layer order for a part of a sheet, and return the pattern that it makes of the whole sheet.
 
     Raises ``UnfoldableError`` where no order is found, and where the pattern fails verification.
     """
     order = layer_order(conditions)
     stack = [facets.facets[k] for k in order]
     edges, kinds = creases_of_stack(facets.folded, stack)
-    creases, folded = assemble(facets.flat, facets.folded, stack, edges, kinds, facets.sheet_corners)
-    findings = verify(creases, folded.layers, shape)
+    of_part, folded = assemble(facets.flat, facets.folded, stack, edges, kinds, facets.sheet_corners)
+    creases, folded = part.unfold(of_part, folded)
+    findings = verify(creases, folded.layers, part.shape)
     if findings:
         raise UnfoldableError(f"the pattern fails verification ({findings[0]})")
-    return Skeletal(shape, moved, perpendiculars, creases, folded)
+    return Skeletal(part.shape, moved, perpendiculars, creases, folded, of_part)
 
 
 def perpendiculars_in(perpendiculars: Perpendiculars, facets: Facets, within: Iterable[int]) -> frozenset[int]:

@@ -15,7 +15,7 @@ from foldcut.core.arrays import Floats
 from foldcut.drawing.placement import parse_sheet, place
 from foldcut.drawing.shape import make_shape
 from foldcut.methods.mirror import search
-from foldcut.methods.mirror.halves import extended, halves, matchings
+from foldcut.methods.mirror.halves import extended, matchings, one_loop_halves
 from foldcut.methods.mirror.search import Mirrored
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_path
@@ -190,13 +190,13 @@ def test_halves_are_loops_that_agree_with_the_shape_on_the_half_sheet() -> None:
     sheet = parse_sheet("a5")
     shape, _ = place(make_shape([LETTER_D, HOLE_D]), sheet)
     drawn = shapely.Polygon(shape.loops[0], [shape.loops[1]])
-    found = list(halves(shape, sheet, (1,)))
+    found = list(one_loop_halves(shape, sheet, (1,)))
     assert found
     for half in found:
         assert half.sheet.height == pytest.approx(sheet.height / 2)
         on_half = shapely.box(0, 0, half.sheet.width, half.sheet.height)
         part = shapely.affinity.translate(drawn, 0, -sheet.height / 2).intersection(on_half)
-        assert shapely.Polygon(half.loop).intersection(on_half).symmetric_difference(part).area < 1e-9
+        assert shapely.Polygon(half.loops[0]).intersection(on_half).symmetric_difference(part).area < 1e-9
 
 
 def random_symmetric(seed: int) -> list[Points]:
