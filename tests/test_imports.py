@@ -27,7 +27,10 @@ FLOORS = (
     ("batch",),
     ("cli",),
 )
-ONLY = {"readers": {"core", "geometry", "drawing"}, "exporters.pictures.construction": {"core", "geometry", "profiles", "methods"}}
+ONLY = {
+    "readers": {"core", "geometry", "drawing"},
+    "exporters.pictures.construction": {"core", "geometry", "profiles", "methods"},
+}
 """Rooms that see less than all floors below them."""
 
 METHODS_BELOW = {

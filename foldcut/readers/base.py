@@ -14,6 +14,7 @@ import numpy as np
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError, FileFormatError, needed_extra
 from foldcut.drawing.limits import Limits
+from foldcut.geometry.curves import CurvedLoop
 
 _JSON_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 
@@ -70,6 +71,8 @@ class Drawing:
     ``loops`` are ``(n, 2)``, y up, in drawing units of ``unit_mm`` mm each (None if the file does not say). ``ignored``
     names what was passed over in the file ("2 texts"), ``notes`` say how the rest was understood, and ``repairs`` what
     had to be mended, which ``--strict`` refuses. ``y_down``: the y axis of the file points down, so y has changed sign.
+    ``curves``: what the loops were flattened from, in the same order; empty if all of them are straight lines, or if
+    that is not known.
     """
 
     loops: tuple[Floats, ...]
@@ -79,6 +82,7 @@ class Drawing:
     y_down: bool = False
     ignored: tuple[str, ...] = ()
     repairs: tuple[str, ...] = ()
+    curves: tuple[CurvedLoop, ...] = ()
 
     @property
     def size(self) -> tuple[float, float]:

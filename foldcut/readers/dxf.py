@@ -23,6 +23,7 @@ from ezdxf.units import conversion_factor
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
 from foldcut.drawing.limits import Limits
+from foldcut.geometry.curves import Bezier, Line, Segment
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.join_outlines import Outline, loops_of
 
@@ -86,12 +87,34 @@ def _read(document: Any, title: str, options: ReadOptions) -> Drawing:
     if not extent > 0 or not math.isfinite(extent):
         raise FileFormatError("the drawing has no size; draw a closed outline with finite coordinates")
     tolerance = options.units(options.flatten_mm, unit_mm, extent)
-    outlines = [Outline(list(_lines(drawn, tolerance, closed=kind in FILLS))) for kind, drawn in shown]
+    outlines = [
+        Outline(list(_lines(drawn, tolerance, closed=kind in FILLS)), curves=[_curve(one) for one in drawn])
+        for kind, drawn in shown
+    ]
     found = loops_of(outlines, options, unit_mm, extent)
     notes = found.notes
     if np.ptp(corners[:, 2]) > 0:
         notes += ("the z coordinates were ignored",)
-    return Drawing(found.loops, unit_mm, title, notes, ignored=counted(ignored), repairs=found.repairs)
+    return Drawing(found.loops, unit_mm, title, notes, False, counted(ignored), found.repairs, found.curves)
+
+
+def _curve(outline: paths.Path) -> list[Segment]:
+    """Return the segments of an outline; nothing if all are straight, or if it is drawn in several parts."""
+    if not outline.has_curves or outline.has_sub_paths:
+        return []
+    segments: list[Segment] = []
+    at = outline.start
+    for command in outline.commands():
+        if isinstance(command, paths.Curve3To):
+            nodes = [at, command.ctrl, command.end]
+        elif isinstance(command, paths.Curve4To):
+            nodes = [at, command.ctrl1, command.ctrl2, command.end]
+        else:
+            nodes = [at, command.end]
+        points = np.array([(node.x, node.y) for node in nodes], dtype=np.float64)
+        segments.append(Line(*points) if len(points) == 2 else Bezier(points))
+        at = command.end
+    return segments
 
 
 def _lines(outlines: list[paths.Path], tolerance: float, *, closed: bool) -> Iterator[tuple[Floats, bool]]:

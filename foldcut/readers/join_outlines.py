@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise, repeat
 
 import numpy as np
 import shapely
@@ -17,6 +18,7 @@ import shapely
 from foldcut.core.arrays import Floats, Ints, index_array, points_array
 from foldcut.core.errors import FileFormatError
 from foldcut.drawing.shape import polygon_loops
+from foldcut.geometry.curves import CurvedLoop, Line, Segment
 from foldcut.readers.base import Drawing, ReadOptions, counted
 
 MOST_CROSSINGS = 10_000
@@ -43,21 +45,27 @@ class Outline:
     """What one element of a file draws: lines, ``(n, 2)``, and whether each is closed.
 
     Closed lines may repeat their first point. ``filled``: open lines are closed, too; if they are not filled, they are
-    joined with those of other elements. ``even_odd``: the fill rule; else it is nonzero.
+    joined with those of other elements. ``even_odd``: the fill rule; else it is nonzero. ``curves``: the segments that
+    each line was flattened from, from its first point to its last, or none if they are straight; it may be left out.
     """
 
     lines: Sequence[tuple[Floats, bool]]
     filled: bool = False
     even_odd: bool = True
+    curves: Sequence[Sequence[Segment]] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class Loops:
-    """Closed loops of one even-odd set, ``notes`` on how they were found, and ``repairs`` that were needed."""
+    """Closed loops of one even-odd set, ``notes`` on how they were found, and ``repairs`` that were needed.
+
+    ``curves``: the loops before they were flattened; nothing if all are polygons.
+    """
 
     loops: tuple[Floats, ...]
     notes: tuple[str, ...]
     repairs: tuple[str, ...]
+    curves: tuple[CurvedLoop, ...] = ()
 
 
 def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float | None, extent: float) -> Loops:
@@ -69,11 +77,14 @@ def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float |
     gap = options.units(options.join_mm, unit_mm, extent)
     parts: list[list[Floats]] = []
     chains: list[Floats] = []
+    chain_curves: list[Sequence[Segment]] = []
     gaps: list[float] = []
+    # by the id of the loop, which is kept alive: what is neither cut nor joined stays the same array
+    curved: dict[int, tuple[Floats, CurvedLoop]] = {}
     flat = 0
     for outline in outlines:
         closed: list[Floats] = []
-        for points, is_closed in outline.lines:
+        for (points, is_closed), curve in zip(outline.lines, outline.curves or repeat(()), strict=False):
             end = _end_gap(points)
             if end <= gap and (is_closed or len(points) > 2):
                 gaps.append(end)
@@ -82,14 +93,22 @@ def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float |
                 closed.append(points)
             elif end <= gap:
                 flat += 1
+                continue
             else:
                 chains.append(points)
+                chain_curves.append(curve)
+                continue
+            if curve:
+                curved[id(closed[-1])] = closed[-1], _closed_curve(curve, extent)
         whole = [loop for loop in closed if not _is_flat(loop)]
         flat += len(closed) - len(whole)
         parts.append(fill(whole, even_odd=outline.even_odd))
         flat += 0 if parts[-1] else len(whole)
     loops, united = unite(parts)
-    joined, more, stray = join(chains, gap, alone=not loops)
+    joined, more, stray, trails = join(chains, gap, alone=not loops)
+    for loop, trail in zip(joined, trails, strict=True):
+        if any(chain_curves[number] for number, _ in trail):
+            curved[id(loop)] = loop, _closed_curve(_joined_curves(chains, chain_curves, trail), extent)
     whole = [loop for loop in joined if not _is_flat(loop)]
     flat += len(joined) - len(whole)
     if not loops and not whole:
@@ -97,7 +116,11 @@ def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float |
     notes = [f"{united} outlines that overlap or touch were united"] if united else []
     nothing = f"left out {flat} outline{'s' * (flat > 1)} without area" if flat else ""
     repairs = filter(None, [_closed_gaps([*gaps, *more], extent, unit_mm), stray, nothing])
-    return Loops((*loops, *whole), tuple(notes), tuple(repairs))
+    found = (*loops, *whole)
+    curves: list[CurvedLoop] = []
+    if any(id(loop) in curved for loop in found):
+        curves = [curved[id(loop)][1] if id(loop) in curved else CurvedLoop.of_points(loop) for loop in found]
+    return Loops(found, tuple(notes), tuple(repairs), tuple(curves))
 
 
 def closed_loops(
@@ -125,6 +148,27 @@ def drawing_of(
     extent = float(np.ptp(finite, axis=0).max()) if len(finite) else 0.0
     found = loops_of([Outline([(line, False) for line in lines])], options, None, extent)
     return Drawing(found.loops, None, title, found.notes, ignored=counted(ignored), repairs=found.repairs)
+
+
+def _closed_curve(segments: Sequence[Segment], extent: float) -> CurvedLoop:
+    """Return the loop that segments make, with lines over the gaps between them and from the end to the start."""
+    loop: list[Segment] = []
+    for segment, following in zip(segments, [*segments[1:], segments[0]], strict=True):
+        loop.append(segment)
+        if float(np.hypot(*(following.start - segment.end))) > FLAT * extent:
+            loop.append(Line(segment.end, following.start))
+    return CurvedLoop(tuple(loop))
+
+
+def _joined_curves(
+    chains: Sequence[Floats], curves: Sequence[Sequence[Segment]], trail: Sequence[tuple[int, bool]]
+) -> list[Segment]:
+    """Return the segments of chains in the order and the direction in which they were joined."""
+    segments: list[Segment] = []
+    for number, backwards in trail:
+        own = curves[number] or [Line(one, other) for one, other in pairwise(chains[number])]
+        segments += [segment.reversed() for segment in own[::-1]] if backwards else own
+    return segments
 
 
 def _end_gap(points: Floats) -> float:
@@ -199,16 +243,19 @@ def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
     return united, touched
 
 
-def join(chains: Sequence[Floats], gap: float, *, alone: bool) -> tuple[list[Floats], list[float], str]:
+def join(
+    chains: Sequence[Floats], gap: float, *, alone: bool
+) -> tuple[list[Floats], list[float], str, list[list[tuple[int, bool]]]]:
     """Return the loops that open lines form if ends no more than ``gap`` apart are joined.
 
-    With them come the lengths of all gaps, and a sentence on what was left out: lines that repeat others, and lines
-    with an end where no other line continues. Raises ``FileFormatError`` with the place where three lines meet, and, if
+    With them come the lengths of all gaps, a sentence on what was left out (lines that repeat others, and lines with an
+    end where no other line continues), and for each loop its lines in order: their numbers, and whether they run
+    backwards. Raises ``FileFormatError`` with the place where three lines meet, and, if
     there is no loop at all, with that of an end where no line continues; ``alone`` means that these lines are all there
     is.
     """
     if not chains:
-        return [], [], ""
+        return [], [], "", []
     ends = np.array([(chain[0], chain[-1]) for chain in chains]).reshape(-1, 2)
     if not (np.abs(ends) < LARGEST).all():  # distances overflow
         raise FileFormatError(f"a line ends at a place that is not finite; give numbers below {LARGEST:g}")
@@ -244,11 +291,12 @@ def join(chains: Sequence[Floats], gap: float, *, alone: bool) -> tuple[list[Flo
             raise FileFormatError(
                 f"{len(members)} lines end at ({x:g}, {y:g}); keep only two, so that one continues the other"
             )
-    loops, gaps = [], []
+    loops, gaps, trails = [], [], []
     for start in sorted(left):
-        end, points = 2 * start, list[Floats]()
+        end, points, trail = 2 * start, list[Floats](), list[tuple[int, bool]]()
         while end // 2 in left:
             left.discard(end // 2)
+            trail.append((end // 2, end % 2 == 1))
             chain = chains[end // 2] if end % 2 == 0 else chains[end // 2][::-1]
             points.append(chain[:-1])
             far = end ^ 1
@@ -257,7 +305,8 @@ def join(chains: Sequence[Floats], gap: float, *, alone: bool) -> tuple[list[Flo
             gaps.append(float(np.hypot(*(ends[end] - ends[far]))))
         if points:
             loops.append(points_array(np.concatenate(points)))
-    return loops, gaps, stray
+            trails.append(trail)
+    return loops, gaps, stray, trails
 
 
 def _without_strays(chains: Sequence[Floats], nodes: Ints) -> tuple[set[int], list[int], int]:

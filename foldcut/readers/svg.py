@@ -33,7 +33,7 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.join_outlines import Outline, loops_of
-from foldcut.readers.svg_paths import NEXT, NUMBER, Size, flattened, number_list, path_of, tag_of, user_units
+from foldcut.readers.svg_paths import NEXT, NUMBER, Size, curved, flattened, number_list, path_of, tag_of, user_units
 
 MOST_ELEMENTS = 200_000
 """A file that shows more elements is refused; clones count as often as they are shown."""
@@ -71,15 +71,18 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         outlines: list[Outline] = []
         count = 0
         for one in shown:
-            lines = [(points_array((flip @ points).T), closed) for points, closed in one.lines(tolerance)]
-            count += sum(len(points) for points, _ in lines)
+            lines, curves = [], []
+            for points, closed, drawn in one.lines(tolerance):
+                lines.append((points_array((flip @ points).T), closed))
+                curves.append(curved(drawn, flip @ one.matrix[:2]))
+                count += points.shape[1]
             if count > options.limits.points:
                 raise _too_many(options)
-            outlines.append(Outline(lines, one.filled, one.even_odd))
+            outlines.append(Outline(lines, one.filled, one.even_odd, curves))
         found = loops_of(outlines, options, unit_mm, extent)
     title = _title(root) or source.name
     ignored = counted(page.ignored)
-    return Drawing(found.loops, unit_mm, title, found.notes, y_down=True, ignored=ignored, repairs=found.repairs)
+    return Drawing(found.loops, unit_mm, title, found.notes, True, ignored, found.repairs, found.curves)
 
 
 def _too_many(options: ReadOptions) -> FileFormatError:
@@ -159,18 +162,18 @@ class _Element:
 
     def points(self, tolerance: float) -> Floats:
         """Return all points, ``(2, n)``."""
-        return np.concatenate([points for points, _ in self._lines(tolerance)] or [np.empty((2, 0))], axis=1)
+        return np.concatenate([points for points, _, _ in self._lines(tolerance)] or [np.empty((2, 0))], axis=1)
 
-    def lines(self, tolerance: float) -> Iterator[tuple[Floats, bool]]:
-        """Yield the visible lines, ``(2, n)``, and whether each is closed."""
-        for points, closed in self._lines(tolerance):
+    def lines(self, tolerance: float) -> Iterator[tuple[Floats, bool, list[Any]]]:
+        """Yield the visible lines, ``(2, n)``, whether each is closed, and its segments in the element's own units."""
+        for points, closed, drawn in self._lines(tolerance):
             if closed or self.stroked or not self.filled or points.shape[1] > 2:
-                yield points, closed
+                yield points, closed, drawn
 
-    def _lines(self, tolerance: float) -> Iterator[tuple[Floats, bool]]:
+    def _lines(self, tolerance: float) -> Iterator[tuple[Floats, bool, list[Any]]]:
         scale = float(np.linalg.norm(self.matrix[:2, :2], 2)) if np.isfinite(self.matrix).all() else 1.0
-        for points, closed in flattened(self.path, tolerance / scale if scale else math.inf):
-            yield self.matrix[:2, :2] @ np.array(points).reshape(-1, 2).T + self.matrix[:2, 2:], closed
+        for points, closed, drawn in flattened(self.path, tolerance / scale if scale else math.inf):
+            yield self.matrix[:2, :2] @ np.array(points).reshape(-1, 2).T + self.matrix[:2, 2:], closed, drawn
 
 
 @dataclass(frozen=True)

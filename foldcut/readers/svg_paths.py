@@ -13,11 +13,14 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 from svgelements import Arc, Close, CubicBezier, Line, Move, QuadraticBezier
 from svgelements import Path as PathData
 
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import FileFormatError
 from foldcut.core.units import MM_PER_UNIT
+from foldcut.geometry import curves
 
 MOST_STEPS = 1000
 """The greatest number of straight segments that replace a curve."""
@@ -108,24 +111,50 @@ def _segments(data: str, name: str) -> list[Any]:
         raise FileFormatError(f"{name} has path data that cannot be drawn; correct its numbers") from None
 
 
-def flattened(path: list[Any], tolerance: float) -> Iterator[tuple[list[Point], bool]]:
-    """Yield the points of each subpath, and whether it is closed; a closed one may repeat its first point."""
+def flattened(path: list[Any], tolerance: float) -> Iterator[tuple[list[Point], bool, list[Any]]]:
+    """Yield the points of each subpath, whether it is closed, and its segments between the first and the last point.
+
+    A closed one may repeat its first point; if it does not, the line that closes it is none of its segments.
+    """
     points: list[Point] = []
+    drawn: list[Any] = []
     for segment in path:
         end = float(segment.end.x), float(segment.end.y)
         if isinstance(segment, Close):
             if len(points) > 1:
-                yield points, True
-            points = [end]
+                yield points, True, drawn
+            points, drawn = [end], []
         elif isinstance(segment, Move):
             if len(points) > 1:
-                yield points, False
-            points = [end]
+                yield points, False, drawn
+            points, drawn = [end], []
         elif not points or end != points[-1] or isinstance(segment, CubicBezier | QuadraticBezier):
             points += _inner(segment, tolerance)
             points.append(end)
+            drawn.append(segment)
     if len(points) > 1:
-        yield points, False
+        yield points, False, drawn
+
+
+def curved(drawn: list[Any], matrix: Floats) -> tuple[curves.Segment, ...]:
+    """Return segments of svgelements after a transform, ``(2, 3)``; nothing if all of them are straight."""
+    if all(isinstance(segment, Line) for segment in drawn):
+        return ()
+    return tuple(_segment(segment).transformed(matrix) for segment in drawn)
+
+
+def _segment(segment: Any) -> curves.Segment:
+    start, end = np.array(segment.start, dtype=np.float64), np.array(segment.end, dtype=np.float64)
+    if isinstance(segment, CubicBezier | QuadraticBezier):
+        return curves.Bezier(np.array([(node.x, node.y) for node in segment], dtype=np.float64))
+    if not isinstance(segment, Arc) or not segment.sweep or not min(segment.rx, segment.ry) > 0:
+        return curves.Line(start, end)
+    centre, sweep = np.array(segment.center, dtype=np.float64), float(segment.sweep)
+    first = start - centre
+    share = min(1.0, math.pi / 2 / abs(sweep))  # the place of the other half diameter, or the end
+    place = np.array(segment.point(share), dtype=np.float64) - centre
+    second = (place - math.cos(sweep * share) * first) / math.sin(sweep * share)
+    return curves.Arc(centre, first, second, sweep)
 
 
 def _inner(segment: Any, tolerance: float) -> list[Point]:

@@ -1,4 +1,4 @@
-"""Parts of a drawing that are smaller than a tolerance: what they are, and the drawing without them or with them larger.
+"""Parts of a drawing that are smaller than a tolerance: which they are, and the drawing with them gone or larger.
 
 ``Target`` and tolerance -> ``SmallPart``s. An outline that may be off by the tolerance need not have a hole, a part, a
 slit or a neck that is hardly wider; so these are named before they go, and can be kept by making them wider.
