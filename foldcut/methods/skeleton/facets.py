@@ -148,7 +148,6 @@ class Division:
             low, high = max(low, parts[0]), min(high, parts[1])
         if (high - low) * math.hypot(*step) <= snap:
             return
-<<<<<<< HEAD
 
         def at(part: float) -> int:
             return self._add_on_border((start[0] + part * step[0], start[1] + part * step[1]))
@@ -157,22 +156,13 @@ class Division:
             x, y = self.points[vertex]
             return (x - start[0]) * step[0] + (y - start[1]) * step[1]
 
-        first = a if low == 0.0 else at(low)
-        last = b if high == 1.0 else at(high)
+        # nodes may lie on the border, too
+        first = a if low == 0.0 and self._ridges.on_sheet(start) else at(low)
+        last = b if high == 1.0 and self._ridges.on_sheet(end) else at(high)
         left, right = self._ridges.face_of((a, b)), self._ridges.face_of((b, a))
         for one, other in pairwise([first, *sorted(self._on_ridge[ridge], key=along), last]):
             self._edges.append((one, other))
             self._face_of[one, other], self._face_of[other, one] = left, right
-=======
-        first, last = self._ridge_end(a, low, start + low * step), self._ridge_end(b, 1.0 - high, start + high * step)
-        between = sorted(self._on_ridge[ridge], key=lambda v: float((self.points[v] - start) @ step))
-        self._edges += pairwise([first, *between, last])
->>>>>>> h-mirror
-
-    def _ridge_end(self, vertex: int, cut_off: float, place: Floats) -> int:
-        """Return the vertex at the end of what lies of a ridge on the sheet; nodes may lie on the border, too."""
-        whole = cut_off == 0.0 and self._ridges.on_sheet(self.points[vertex])
-        return vertex if whole else self._add_on_border(place)
 
     def _draw_border(self) -> None:
         middle = self._ridges.size / 2

@@ -127,6 +127,7 @@ def perpendiculars_in(perpendiculars: Perpendiculars, facets: Facets, within: It
     tree = shapely.STRtree(shapely.polygons([shapely.linearrings(outline) for outline in outlines]))
     number = [k for k, path in enumerate(perpendiculars.paths) for _ in path.pieces]
     ends = np.array([(*piece.start, *piece.end) for path in perpendiculars.paths for piece in path.pieces])
+    ends = ends.reshape(-1, 4)
     middles = shapely.points((ends[:, :2] + ends[:, 2:]) / 2)
     found = tree.query(middles, predicate="dwithin", distance=perpendiculars.ridges.snap)[0]
     return frozenset(number[k] for k in found.tolist())
