@@ -25,8 +25,8 @@ from foldcut.redraw import proxy_kernel, ties_kernel
 LEAST_CREASE_MM = 3.0
 """Shorter creases are hard to fold by hand."""
 
-SHORT_COST = 2.0
-"""What a crease of no length costs, in lines; less, in proportion, if it has some."""
+SHORT_COST = 3.0, 7.0
+"""What a crease costs that is shorter than that, in lines, and what more it costs, in proportion, the shorter it is."""
 
 ENDLESS_COST = 25.0
 """What a node costs whose perpendiculars do not end: more lines than they would have."""
@@ -132,7 +132,7 @@ def _work(nodes: int, sides: int) -> Work:
     f, i = (lambda n: np.zeros(n)), (lambda n: np.zeros(n, dtype=np.int64))
     odd = 96
     sizes = {
-        "counts": i(16), "numbers": f(8), "sizes": f(8), "ints": i(16), "place": f(2),
+        "counts": i(16), "numbers": f(8), "sizes": f(9), "ints": i(16), "place": f(2),
         "first": i(sides + 1), "way_cost": np.zeros((odd, nodes + 1)),
         "way_path": np.zeros((odd, nodes + 1), dtype=np.int64),
         "mate": i(nodes + 1), "member": i(nodes + 1), "best": f(1 << 10), "best_mate": i(1 << 10),
@@ -277,6 +277,7 @@ class Assessment:
     odd: int
     taken: int
     details: Any = None
+    is_believed: bool = False
 
     @property
     def key(self) -> tuple[float, float]:
@@ -298,7 +299,7 @@ class _Place:
         width, height = engine.field.width, engine.field.height
         diagonal = engine.field.diagonal
         self.work.sizes[:] = (
-            width, height, SNAP * diagonal, NEAR * diagonal, engine.least_crease, ENDLESS_COST, 0.0, SHORT_COST,
+            width, height, SNAP * diagonal, NEAR * diagonal, engine.least_crease, ENDLESS_COST, 0.0, *SHORT_COST,
         )  # fmt: skip
         samples = engine.field.samples
         grid, cell_first, cell_item, lines = engine.field.grid

@@ -32,7 +32,7 @@ NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES,
 SHORTEST, PENALTY, COST, LEAST_HEIGHT = range(4)
 
 # places in ``sizes``
-WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST = range(8)
+WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST = range(9)
 
 MOST_CROSSINGS = 30
 """A perpendicular that crosses more faces is given up."""
@@ -678,7 +678,10 @@ def measure(w, corners):
         if w.root[node] == node and w.degree[node] > 0 and on_sheet(w, w.x[node], w.y[node]):
             w.numbers[LEAST_HEIGHT] = min(w.numbers[LEAST_HEIGHT], w.z[node])
     w.numbers[COST] = (
-        w.counts[LINES] + w.sizes[SHORT_COST] * w.numbers[PENALTY] + w.sizes[ENDLESS_COST] * w.counts[ENDLESS]
+        w.counts[LINES]
+        + w.sizes[SHORT_COST] * w.counts[SHORT]
+        + w.sizes[SHORTER_COST] * w.numbers[PENALTY]
+        + w.sizes[ENDLESS_COST] * w.counts[ENDLESS]
     )
     return 0
 

@@ -45,15 +45,19 @@ class Outline(NamedTuple):
 
 
 class Search:
-    """A search in the field of an engine; ``best`` is the best outline so far. ``most`` assessments and solutions."""
+    """A search in the field of an engine; ``best`` is the best outline so far.
+
+    ``most``: how much work may be done. ``believe`` is asked for each outline that seems to be the best: it returns
+    what has to be added to its cost.
+    """
 
     def __init__(
-        self, engine: Engine, most: int, seed: int = 0, better: Callable[[Assessment], None] | None = None
+        self, engine: Engine, most: int, seed: int = 0, believe: Callable[[Assessment], float] | None = None
     ) -> None:
         self.engine = engine
         self.most = most
         self.random = Random(seed)
-        self.better = better
+        self.believe = believe
         self.best: Assessment | None = None
         self.pool: list[Assessment] = []
         self.last_gain = 0
@@ -76,11 +80,12 @@ class Search:
 
     def keep(self, one: Assessment) -> None:
         """Remember an outline if it is among the best."""
+        if self.believe is not None and not one.is_believed and (self.best is None or one.key < self.best.key):
+            one.cost += self.believe(one)
+            one.is_believed = True
         if self.best is None or one.key < self.best.key:
             self.best = one
             self.last_gain = self.spent
-            if self.better is not None:
-                self.better(one)
         if all(abs(one.cost - other.cost) > 1e-6 for other in self.pool):
             self.pool = sorted([*self.pool, one], key=lambda other: other.key)[:12]
 
@@ -94,10 +99,10 @@ class Search:
         end, first = self.most, self.spent
         for number, one in enumerate(begun):
             self.most = first + int(share * (end - first) * (number + 1) / len(begun))
-            found = self.greedy(one, 400)
-            done.append(found)
-            self.keep(found)
+            done.append(self.greedy(one, 400))
         self.most = end
+        for one in sorted(done, key=lambda one: one.key)[:4]:
+            self.keep(one)
         self.last_gain = self.spent
         self.anneal(sorted(done, key=lambda one: one.key))
         return self.best
@@ -205,7 +210,7 @@ class Search:
             before, beyond = first + (corner - first - 1) % size, first + (corner - first + 2) % size
             one, other = points[corner] - points[before], points[beyond] - points[after]
             area = one[0] * other[1] - one[1] * other[0]
-            if abs(area) < 1e-6 * math.hypot(*one) * math.hypot(*other):
+            if abs(area) <= 1e-6 * math.hypot(*one) * math.hypot(*other):
                 return None
             away = points[after] - points[corner]
             part = (away[0] * other[1] - away[1] * other[0]) / area
@@ -226,6 +231,8 @@ class Search:
         before, after = first + (corner - first - 1) % size, first + (corner - first + 1) % size
         here_at = points[corner]
         one, other = points[before] - here_at, points[after] - here_at
+        if not (one.any() and other.any()):
+            return None
         one, other = one / math.hypot(*one), other / math.hypot(*other)
         bisector = one + other
         if math.hypot(*bisector) < 1e-6:

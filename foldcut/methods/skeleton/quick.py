@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.choices import promising_sets
 from foldcut.methods.skeleton.search import ridges_of
@@ -19,11 +20,14 @@ TRIES = 8
 """How many sets of perpendiculars are tried."""
 
 
-def fold_outline(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, tries: int = TRIES) -> Skeletal:
+def fold_outline(
+    shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, tries: int = TRIES, part: SheetPart | None = None
+) -> Skeletal:
     """Return the pattern of the first promising set of perpendiculars, of at most ``tries``, that can be folded.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
-    refused. Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
+    refused. Where
+    ``sheet`` is a part of a sheet, ``part`` says how the pattern of the whole sheet comes from it. Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
     problem = "no set of perpendiculars makes the creases at every node even"
     budget = Budget(float("inf"))
@@ -31,7 +35,7 @@ def fold_outline(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, tries: int 
     for number, (perpendiculars, taken) in enumerate(promising_sets(ridges)):
         if number == tries:
             break
-        trial = attempt(Drawing(shape, 0.0, perpendiculars), frozenset(taken), budget)
+        trial = attempt(Drawing(part or SheetPart(shape), 0.0, perpendiculars), frozenset(taken), budget)
         if trial.made is not None:
             return trial.made
         if not number:

@@ -1,0 +1,166 @@
+"""Redraw a drawing within one tolerance, and fold it: better and better patterns, all verified.
+
+``Problem``, curves, a tolerance -> ``Redrawn``s. The search judges outlines by a proxy; only those that promise more
+than the best pattern so far are folded, and where the layers of one have no order, its cost is raised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from foldcut.core.errors import FoldcutError
+from foldcut.core.model import Shape
+from foldcut.geometry.curves import CurvedLoop
+from foldcut.methods.base import Made, Problem, straight_folds
+from foldcut.methods.mirror.skeletal import made_of_half
+from foldcut.methods.skeleton.quick import fold_outline
+from foldcut.methods.skeleton.trial import Skeletal
+from foldcut.pattern.foldability import crease_numbers
+from foldcut.pattern.ranking import shortest_crease
+from foldcut.redraw.plans import Plan, on_the_sheet, plans
+from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
+from foldcut.redraw.search import Search
+
+MOST_FOLDED = 12
+"""How many outlines of one plan are folded at most."""
+
+TRIES = 6
+"""How many sets of perpendiculars are tried for each."""
+
+REFUSED = 8.0
+"""What is added to the cost of an outline whose layers have no order."""
+
+import os
+DEBUG = os.environ.get("RD")
+WORK = 6000
+"""How much work a search is, in assessments of outlines."""
+
+
+@dataclass(frozen=True, eq=False)
+class Redrawn:
+    """A verified pattern for a redrawn outline.
+
+    ``shape`` is in mm of the frame; ``made`` is on the sheet that is asked for. ``folds``: straight folds; ``shortest``
+    crease and ``off``, the distance between outline and drawing, in mm of the frame.
+    """
+
+    shape: Shape
+    made: Made
+    folds: int
+    shortest: float
+    off: float
+
+    @property
+    def key(self) -> tuple[bool, float, float]:
+        """Less is better: first patterns without short creases, then fewer folds, then longer creases."""
+        lack = max(0.0, 1 - self.shortest / LEAST_CREASE_MM)
+        return lack > 0.9, self.folds * (1.0 + 0.3 * (lack > 0)) + 20 * lack, -self.shortest
+
+
+def redraw(
+    problem: Problem,
+    curves: Sequence[CurvedLoop],
+    tolerance: float,
+    *,
+    work: int = WORK,
+    found: Callable[[Redrawn], None] | None = None,
+    enough: int | None = None,
+) -> Redrawn | None:
+    """Return the best pattern that is found for a drawing redrawn within ``tolerance`` mm of the frame, None if there is none.
+
+    ``curves`` are the loops of ``problem.laid.drawn`` where they are known. ``found`` is called with each pattern that
+    is better than those before.
+    """
+    best: Redrawn | None = None
+
+    def keep(one: Redrawn) -> None:
+        nonlocal best
+        if best is None or one.key < best.key:
+            best = one
+            if found is not None:
+                found(one)
+
+    for plan in plans(problem, curves, tolerance):
+        if best is not None and not plan.axes and best.made.first_folds:
+            break  # folded in half it is better than as a whole
+        _Redrawing(plan, tolerance, keep).run(work)
+    return best
+
+
+class _Redrawing:
+    """A search by one plan."""
+
+    def __init__(self, plan: Plan, tolerance: float, keep: Callable[[Redrawn], None]) -> None:
+        self.plan = plan
+        self.tolerance = tolerance
+        self.keep = keep
+        self.folded = 0
+        self.best: Redrawn | None = None
+        self.reasons: list[str] = []
+        self.engine = Engine(plan.field(tolerance))
+
+    def run(self, work: int) -> None:
+        starts = list(self.plan.starts(self.tolerance))
+        if not starts:
+            return
+        search = Search(self.engine, work, believe=self.believe)
+        search.run(starts)
+        if DEBUG:
+            print('   ', self.plan.axes, 'starts', len(starts), 'best', search.best and (search.best.lines, search.best.shortest, search.best.endless), self.reasons[:4], self.engine.assessed, self.engine.solved)
+
+    def believe(self, one: Assessment) -> float:
+        """Fold an outline, and return what has to be added to its cost."""
+        if self.folded >= MOST_FOLDED:
+            return REFUSED
+        self.folded += 1
+        try:
+            shape, half = self.plan.outline(one.points, one.loop_sizes)
+            off, _ = self.plan.target.off_by(shape.loops)
+            if off > self.tolerance * (1 + 1e-6):
+                self.reasons.append('off %.3f' % off)
+                return REFUSED
+            sheet = self.plan.frame.sheet if half is None else half.sheet
+            outline = shape if half is None else half.outline
+            made = fold_outline(outline, sheet, tries=TRIES, part=half)
+            redrawn = self._on_sheet(shape, made, off)
+        except FoldcutError as error:
+            self.reasons.append(str(error))
+            return REFUSED
+        if self.best is None or redrawn.key < self.best.key:
+            self.best = redrawn
+        self.keep(redrawn)
+        true = redrawn.folds - len(self.plan.axes) + _cost_of_shortest(redrawn.shortest)
+        return max(0.0, true - one.lines - _cost_of_shortest(one.shortest))
+
+    def _on_sheet(self, shape: Shape, found: Skeletal, off: float) -> Redrawn:
+        plan, frame = self.plan, self.plan.frame
+        creases, folded = frame.pattern(found.creases, found.folded, shape)
+        laid = on_the_sheet(plan, shape)
+        if plan.axes:
+            swapped = abs(frame.turn[0, 0]) < 0.5
+            axes = tuple(sorted(1 - axis for axis in plan.axes)) if swapped else plan.axes
+            made = made_of_half(axes, replace(found, creases=creases, folded=folded), laid)
+        else:
+            count = found.perpendiculars
+            made = Made(
+                "skeleton",
+                creases,
+                folded,
+                laid,
+                0.0,
+                straight_folds(creases),
+                told=(f"skeleton: {count} perpendicular{'s' * (count != 1)}",),
+                numbers={"perpendiculars": count, "moved_mm": off * frame.scale},
+                detail=found,
+            )
+        return Redrawn(shape, made, made.actions, shortest_crease(creases) / frame.scale, off)
+
+
+def _cost_of_shortest(length: float) -> float:
+    """Return what the shortest crease costs, in lines."""
+    if length >= LEAST_CREASE_MM:
+        return 0.0
+    return SHORT_COST[0] + SHORT_COST[1] * (1 - length / LEAST_CREASE_MM)
