@@ -69,18 +69,20 @@ def fold_mirrored(
     ribbon: float = 0.0,
     effort: str = "normal",
     seconds: float | None = None,
+    whole: float = 1.0,
     progress: Callable[[str, float], None] | None = None,
 ) -> Mirrored:
     """Return the verified pattern that is easiest to fold; see ``fold_compact`` for the options and for Ctrl-C.
 
-    Raises ``UnfoldableError`` where no pattern is found for any of the candidates.
+    ``whole`` is the part of the effort or the seconds that may be spent on all candidates together.
+    Raises ``UnfoldableError`` where no pattern is found for any of them.
     """
     best: tuple[Rank, Mirrored] | None = None
     part = 0.0
 
     def tell(text: str, done: float) -> None:
         if progress is not None:
-            progress(f"half of the sheet: {text}", part + share * done)
+            progress(f"half of the sheet: {text}", (part + share * done) / whole)
 
     def look(half: Half) -> Rank | None:
         nonlocal best, part
@@ -107,12 +109,12 @@ def fold_mirrored(
         return key
 
     try:
-        looks = min(max(round(SCAN * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
-        candidates = _by_promise(candidates)[:looks]
-        share = min(MOST_SCAN, SCAN / max(1, len(candidates)))
+        looks = round(SCAN * whole * (seconds or EFFORT_SECONDS[effort]) / LOOK_S)
+        candidates = _by_promise(candidates)[: min(max(looks, FEWEST_LOOKS), MOST_LOOKS)]
+        share = whole * min(MOST_SCAN, SCAN / max(1, len(candidates)))
         ranked = [(key, number) for number, half in enumerate(candidates) if (key := look(half)) is not None]
         finalists = sorted(ranked)[:FINALISTS]
-        share = FINAL / max(1, len(finalists))
+        share = whole * FINAL / max(1, len(finalists))
         for _, number in finalists:
             look(candidates[number])
     except KeyboardInterrupt:

@@ -10,14 +10,13 @@ needs to be shown about it. Mountains and valleys are read off the order, also a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import shapely
 
-from foldcut.core.arrays import Bools, Floats, Indices, points_array
-from foldcut.core.errors import UnfoldableError
+from foldcut.core.arrays import Bools, Floats, points_array
 from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
 from foldcut.geometry.vectors import signed_area
 from foldcut.methods.sheet_part import SheetPart
@@ -47,48 +46,6 @@ class Half(SheetPart):
         pairs = zip(inside.tolist(), around.tolist(), strict=True)
         parent = {one: other for one, other in pairs if depth[one] == depth[other] + 1}
         return Shape(self.loops, tuple(parent.get(number, -1) for number in range(len(polygons))))
-
-    def with_loops(self, loops: Sequence[Floats]) -> Half:
-        """Return the same part with the corners of its loops moved, and those of the whole shape with them.
-
-        Raises ``UnfoldableError`` where a corner comes to an axis.
-        """
-        at, on_axis, sign = self._corners
-        corners = np.concatenate(loops)
-        images = corners[at]
-        following = np.concatenate([np.roll(loop, -1, axis=0) for loop in loops])
-        for axis in self.axes:
-            here = on_axis == axis
-            start, step = corners[at[here]], following[at[here]] - corners[at[here]]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                images[here] = start - step * (start[:, axis] / step[:, axis])[:, None]
-            images[here, axis] = 0.0
-        if not (np.isfinite(images).all() and (images[:, list(self.axes)] > 0)[on_axis < 0].all()):
-            raise UnfoldableError("a corner comes to the mirror axis when corners are moved")
-        points = images * sign + self._middle
-        ends = np.cumsum([len(loop) for loop in self.shape.loops])[:-1]
-        shape = Shape(tuple(points_array(loop) for loop in np.split(points, ends)), self.shape.parent)
-        return replace(self, shape=shape, loops=tuple(points_array(loop) for loop in loops))
-
-    @cached_property
-    def _corners(self) -> tuple[Indices, Indices, Floats]:
-        """For each corner of the shape the loops' corner of which it is an image, and on which axis it lies.
-
-        The axis is -1 for those off the axes. For a corner on an axis it is instead the first corner of the loops' side
-        that crosses the axis there. Last come the signs, ``(n, 2)``, that make the image a corner of the shape again.
-        """
-        away = np.concatenate(self.shape.loops) - self._middle
-        sign = np.where((away < 0) & np.isin([0, 1], self.axes), -1.0, 1.0)
-        away = away * sign
-        near = away <= 10 * self.tie
-        on_axis = np.full(len(away), -1)
-        for axis in self.axes:
-            on_axis[near[:, axis]] = axis
-        corners = np.concatenate(self.loops)
-        following = np.concatenate([np.roll(loop, -1, axis=0) for loop in self.loops])
-        sides, places = shapely.linestrings(np.stack([corners, following], axis=1)), shapely.points(away)
-        to_corner = shapely.STRtree(shapely.points(corners)).nearest(places)
-        return np.where(on_axis < 0, to_corner, shapely.STRtree(sides).nearest(places)), on_axis, sign
 
     @property
     def _middle(self) -> Floats:

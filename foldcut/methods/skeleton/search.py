@@ -59,7 +59,6 @@ def fold_skeletal(
     seconds: float | None = None,
     share: float = 1.0,
     progress: Callable[[str, float], None] | None = None,
-    part_of: Callable[[Shape], SheetPart] = SheetPart,
 ) -> Skeletal:
     """Fold a shape along its straight skeleton.
 
@@ -67,15 +66,14 @@ def fold_skeletal(
     that joins nodes of the skeleton or takes perpendiculars to them. ``ribbon`` is a half-width in mm: this near to the
     cut, creases only run straight across it or along a corner's bisector. ``effort`` is one of ``SECONDS``, ``seconds``
     replaces it, and ``share`` is the part of either that may be spent. ``progress`` is called with a text and the part
-    done. Where ``sheet`` is a part of a sheet, ``part_of`` returns that part for the shape or a variant of it with
-    corners moved. Ctrl-C ends the search with the best pattern so far.
+    done. Ctrl-C ends the search with the best pattern so far.
     Raises ``UnfoldableError`` with the reason where perpendiculars do not end, where there are too many corners or
     creases, and where no set of perpendiculars has a layer order.
     """
     if shape.corner_count > MOST_CORNERS:
         raise UnfoldableError(f"the drawing has {shape.corner_count} corners; this method takes at most {MOST_CORNERS}")
     budget = Budget(share * (seconds if seconds is not None else SECONDS[effort]))
-    search = Search(sheet, ribbon, budget, progress, part_of)
+    search = Search(sheet, ribbon, budget, progress)
     patience = PATIENCE * budget.limit
     variants = adjusted(shape, sheet, near)
     interrupted = False
@@ -136,14 +134,13 @@ def adjusted(shape: Shape, sheet: Sheet, near: float) -> list[tuple[Shape, float
 class Search:
     """The search for the pattern that is easiest to fold: ``best`` is the best trial so far that made one.
 
-    ``ribbon`` in mm; ``part_of`` as for ``fold_skeletal``; ``problem`` is the first reason why something failed.
+    ``ribbon`` in mm; ``problem`` is the first reason why something failed.
     """
 
     sheet: Sheet
     ribbon: float
     budget: Budget
     progress: Callable[[str, float], None] | None = None
-    part_of: Callable[[Shape], SheetPart] = SheetPart
     best: Trial | None = None
     problem: UnfoldableError | None = None
 
@@ -152,28 +149,28 @@ class Search:
         """The best pattern so far."""
         return self.best.made if self.best is not None else None
 
-    def fold(self, shape: Shape, moved: float, patience: float) -> None:
+    def fold(self, shape: Shape, moved: float, patience: float, part: SheetPart | None = None) -> None:
         """Try sets of perpendiculars of a shape, and while none has a pattern, walk on from the best of them.
 
         ``moved`` is how far corners were moved, in mm; ``patience`` for how many seconds there may be no pattern.
+        ``part``: what the sheet is a part of, if it is not all of it; then ``shape`` has the loops to fold it by.
         """
         if self.best is None:
             self.budget.spent = 0.0
         try:
-            nearest = self._try_sets(shape, moved, patience)
+            nearest = self._try_sets(shape, moved, patience, part or SheetPart(shape))
         except UnfoldableError as error:
             self.problem = self.problem or error
             return
         if self.best is None and nearest is not None:
             self.walk(nearest, patience)
 
-    def _try_sets(self, shape: Shape, moved: float, patience: float) -> Trial | None:
+    def _try_sets(self, shape: Shape, moved: float, patience: float, part: SheetPart) -> Trial | None:
         """Try promising sets, and return the best trial of this shape.
 
         Raises ``UnfoldableError`` where there are no sets, or none with few enough creases.
         """
         nearest: Trial | None = None
-        part = self.part_of(shape)
         for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(shape, self.sheet, self.ribbon))):
             spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
             if spent and number >= LEAST_SETS:
