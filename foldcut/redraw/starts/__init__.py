@@ -30,7 +30,7 @@ from foldcut.redraw.starts.directions import direction_set, straight_directions
 from foldcut.redraw.starts.disks import fit_disks
 from foldcut.redraw.starts.fitting import ANY, End, fit
 from foldcut.redraw.starts.near import Near
-from foldcut.redraw.starts.strips import Strip, find_strips, without_overlap
+from foldcut.redraw.starts.strips import Pairs, Strip, find_strips
 
 __all__ = ["Axis", "Start", "all_starts", "starts"]
 
@@ -41,7 +41,7 @@ SLACK = 1.02
 class Kind(NamedTuple):
     """How an outline is made.
 
-    ``edges``: which strips are fitted as such: "" none, "in" and "out" those of paper inside or outside, "both".
+    ``edges``: which strips are fitted as such: "" none, "in" and "out" those of paper inside or outside.
     ``step``: degrees between directions, 0 for any direction. ``part``: of the tolerance, how far lines may be off.
     ``own``: edges of a strip are parallel, but not at one distance. ``phase``: how far directions are turned, in steps.
     ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
@@ -75,7 +75,7 @@ PARTS = (0.95, 0.7, 0.5)
 
 def kinds() -> Iterator[Kind]:
     """Yield the kinds of outlines."""
-    for edges in ("in", "out", "both", ""):
+    for edges in ("in", "out", ""):
         for part in PARTS:
             yield Kind(edges, 0.0, part, arcs=True)
             yield Kind(edges, 0.0, part)
@@ -83,7 +83,7 @@ def kinds() -> Iterator[Kind]:
                 yield Kind(edges, 0.0, part, disks=True)
                 yield Kind(edges, 0.0, part, arcs=True, disks=True)
                 yield Kind(edges, 0.0, part, own=True)
-    for edges in ("in", "both", ""):
+    for edges in ("in", ""):
         for step in STEPS:
             yield Kind(edges, step, 0.95)
             yield Kind(edges, step, 0.95, phase=0.5)
@@ -135,24 +135,21 @@ class _Fitter:
 
     def __init__(self, drawn: Shape, chains: Chains, tolerance: float) -> None:
         self.drawn, self.chains, self.tolerance = drawn, chains, tolerance
-        self._strips: dict[tuple[str, bool], list[Strip]] = {}
+        self._pairs = Pairs(chains)
+        self._strips: dict[str, list[Strip]] = {}
         self._straight = straight_directions(drawn.loops, max(12.0, 3 * tolerance), chains.axes)
 
-    def strips(self, edges: str, own: bool) -> list[Strip]:
+    def strips(self, edges: str) -> list[Strip]:
         """Return the strips for a kind, of which no two overlap."""
         if not edges:
             return []
-        if (edges, own) not in self._strips:
-            variation = 12 * self.tolerance if own else 3.6 * self.tolerance
-            sides = {"in": (True,), "out": (False,), "both": (True, False)}[edges]
-            found = [strip for inside in sides for strip in find_strips(self.chains, variation, inside=inside)]
-            found.sort(key=lambda strip: -strip.length)
-            self._strips[edges, own] = without_overlap(found)
-        return self._strips[edges, own]
+        if edges not in self._strips:
+            self._strips[edges] = find_strips(self._pairs, inside=edges == "in")
+        return self._strips[edges]
 
     def loops(self, kind: Kind) -> list[Floats] | None:
         """Return the loops of an outline of a kind, or None where there is none."""
-        strips = self.strips(kind.edges, kind.own or kind.disks)
+        strips = self.strips(kind.edges)
         if kind.edges and not strips:
             return None
         directions = None
@@ -171,7 +168,7 @@ class _Fitter:
             if whole is None:
                 return None
             fitted.append(whole)
-        return self.chains.loops(fitted)
+        return self.chains.loops(fitted, self.tolerance)
 
     def _fitted_strip(
         self, strip: Strip, tolerance: float, directions: Floats | None, kind: Kind
@@ -192,7 +189,7 @@ class _Fitter:
         shift = np.array([0.0, width])
         if kind.disks:
             sign = 0.5 if strip.inside else -0.5
-            sides = fit_disks(rows, sign * strip.widths, tolerance, first=first, last=last)
+            sides = fit_disks(rows, sign * strip.widths, tolerance, paired=strip.paired, first=first, last=last)
         elif kind.arcs:
             sides = fit_bends(rows, tolerance, shift=shift, breaks=breaks, first=first, last=last)
         else:

@@ -30,6 +30,7 @@ def fit_disks(
     radii: Floats,
     tolerance: float,
     *,
+    paired: tuple[int, int] | None = None,
     weight: float = 0.3,
     first: End = ANY,
     last: End = ANY,
@@ -37,11 +38,11 @@ def fit_disks(
     """Return few lines for both rows of ``points`` ``(2, m, 2)`` of a strip, tangents of common disks, or None.
 
     ``radii`` ``(m,)`` mm: of the disks that touch both rows; negative where they lie on the right of the first.
-    ``first``, ``last``: only those of an axis matter.
+    ``paired``: the first and last column where there is a disk between both rows. ``first``, ``last``: only those of an axis matter.
     """
     points = np.ascontiguousarray(points)
     m = points.shape[1]
-    disks = _disks(points, radii, tolerance)
+    disks = _disks(points, radii, tolerance, paired or (0, m - 1))
     ends = [
         end.array() if end.kind == pieces.DIRECTED else ANY.array()
         for end in (first, last)
@@ -82,11 +83,12 @@ def fit_disks(
     return Sides(np.array(cuts), np.swapaxes(np.array(normals), 0, 1), np.array(offsets).T, float(cost[end]))
 
 
-def _disks(points: Floats, radii: Floats, tolerance: float) -> Floats:
+def _disks(points: Floats, radii: Floats, tolerance: float, paired: tuple[int, int]) -> Floats:
     """Return the disks that may be taken: at places along the strip, moved and enlarged by parts of the tolerance."""
     m = points.shape[1]
-    stride = max(1, math.ceil(m / MOST_PLACES))
-    places = np.unique([*range(0, m, stride), m - 1])
+    start, end = paired
+    stride = max(1, math.ceil((end - start) / MOST_PLACES))
+    places = np.unique([*range(start, end, stride), end])
     middle = points.mean(axis=0)
     around = np.empty_like(middle)
     around[1:-1] = middle[2:] - middle[:-2]
@@ -102,7 +104,8 @@ def _disks(points: Floats, radii: Floats, tolerance: float) -> Floats:
         for aside in ASIDE:
             for larger in LARGER:
                 x, y = middle[place] + sign * aside * tolerance * left[place]
-                rows.append((place, x, y, radii[place] + larger * tolerance))
+                column = 0 if place == start else m - 1 if place == end else place
+                rows.append((column, x, y, radii[place] + larger * tolerance))
     return np.array(rows)
 
 
