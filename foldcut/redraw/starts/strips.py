@@ -38,22 +38,44 @@ GAP = 25.0
 class Strip:
     """Two edges that face each other: columns of ``places`` ``(m, 2)``, the samples of the first and the second edge.
 
-    The first edge runs along chain ``chains[0]``, the second backwards along ``chains[1]``. ``widths`` ``(m,)`` mm;
+    The first edge runs along chain ``chains[0]``, the second backwards along ``chains[1]``. ``disks`` ``(m, 3)`` mm:
+    middle and diameter of the disk that touches both edges there;
     ``inside``: paper of the shape lies between the edges; else paper around it. From column ``paired[0]`` to column
     ``paired[1]`` the edges face each other; beyond, they run on to the corners where they end.
     """
 
     chains: tuple[int, int]
     places: Indices
-    widths: Floats
+    disks: Floats
     inside: bool
     length: float
     paired: tuple[int, int]
 
     @property
+    def widths(self) -> Floats:
+        """The width at each column, ``(m,)`` mm."""
+        widths: Floats = self.disks[:, 2]
+        return widths
+
+    @property
     def width(self) -> float:
         """The width in the middle of its range, in mm."""
         return float(self.widths.min() + self.widths.max()) / 2
+
+    @property
+    def can_be_trimmed(self) -> bool:
+        """Whether enough is left if its ends are trimmed."""
+        return self.paired[1] - self.paired[0] > 12
+
+    def trimmed(self) -> Strip:
+        """Return the strip without its unpaired ends, or, if it has none, without an eighth at each end."""
+        start, end = self.paired
+        if start == 0 and end == len(self.places) - 1:
+            eighth = max(1, len(self.places) // 8)
+            start, end = eighth, len(self.places) - 1 - eighth
+        some = slice(start, end + 1)
+        part = self.length * (end + 1 - start) / len(self.places)
+        return Strip(self.chains, self.places[some], self.disks[some], self.inside, part, (0, end - start))
 
     def rows(self, chains: Sequence[Chain]) -> Floats:
         """The samples of both edges, ``(2, m, 2)``, in the direction of the first."""
@@ -190,34 +212,37 @@ def _run(pairs: Pairs, partner: Indices, width: Floats, start: int, end: int, in
     """Return the strip of samples from ``start`` to ``end`` and their partners, the lower edge first."""
     samples = pairs.samples
     columns: list[tuple[int, int]] = []
-    wide: list[float] = []
+    disks: list[Floats] = []
+    sign = 0.5 if inside else -0.5
     for here in range(start, end + 1):
         i, j = int(samples.place[here]), int(samples.place[partner[here]])
+        across = np.array([-samples.tangents[here, 1], samples.tangents[here, 0]])
+        disk = np.append(samples.points[here] + sign * width[here] * across, width[here])
         if columns:
             last_i, last_j = columns[-1]
             between = range(last_j - 1, j, -1)
             columns += [(last_i, k) for k in between]
-            wide += np.linspace(wide[-1], width[here], len(between) + 2)[1:-1].tolist()
+            disks += list(np.linspace(disks[-1], disk, len(between) + 2)[1:-1])
         columns.append((i, j))
-        wide.append(float(width[here]))
-    places, widths = np.array(columns), np.array(wide)
+        disks.append(disk)
+    places, among = np.array(columns), np.array(disks)
     numbers = (int(samples.chain[start]), int(samples.chain[partner[start]]))
     if numbers[0] == numbers[1] and places[0, 0] < places[0, 1] and places[-1, 0] > places[-1, 1]:
         # both edges are seen as one: around the end of a strip
         keep = places[:, 0] < places[:, 1]
-        places, widths = places[keep], widths[keep]
+        places, among = places[keep], among[keep]
     if (numbers[0], places[0, 0]) > (numbers[1], places[-1, 1]):
-        numbers, places, widths = numbers[::-1], places[::-1, ::-1], widths[::-1]
-    return _made(pairs.chains, numbers, places, widths, inside)
+        numbers, places, among = numbers[::-1], places[::-1, ::-1], among[::-1]
+    return _made(pairs.chains, numbers, places, among, inside)
 
 
-def _made(chains: Chains, numbers: tuple[int, int], places: Indices, widths: Floats, inside: bool) -> Strip | None:
+def _made(chains: Chains, numbers: tuple[int, int], places: Indices, disks: Floats, inside: bool) -> Strip | None:
     """Return a strip of paired samples, if there are enough of them."""
     if len(places) < 3 or places[0, 0] >= places[-1, 0] or places[0, 1] <= places[-1, 1]:
         return None
     rows = [chains.chains[number].points[places[:, k]] for k, number in enumerate(numbers)]
     length = float(np.mean([np.hypot(*np.diff(row, axis=0).T).sum() for row in rows]))
-    return Strip(numbers, places, widths, inside, length, (0, len(places) - 1))
+    return Strip(numbers, places, disks, inside, length, (0, len(places) - 1))
 
 
 def _joined(chains: Chains, one: Strip, other: Strip) -> Strip | None:
@@ -234,9 +259,9 @@ def _joined(chains: Chains, one: Strip, other: Strip) -> Strip | None:
         if float(np.hypot(*np.diff(chain.points[low : high + 1], axis=0).T).sum()) > GAP:
             return None
     between = _columns(list(range(i0 + 1, i1)), list(range(j0 - 1, j1, -1)), i0, j0)
-    wide = np.linspace(one.widths[-1], other.widths[0], len(between) + 2)[1:-1]
+    disks = np.linspace(one.disks[-1], other.disks[0], len(between) + 2)[1:-1]
     places = np.array([*one.places.tolist(), *between, *other.places.tolist()])
-    return _made(chains, one.chains, places, np.concatenate([one.widths, wide, other.widths]), one.inside)
+    return _made(chains, one.chains, places, np.concatenate([one.disks, disks, other.disks]), one.inside)
 
 
 def _lengthened(chains: Chains, strip: Strip) -> Strip:
@@ -248,9 +273,9 @@ def _lengthened(chains: Chains, strip: Strip) -> Strip:
     before = _columns(_to_corner(one, i0, -1, reach[0]), _to_corner(other, j0, 1, reach[0]), i0, j0)[::-1]
     after = _columns(_to_corner(one, i1, 1, reach[1]), _to_corner(other, j1, -1, reach[1]), i1, j1)
     whole = np.array([*before, *places.tolist(), *after])
-    wide = np.concatenate([np.full(len(before), widths[0]), widths, np.full(len(after), widths[-1])])
+    disks = np.repeat(strip.disks, [len(before) + 1, *[1] * (len(places) - 2), len(after) + 1], axis=0)
     paired = len(before), len(before) + len(places) - 1
-    return Strip(strip.chains, whole, wide, strip.inside, strip.length, paired)
+    return Strip(strip.chains, whole, disks, strip.inside, strip.length, paired)
 
 
 def _to_corner(chain: Chain, place: int, step: int, reach: float) -> list[int]:
@@ -294,7 +319,7 @@ def _apart(strips: Sequence[Strip]) -> list[Strip]:
             if paired[1] - paired[0] < 2:
                 continue
             some, length = slice(*run), strip.length * (run[1] - run[0]) / len(free)
-            part = Strip(strip.chains, strip.places[some], strip.widths[some], strip.inside, length, paired)
+            part = Strip(strip.chains, strip.places[some], strip.disks[some], strip.inside, length, paired)
         if any(b <= a for _, a, b in part.intervals()):
             continue
         if any(a < d and c < b for number, a, b in part.intervals() for c, d in taken.get(number, ())):
