@@ -21,16 +21,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foldcut.core.arrays import Floats
+from foldcut.core.arrays import Bools, Floats
 from foldcut.core.model import Shape
 from foldcut.redraw.starts import pieces
 from foldcut.redraw.starts.arcs import fit_bends
 from foldcut.redraw.starts.chains import Axis, Chain, Chains, Line, chains_of
 from foldcut.redraw.starts.directions import direction_set, straight_directions
 from foldcut.redraw.starts.disks import fit_disks
-from foldcut.redraw.starts.fitting import ANY, End, fit
+from foldcut.redraw.starts.fitting import ANY, End, Sides, fit
+from foldcut.redraw.starts.following import follow
 from foldcut.redraw.starts.near import Near
-from foldcut.redraw.starts.strips import Strip, find_strips, without_overlap
+from foldcut.redraw.starts.strips import Pairs, Strip, find_strips
 
 __all__ = ["Axis", "Start", "all_starts", "starts"]
 
@@ -41,10 +42,11 @@ SLACK = 1.02
 class Kind(NamedTuple):
     """How an outline is made.
 
-    ``edges``: which strips are fitted as such: "" none, "in" and "out" those of paper inside or outside, "both".
+    ``edges``: which strips are fitted as such: "" none, "in" and "out" those of paper inside or outside.
     ``step``: degrees between directions, 0 for any direction. ``part``: of the tolerance, how far lines may be off.
     ``own``: edges of a strip are parallel, but not at one distance. ``phase``: how far directions are turned, in steps.
     ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
+    ``lead``: 1 or 2, the edge of a strip that is fitted first, and the other so that it follows it; 0: both at once.
     """
 
     edges: str
@@ -54,10 +56,11 @@ class Kind(NamedTuple):
     phase: float = 0.0
     arcs: bool = False
     disks: bool = False
+    lead: int = 0
 
     def __str__(self) -> str:
         words = [self.edges or "sides", f"{self.step:g}" if self.step else "any", f"{self.part:g}"]
-        return " ".join(words + ["arcs"] * self.arcs + ["disks"] * self.disks + ["own"] * self.own + [f"phase {self.phase:g}"] * (self.phase > 0))
+        return " ".join(words + ["arcs"] * self.arcs + ["disks"] * self.disks + [f"lead {self.lead}"] * (self.lead > 0) + ["own"] * self.own + [f"phase {self.phase:g}"] * (self.phase > 0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,18 +78,18 @@ PARTS = (0.95, 0.7, 0.5)
 
 def kinds() -> Iterator[Kind]:
     """Yield the kinds of outlines."""
-    for edges in ("in", "out", "both", ""):
-        for part in PARTS:
-            yield Kind(edges, 0.0, part, arcs=True)
+    for part in PARTS:
+        for edges in ("in", "out"):
+            yield Kind(edges, 0.0, part, disks=True)
+            for lead in (1, 2):
+                yield Kind(edges, 0.0, part, arcs=True, lead=lead)
+                yield Kind(edges, 0.0, part, lead=lead)
             yield Kind(edges, 0.0, part)
-            if edges:
-                yield Kind(edges, 0.0, part, disks=True)
-                yield Kind(edges, 0.0, part, arcs=True, disks=True)
-                yield Kind(edges, 0.0, part, own=True)
-    for edges in ("in", "both", ""):
-        for step in STEPS:
-            yield Kind(edges, step, 0.95)
-            yield Kind(edges, step, 0.95, phase=0.5)
+        yield Kind("", 0.0, part)
+        yield Kind("", 0.0, part, arcs=True)
+    for step in STEPS:
+        yield Kind("", step, 0.95)
+        yield Kind("in", step, 0.95)
 
 
 def starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterator[Shape]:
@@ -135,24 +138,21 @@ class _Fitter:
 
     def __init__(self, drawn: Shape, chains: Chains, tolerance: float) -> None:
         self.drawn, self.chains, self.tolerance = drawn, chains, tolerance
-        self._strips: dict[tuple[str, bool], list[Strip]] = {}
+        self._pairs = Pairs(chains)
+        self._strips: dict[str, list[Strip]] = {}
         self._straight = straight_directions(drawn.loops, max(12.0, 3 * tolerance), chains.axes)
 
-    def strips(self, edges: str, own: bool) -> list[Strip]:
+    def strips(self, edges: str) -> list[Strip]:
         """Return the strips for a kind, of which no two overlap."""
         if not edges:
             return []
-        if (edges, own) not in self._strips:
-            variation = 12 * self.tolerance if own else 3.6 * self.tolerance
-            sides = {"in": (True,), "out": (False,), "both": (True, False)}[edges]
-            found = [strip for inside in sides for strip in find_strips(self.chains, variation, inside=inside)]
-            found.sort(key=lambda strip: -strip.length)
-            self._strips[edges, own] = without_overlap(found)
-        return self._strips[edges, own]
+        if edges not in self._strips:
+            self._strips[edges] = find_strips(self._pairs, inside=edges == "in")
+        return self._strips[edges]
 
     def loops(self, kind: Kind) -> list[Floats] | None:
         """Return the loops of an outline of a kind, or None where there is none."""
-        strips = self.strips(kind.edges, kind.own or kind.disks)
+        strips = self.strips(kind.edges)
         if kind.edges and not strips:
             return None
         directions = None
@@ -171,7 +171,7 @@ class _Fitter:
             if whole is None:
                 return None
             fitted.append(whole)
-        return self.chains.loops(fitted)
+        return self.chains.loops(fitted, self.tolerance)
 
     def _fitted_strip(
         self, strip: Strip, tolerance: float, directions: Floats | None, kind: Kind
@@ -189,14 +189,16 @@ class _Fitter:
             first = _across(chains[0].ends[0], rows[0, 1] - rows[0, 0])
         if b1 == 0 and a1 == len(chains[0].points) - 1 and chains[0].ends[1] is not None:
             last = _across(chains[0].ends[1], rows[0, -1] - rows[0, -2])
-        shift = np.array([0.0, width])
-        if kind.disks:
-            sign = 0.5 if strip.inside else -0.5
-            sides = fit_disks(rows, sign * strip.widths, tolerance, first=first, last=last)
-        elif kind.arcs:
-            sides = fit_bends(rows, tolerance, shift=shift, breaks=breaks, first=first, last=last)
+        ends: dict[str, End] = {"first": first, "last": last}
+        along = strip.disks * (1.0, 1.0, 0.5 if strip.inside else -0.5)
+        if kind.lead:
+            sides = self._following(rows, along, breaks, tolerance, kind, ends)
+        elif kind.disks:
+            sides = fit_disks(rows, along, tolerance, paired=strip.paired, **ends)
+            if sides is None:
+                return self._fitted_strip(strip.trimmed(), tolerance, directions, kind) if strip.can_be_trimmed else []
         else:
-            ends = {"first": first, "last": last}
+            shift = np.array([0.0, width])
             sides = fit(rows, tolerance, shift=shift, breaks=breaks, own=kind.own, directions=directions, **ends)
         if sides is None:
             return []
@@ -206,6 +208,24 @@ class _Fitter:
             front.append(Line(int(start[0]), int(end[0]), normal, float(sides.offsets[0, s])))
             back.append(Line(int(end[1]), int(start[1]), -other, -float(sides.offsets[1, s])))
         return [(strip.chains[0], front), (strip.chains[1], back[::-1])]
+
+
+    def _following(
+        self, rows: Floats, along: Floats, breaks: Bools, tolerance: float, kind: Kind, ends: dict[str, End]
+    ) -> Sides | None:
+        """Return the lines of a strip of which one edge leads."""
+        if kind.lead == 2:
+            rows, along = rows[::-1], along * (1.0, 1.0, -1.0)
+        if kind.arcs:
+            lead = fit_bends(rows[:1], tolerance, breaks=breaks, **ends)
+        else:
+            lead = fit(rows[:1], tolerance, breaks=breaks, **ends)
+        if lead is None:
+            return None
+        sides = follow(rows, along, lead, 0.97 * self.tolerance, **ends)
+        if sides is None or kind.lead == 1:
+            return sides
+        return Sides(sides.cuts, sides.normals[::-1], sides.offsets[::-1], sides.cost)
 
 
 def _across(axis: Axis, ahead: Floats) -> End:

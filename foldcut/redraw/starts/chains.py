@@ -19,8 +19,8 @@ from foldcut.core.model import Shape
 
 __all__ = ["Axis", "Chain", "Chains", "Line", "chains_of", "loop_corners"]
 
-FLAT = 0.05
-"""How far samples are from the drawn line at most, as a part of the tolerance."""
+MOST = 500
+"""The largest number of samples of a chain, corners aside."""
 
 SHARP = math.radians(28)
 """Where a drawn line turns by more than this at one point, it has a true corner."""
@@ -94,11 +94,14 @@ class Chains:
     source: tuple[tuple[int, tuple[Axis, ...]], ...]
     axes: tuple[Axis, ...]
 
-    def loops(self, lines: Sequence[Sequence[Line]]) -> list[Floats] | None:
-        """Return the loops that fitted lines, chain by chain, make; None where lines do not meet."""
+    def loops(self, lines: Sequence[Sequence[Line]], reach: float) -> list[Floats] | None:
+        """Return the loops that fitted lines, chain by chain, make; None where lines do not meet.
+
+        A corner that would be farther than ``reach`` mm from the drawn line is put between both lines there.
+        """
         made = []
         for chain, fitted in zip(self.chains, lines, strict=True):
-            loop = loop_corners(chain, fitted)
+            loop = loop_corners(chain, fitted, reach)
             if loop is None or len(loop) < 3:
                 return None
             made.append(loop)
@@ -244,38 +247,34 @@ def _sampled(
     if ends[0] is None:
         closing = np.concatenate([points[-2:-1], points[:1], points[1:2]])
         sharp[[0, -1]] = abs(float(_turns(closing)[0])) > SHARP
-    places = np.flatnonzero(sharp)
-    bounds = sorted({0, *places.tolist(), len(points) - 1})
-    step = min(1.0 + tolerance, 3.0)
+    bounds = sorted({0, *np.flatnonzero(sharp).tolist(), len(points) - 1})
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    step = max(min(1.0 + tolerance, 3.0), float(along[-1]) / MOST)
     rows, corners = [], []
     for a, b in zip(bounds[:-1], bounds[1:], strict=True):
-        thinned = shapely.get_coordinates(shapely.simplify(shapely.linestrings(points[a : b + 1]), FLAT * tolerance))
-        counts = np.maximum(1, np.ceil(np.hypot(*np.diff(thinned, axis=0).T) / step)).astype(int)
-        first = np.repeat(np.cumsum(counts) - counts, counts)
-        part = ((np.arange(counts.sum()) - first) / np.repeat(counts, counts))[:, None]
-        row = np.repeat(thinned[:-1], counts, axis=0) * (1 - part) + np.repeat(thinned[1:], counts, axis=0) * part
-        rows.append(row)
-        corners.append(np.arange(len(row)) == 0)
+        count = max(2, math.ceil((along[b] - along[a]) / step))
+        where = np.linspace(along[a], along[b], count + 1)[:-1]
+        rows.append(np.column_stack([np.interp(where, along, points[:, k]) for k in (0, 1)]))
+        corners.append(np.arange(count) == 0)
         corners[-1][0] = sharp[a]
     rows.append(points[-1:])
     corners.append(np.array([bool(sharp[-1])]))
     return Chain(number, np.concatenate(rows), np.concatenate(corners), ends)
 
 
-def loop_corners(chain: Chain, lines: Sequence[Line]) -> Floats | None:
-    """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None if they do not meet."""
+def loop_corners(chain: Chain, lines: Sequence[Line], reach: float) -> Floats | None:
+    """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None if they do not meet.
+
+    ``reach``: as for ``Chains.loops``.
+    """
     lines = _merged(chain, lines)
     if lines is None:
         return None
     corners = []
     for a, b in zip(lines[:-1], lines[1:], strict=True):
-        corner = _meeting(a.normal, a.offset, b.normal, b.offset)
-        if corner is None:
-            return None
-        corners.append(corner)
+        corners.append(_corner(chain, a, b, reach))
     if chain.is_closed:
-        corner = _meeting(lines[-1].normal, lines[-1].offset, lines[0].normal, lines[0].offset)
-        return None if corner is None else np.array([corner, *corners])
+        return np.array([_corner(chain, lines[-1], lines[0], reach), *corners])
     start, end = chain.ends
     assert start is not None
     assert end is not None
@@ -283,6 +282,22 @@ def loop_corners(chain: Chain, lines: Sequence[Line]) -> Floats | None:
     row = np.concatenate([_on_axis(lines[0], start), row, _on_axis(lines[-1], end)])
     half = np.concatenate([row, _image(row, end)])
     return half if start is end else np.concatenate([half, _image(half, start)])
+
+
+def _corner(chain: Chain, a: Line, b: Line, reach: float) -> Floats:
+    """Return where two lines that follow each other meet, or a place between them if that is too far from the chain."""
+    corner = _meeting(a.normal, a.offset, b.normal, b.offset)
+    place = chain.points[b.start]
+    if corner is not None:
+        if float(np.hypot(*(corner - place))) <= reach:
+            return corner
+        low, high = min(a.start, b.start - 1), max(b.end, b.start + 1)
+        some = chain.points[low : high + 1] if low < high else chain.points
+        if float(shapely.distance(shapely.points(corner), shapely.linestrings(some))) <= reach:
+            return corner
+    feet = [place + (line.offset - float(line.normal @ place)) * line.normal for line in (a, b)]
+    between: Floats = (feet[0] + feet[1]) / 2
+    return between
 
 
 def _image(row: Floats, axis: Axis) -> Floats:

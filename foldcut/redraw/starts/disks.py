@@ -27,21 +27,23 @@ LARGER = (-0.5, 0.0, 0.5)
 
 def fit_disks(
     points: Floats,
-    radii: Floats,
+    along: Floats,
     tolerance: float,
     *,
+    paired: tuple[int, int] | None = None,
     weight: float = 0.3,
     first: End = ANY,
     last: End = ANY,
 ) -> Sides | None:
     """Return few lines for both rows of ``points`` ``(2, m, 2)`` of a strip, tangents of common disks, or None.
 
-    ``radii`` ``(m,)`` mm: of the disks that touch both rows; negative where they lie on the right of the first.
-    ``first``, ``last``: only those of an axis matter.
+    ``along`` ``(m, 3)`` mm: middle and radius of the disks that touch both rows; the radius is negative where they lie on
+    the right of the first.
+    ``paired``: the first and last column where there is a disk between both rows. ``first``, ``last``: only those of an axis matter.
     """
     points = np.ascontiguousarray(points)
     m = points.shape[1]
-    disks = _disks(points, radii, tolerance)
+    disks = _disks(along, tolerance, paired or (0, m - 1))
     ends = [
         end.array() if end.kind == pieces.DIRECTED else ANY.array()
         for end in (first, last)
@@ -82,12 +84,13 @@ def fit_disks(
     return Sides(np.array(cuts), np.swapaxes(np.array(normals), 0, 1), np.array(offsets).T, float(cost[end]))
 
 
-def _disks(points: Floats, radii: Floats, tolerance: float) -> Floats:
+def _disks(along: Floats, tolerance: float, paired: tuple[int, int]) -> Floats:
     """Return the disks that may be taken: at places along the strip, moved and enlarged by parts of the tolerance."""
-    m = points.shape[1]
-    stride = max(1, math.ceil(m / MOST_PLACES))
-    places = np.unique([*range(0, m, stride), m - 1])
-    middle = points.mean(axis=0)
+    m = len(along)
+    start, end = paired
+    stride = max(1, math.ceil((end - start) / MOST_PLACES))
+    places = np.unique([*range(start, end, stride), end])
+    middle, radii = along[:, :2], along[:, 2]
     around = np.empty_like(middle)
     around[1:-1] = middle[2:] - middle[:-2]
     around[0], around[-1] = middle[1] - middle[0], middle[-1] - middle[-2]
@@ -102,7 +105,8 @@ def _disks(points: Floats, radii: Floats, tolerance: float) -> Floats:
         for aside in ASIDE:
             for larger in LARGER:
                 x, y = middle[place] + sign * aside * tolerance * left[place]
-                rows.append((place, x, y, radii[place] + larger * tolerance))
+                column = 0 if place == start else m - 1 if place == end else place
+                rows.append((column, x, y, radii[place] + larger * tolerance))
     return np.array(rows)
 
 

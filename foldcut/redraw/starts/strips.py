@@ -19,33 +19,63 @@ import numpy as np
 from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.redraw.starts.chains import Chain, Chains
 
-__all__ = ["Strip", "find_strips", "without_overlap"]
+__all__ = ["Pairs", "Strip", "find_strips"]
 
 FACING = math.cos(math.radians(32))
 """How exactly opposite the outline has to run at both edges of a strip."""
 
+END = 1.2
+"""How far beyond its last pair a strip may go on to a corner, in widths."""
+
 JUMP = 8.0
-"""By how much a partner may jump from one sample to the next, in mm, and this many times as far as the samples are apart."""
+"""By how much more than twice the distance of two samples their partners may be apart, in mm."""
+
+GAP = 25.0
+"""Strips that follow each other are one if both edges go on after no more than this, in mm."""
 
 
 @dataclass(frozen=True, eq=False)
 class Strip:
     """Two edges that face each other: columns of ``places`` ``(m, 2)``, the samples of the first and the second edge.
 
-    The first edge runs along chain ``chains[0]``, the second backwards along ``chains[1]``. ``widths`` ``(m,)`` mm;
-    ``inside``: paper of the shape lies between the edges; else paper around it.
+    The first edge runs along chain ``chains[0]``, the second backwards along ``chains[1]``. ``disks`` ``(m, 3)`` mm:
+    middle and diameter of the disk that touches both edges there;
+    ``inside``: paper of the shape lies between the edges; else paper around it. From column ``paired[0]`` to column
+    ``paired[1]`` the edges face each other; beyond, they run on to the corners where they end.
     """
 
     chains: tuple[int, int]
     places: Indices
-    widths: Floats
+    disks: Floats
     inside: bool
     length: float
+    paired: tuple[int, int]
+
+    @property
+    def widths(self) -> Floats:
+        """The width at each column, ``(m,)`` mm."""
+        widths: Floats = self.disks[:, 2]
+        return widths
 
     @property
     def width(self) -> float:
         """The width in the middle of its range, in mm."""
         return float(self.widths.min() + self.widths.max()) / 2
+
+    @property
+    def can_be_trimmed(self) -> bool:
+        """Whether enough is left if its ends are trimmed."""
+        return self.paired[1] - self.paired[0] > 12
+
+    def trimmed(self) -> Strip:
+        """Return the strip without its unpaired ends, or, if it has none, without an eighth at each end."""
+        start, end = self.paired
+        if start == 0 and end == len(self.places) - 1:
+            eighth = max(1, len(self.places) // 8)
+            start, end = eighth, len(self.places) - 1 - eighth
+        some = slice(start, end + 1)
+        part = self.length * (end + 1 - start) / len(self.places)
+        return Strip(self.chains, self.places[some], self.disks[some], self.inside, part, (0, end - start))
 
     def rows(self, chains: Sequence[Chain]) -> Floats:
         """The samples of both edges, ``(2, m, 2)``, in the direction of the first."""
@@ -119,31 +149,50 @@ def _partners(samples: _Samples, inside: bool) -> tuple[Indices, Floats]:
     return np.where(good, partner, -1), width
 
 
-def find_strips(chains: Chains, variation: float, *, inside: bool, shortest: float = 0.8) -> list[Strip]:
-    """Return the strips whose width varies by at most ``variation`` mm, the longest first.
+class Pairs:
+    """The samples of all chains and their partners, of paper inside (True) and outside (False)."""
 
-    ``shortest``: how long an edge is at least, in widths.
+    def __init__(self, chains: Chains) -> None:
+        self.chains = chains
+        self.samples = _samples(chains)
+        self.partners = {inside: _partners(self.samples, inside) for inside in (True, False)}
+
+
+def find_strips(pairs: Pairs, *, inside: bool, shortest: float = 0.8) -> list[Strip]:
+    """Return strips, the longest first, of which no two share a piece of the outline.
+
+    ``inside``: of paper of the shape, else of paper around it. ``shortest``: how long an edge is at least, in widths.
     """
-    samples = _samples(chains)
-    partner, width = _partners(samples, inside)
+    runs = sorted(_runs(pairs, inside), key=lambda run: -run.length)
+    runs = sorted(_apart(runs), key=lambda run: (run.chains, int(run.places[0, 0])))
+    joined: list[Strip] = []
+    for run in runs:
+        whole = _joined(pairs.chains, joined[-1], run) if joined else None
+        if whole is None:
+            joined.append(run)
+        else:
+            joined[-1] = whole
+    long = [_lengthened(pairs.chains, one) for one in joined if one.length > shortest * one.width]
+    return _apart(sorted(long, key=lambda strip: -strip.length))
+
+
+def _runs(pairs: Pairs, inside: bool) -> list[Strip]:
+    """Return the runs of samples whose partners follow each other, each seen from both of its edges."""
+    samples, (partner, width) = pairs.samples, pairs.partners[inside]
     found: list[Strip] = []
     start = 0
-    n = samples.count
-    while start < n:
+    while start < samples.count:
         if partner[start] < 0:
             start += 1
             continue
-        end, low, high = start, width[start], width[start]
-        while end + 1 < n and _goes_on(samples, partner, end):
-            low, high = min(low, width[end + 1]), max(high, width[end + 1])
-            if high - low > variation:
-                break
+        end = start
+        while end + 1 < samples.count and _goes_on(samples, partner, end):
             end += 1
-        strip = _strip(chains, samples, partner, width, start, end, inside)
-        if strip is not None and strip.length > shortest * strip.width:
-            found.append(strip)
+        run = _run(pairs, partner, width, start, end, inside) if end - start > 1 else None
+        if run is not None:
+            found.append(run)
         start = end + 1
-    return sorted(found, key=lambda strip: -strip.length)
+    return found
 
 
 def _goes_on(samples: _Samples, partner: Indices, here: int) -> bool:
@@ -156,58 +205,103 @@ def _goes_on(samples: _Samples, partner: Indices, here: int) -> bool:
         return False
     step = float(np.hypot(*(samples.points[there] - samples.points[here])))
     jump = float(np.hypot(*(samples.points[a] - samples.points[b])))
-    if jump > JUMP + 2 * step:
-        return False
-    return not samples.corner[b + 1 : a].any()
+    return jump <= JUMP + 2 * step and not samples.corner[b + 1 : a].any()
 
 
-def _strip(
-    chains: Chains, samples: _Samples, partner: Indices, width: Floats, start: int, end: int, inside: bool
-) -> Strip | None:
-    if end - start < 2:
-        return None
+def _run(pairs: Pairs, partner: Indices, width: Floats, start: int, end: int, inside: bool) -> Strip | None:
+    """Return the strip of samples from ``start`` to ``end`` and their partners, the lower edge first."""
+    samples = pairs.samples
     columns: list[tuple[int, int]] = []
-    wide: list[float] = []
+    disks: list[Floats] = []
+    sign = 0.5 if inside else -0.5
     for here in range(start, end + 1):
         i, j = int(samples.place[here]), int(samples.place[partner[here]])
+        across = np.array([-samples.tangents[here, 1], samples.tangents[here, 0]])
+        disk = np.append(samples.points[here] + sign * width[here] * across, width[here])
         if columns:
             last_i, last_j = columns[-1]
             between = range(last_j - 1, j, -1)
             columns += [(last_i, k) for k in between]
-            wide += np.linspace(wide[-1], width[here], len(between) + 2)[1:-1].tolist()
+            disks += list(np.linspace(disks[-1], disk, len(between) + 2)[1:-1])
         columns.append((i, j))
-        wide.append(float(width[here]))
-    places, widths = np.array(columns), np.array(wide)
+        disks.append(disk)
+    places, among = np.array(columns), np.array(disks)
     numbers = (int(samples.chain[start]), int(samples.chain[partner[start]]))
-    # corners within limits of the same chain must not overlap
-    (a, a0, a1), (b, b0, b1) = (
-        (numbers[0], places[0, 0], places[-1, 0]),
-        (numbers[1], places[-1, 1], places[0, 1]),
-    )
-    if b1 <= b0 or (a == b and a0 < b1 and b0 < a1):
-        if a == b and a0 < b1 and b0 < a1:
-            # the strip is seen from both edges: keep the half up to where they meet
-            keep = places[:, 0] < places[:, 1]
-            return _half(chains, numbers, places[keep], widths[keep], inside)
+    if numbers[0] == numbers[1] and places[0, 0] < places[0, 1] and places[-1, 0] > places[-1, 1]:
+        # both edges are seen as one: around the end of a strip
+        keep = places[:, 0] < places[:, 1]
+        places, among = places[keep], among[keep]
+    if (numbers[0], places[0, 0]) > (numbers[1], places[-1, 1]):
+        numbers, places, among = numbers[::-1], places[::-1, ::-1], among[::-1]
+    return _made(pairs.chains, numbers, places, among, inside)
+
+
+def _made(chains: Chains, numbers: tuple[int, int], places: Indices, disks: Floats, inside: bool) -> Strip | None:
+    """Return a strip of paired samples, if there are enough of them."""
+    if len(places) < 3 or places[0, 0] >= places[-1, 0] or places[0, 1] <= places[-1, 1]:
         return None
-    return _made(chains, numbers, places, widths, inside)
-
-
-def _half(
-    chains: Chains, numbers: tuple[int, int], places: Indices, widths: Floats, inside: bool
-) -> Strip | None:
-    return _made(chains, numbers, places, widths, inside) if len(places) > 2 else None
-
-
-def _made(
-    chains: Chains, numbers: tuple[int, int], places: Indices, widths: Floats, inside: bool
-) -> Strip | None:
     rows = [chains.chains[number].points[places[:, k]] for k, number in enumerate(numbers)]
     length = float(np.mean([np.hypot(*np.diff(row, axis=0).T).sum() for row in rows]))
-    return Strip(numbers, places, widths, inside, length)
+    return Strip(numbers, places, disks, inside, length, (0, len(places) - 1))
 
 
-def without_overlap(strips: Sequence[Strip]) -> list[Strip]:
+def _joined(chains: Chains, one: Strip, other: Strip) -> Strip | None:
+    """Return both strips as one, if the other goes on soon after the one ends, on both edges."""
+    if one.chains != other.chains:
+        return None
+    (i0, j0), (i1, j1) = one.places[-1].tolist(), other.places[0].tolist()
+    if not (i0 <= i1 and j1 <= j0):
+        return None
+    a, b = (chains.chains[number] for number in one.chains)
+    if a.corners[i0 : i1 + 1].any() or b.corners[j1 : j0 + 1].any():
+        return None
+    for chain, low, high in ((a, i0, i1), (b, j1, j0)):
+        if float(np.hypot(*np.diff(chain.points[low : high + 1], axis=0).T).sum()) > GAP:
+            return None
+    between = _columns(list(range(i0 + 1, i1)), list(range(j0 - 1, j1, -1)), i0, j0)
+    disks = np.linspace(one.disks[-1], other.disks[0], len(between) + 2)[1:-1]
+    places = np.array([*one.places.tolist(), *between, *other.places.tolist()])
+    return _made(chains, one.chains, places, np.concatenate([one.disks, disks, other.disks]), one.inside)
+
+
+def _lengthened(chains: Chains, strip: Strip) -> Strip:
+    """Return a strip whose edges go on to the corners at its ends, where these are near."""
+    one, other = (chains.chains[number] for number in strip.chains)
+    places, widths = strip.places, strip.widths
+    (i0, j0), (i1, j1) = places[0].tolist(), places[-1].tolist()
+    reach = END * widths[0], END * widths[-1]
+    before = _columns(_to_corner(one, i0, -1, reach[0]), _to_corner(other, j0, 1, reach[0]), i0, j0)[::-1]
+    after = _columns(_to_corner(one, i1, 1, reach[1]), _to_corner(other, j1, -1, reach[1]), i1, j1)
+    whole = np.array([*before, *places.tolist(), *after])
+    disks = np.repeat(strip.disks, [len(before) + 1, *[1] * (len(places) - 2), len(after) + 1], axis=0)
+    paired = len(before), len(before) + len(places) - 1
+    return Strip(strip.chains, whole, disks, strip.inside, strip.length, paired)
+
+
+def _to_corner(chain: Chain, place: int, step: int, reach: float) -> list[int]:
+    """Return the samples after ``place`` up to the next corner in a direction, none if it is farther than ``reach``."""
+    found: list[int] = []
+    gone = 0.0
+    while not chain.corners[place]:
+        following = place + step
+        if not 0 <= following < len(chain.points):
+            return [] if chain.is_closed else found
+        gone += float(np.hypot(*(chain.points[following] - chain.points[place])))
+        if gone > reach:
+            return []
+        found.append(following)
+        place = following
+    return found
+
+
+def _columns(one: list[int], other: list[int], i: int, j: int) -> list[tuple[int, int]]:
+    """Return columns that go on along both edges at once."""
+    count = max(len(one), len(other))
+    first, second = [i, *one], [j, *other]
+    return [(first[round(k * len(one) / count)], second[round(k * len(other) / count)]) for k in range(1, count + 1)]
+
+
+def _apart(strips: Sequence[Strip]) -> list[Strip]:
     """Return strips of which no two share a piece of the outline: each is cut where an earlier one has been."""
     taken: dict[int, list[tuple[int, int]]] = {}
     kept: list[Strip] = []
@@ -219,8 +313,13 @@ def without_overlap(strips: Sequence[Strip]) -> list[Strip]:
         run = _longest_run(free)
         if run is None or run[1] - run[0] < 3:
             continue
-        places = strip.places[run[0] : run[1]]
-        part = Strip(strip.chains, places, strip.widths[run[0] : run[1]], strip.inside, strip.length * len(places) / len(free))
+        part = strip
+        if run != (0, len(free)):
+            paired = max(strip.paired[0] - run[0], 0), min(strip.paired[1], run[1] - 1) - run[0]
+            if paired[1] - paired[0] < 2:
+                continue
+            some, length = slice(*run), strip.length * (run[1] - run[0]) / len(free)
+            part = Strip(strip.chains, strip.places[some], strip.disks[some], strip.inside, length, paired)
         if any(b <= a for _, a, b in part.intervals()):
             continue
         if any(a < d and c < b for number, a, b in part.intervals() for c, d in taken.get(number, ())):
