@@ -21,7 +21,9 @@ def turned(points: Floats, degrees: float, by: tuple[float, float] = (0.0, 0.0))
 
 def star(count: int, outer: float = 90.0, inner: float = 40.0) -> Floats:
     angles = math.pi / 2 + math.pi * np.arange(2 * count) / count
-    return np.where(np.arange(2 * count) % 2, inner, outer)[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.where(np.arange(2 * count) % 2, inner, outer)[:, None] * np.stack(
+        [np.cos(angles), np.sin(angles)], axis=1
+    )
 
 
 def half(seed: int) -> Floats:
@@ -59,9 +61,7 @@ def faults(target: Target, found: Symmetry, tolerance: float) -> list[str]:
         if abs(axis.normal @ found.centre - axis.offset) > 1e-6:
             wrong.append(f"the axis at {math.degrees(axis.angle):g} degrees misses the centre")
     for count in range(1, found.order):
-        images = [
-            turned(loop - found.centre, 360 * count / found.order, tuple(found.centre)) for loop in target.loops
-        ]
+        images = [turned(loop - found.centre, 360 * count / found.order, tuple(found.centre)) for loop in target.loops]
         off, _ = farthest_apart([CurvedLoop.of_points(loop) for loop in target.loops], images)
         if off > max(tolerance, 1e-3) + 0.045:  # of two axes, each with half of the tolerance
             wrong.append(f"turn {count} of {found.order} is off by {off:g} mm")
