@@ -174,20 +174,18 @@ def _small_loops(target: Target, tolerance: float) -> Iterator[SmallPart]:
     inner = {number for number in _with_inner(target, small) if target.parent[number] in _with_inner(target, small)}
     for number in sorted(small - inner):
         kind = "hole" if target.shape.depth(number) % 2 else "part"
-        width, place = _widest(polygons[number], tolerance)
-        yield SmallPart(kind, width, place, polygons[number], number)
+        one = polygons[number]
+        yield SmallPart(kind, _widest(one, tolerance), _middle(one), one, number)
 
 
-def _widest(polygon: shapely.Polygon, tolerance: float) -> tuple[float, Floats]:
-    """Return the diameter and the centre of the largest disc in a polygon."""
-    radius = shapely.maximum_inscribed_circle(polygon, tolerance=1e-3 * tolerance)
-    return 2 * float(radius.length), np.array(radius.coords[0])
+def _widest(polygon: shapely.Polygon, tolerance: float) -> float:
+    """Return the diameter of the largest disc in a polygon."""
+    return 2 * float(shapely.maximum_inscribed_circle(polygon, tolerance=1e-3 * tolerance).length)
 
 
 def _middle(polygon: shapely.Polygon) -> Floats:
-    """Return a point in a polygon, in its middle if that lies in it."""
-    middle = polygon.centroid
-    return np.array((middle if polygon.contains(middle) else polygon.point_on_surface()).coords[0])
+    """Return the point of a polygon that is nearest to its middle."""
+    return np.array(shapely.shortest_line(polygon, polygon.centroid).coords[0])
 
 
 def _narrow(
@@ -215,9 +213,8 @@ def _narrow(
                 yield SmallPart(kinds[1], width, _middle(place), place)
             continue
         length = float(shapely.distance(corners, mouths[0]).max())
-        width, middle_of = _widest(place, tolerance)
         if length > tolerance and place.area > TIP * length * _mouth_width(mouths[0], slack):
-            yield SmallPart(kinds[0], width, middle_of, place)
+            yield SmallPart(kinds[0], _widest(place, tolerance), _middle(place), place)
 
 
 def _mouth_width(mouth: shapely.Geometry, slack: float) -> float:

@@ -25,6 +25,9 @@ __all__ = ["Piece", "Round", "Strip", "concentric", "rounds", "strips"]
 MOST_SAMPLES = 900
 """The number of points of all loops together that discs are made for, about."""
 
+NEIGHBOURS = 2
+"""Discs may reach beyond so many of the next points along the outline on either side."""
+
 OPPOSITE = math.cos(math.radians(25))
 """Two sides run side by side where their tangents are opposite but for less than this angle, as its cosine."""
 
@@ -143,6 +146,10 @@ class _Discs:
         side = np.repeat([1.0 if hole != inside else -1.0 for hole in is_hole], [len(one.points) for one in samples])
         towards = side[:, None] * left_normal(tangents)
         first = np.cumsum([0, *(len(one.points) for one in samples)])
+        counts = np.diff(first)
+        own = np.arange(len(points)) - np.repeat(first[:-1], counts)
+        beside = (own[:, None] + np.arange(-NEIGHBOURS, NEIGHBOURS + 1)) % np.repeat(counts, counts)[:, None]
+        beside += np.repeat(first[:-1], counts)[:, None]
         radius, partner = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.intp)
         for start in range(0, len(points), 256):
             some = slice(start, start + 256)
@@ -151,6 +158,7 @@ class _Discs:
             height = (away * towards[some, None, :]).sum(axis=2)
             with np.errstate(divide="ignore", invalid="ignore"):
                 size = np.where(height > 1e-9 * np.sqrt(square) + 1e-12, square / (2 * height), np.inf)
+            size[np.arange(len(size))[:, None], beside[some]] = np.inf  # chords of flattened curves turn all at once
             partner[some] = size.argmin(axis=1)
             radius[some] = size.min(axis=1)
         opposite = ((tangents * tangents[partner]).sum(axis=1) < -OPPOSITE) & np.isfinite(radius) & ~corner

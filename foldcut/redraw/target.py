@@ -114,7 +114,7 @@ class Target:
     @cached_property
     def outline(self) -> shapely.Geometry:
         """All dense loops as closed lines."""
-        return shapely.multilinestrings([np.concatenate([loop, loop[:1]]) for loop in self.loops])
+        return shapely.multilinestrings([shapely.linestrings(np.concatenate([loop, loop[:1]])) for loop in self.loops])
 
     @property
     def shape(self) -> Shape:
@@ -145,8 +145,11 @@ class Target:
         place = np.interp(at, along, np.concatenate([places, [float(len(curve))]]))
         order = np.argsort(at, kind="stable")
         at, place, corner = at[order], place[order], corner[order]
-        points = curve.points(place)
-        return Samples(points_array(points), curve.tangents(place), at, corner, place, float(along[-1]))
+        tangents = curve.tangents(place)
+        joint = (place % 1 == 0) & ~corner
+        tangents[joint] += curve.tangents(np.nextafter(place[joint], -1.0))
+        tangents /= np.hypot(*tangents.T)[:, None]
+        return Samples(points_array(curve.points(place)), tangents, at, corner, place, float(along[-1]))
 
 
 def _depth(parent: Sequence[int], loop: int) -> int:
