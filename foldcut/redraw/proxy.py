@@ -79,8 +79,6 @@ class Work(NamedTuple):
     at_node: Any
     level_at: Any
     spoke_at: Any
-    seen: Any
-    queue: Any
     first: Any
     ax: Any
     ay: Any
@@ -103,12 +101,20 @@ class Work(NamedTuple):
     path_cost: Any
     path_taken: Any
     path_last: Any
-    way_cost: Any
-    way_path: Any
-    mate: Any
+    path_angle: Any
+    path_next: Any
+    path_before: Any
+    path_mate: Any
+    path_group: Any
+    path_sector: Any
+    path_point: Any
+    point_x: Any
+    point_y: Any
+    node_path: Any
+    group_first: Any
+    group_best: Any
+    sector_cost: Any
     member: Any
-    best: Any
-    best_mate: Any
     stuck: Any
     taken: Any
     way_first: Any
@@ -130,16 +136,14 @@ def _work(nodes: int, sides: int) -> Work:
     halves = 4 * (nodes + sides) + 64
     paths = 4 * nodes + 64
     f, i = (lambda n: np.zeros(n)), (lambda n: np.zeros(n, dtype=np.int64))
-    odd = 96
     sizes = {
         "counts": i(16), "numbers": f(8), "sizes": f(9), "ints": i(16), "place": f(2),
-        "first": i(sides + 1), "way_cost": np.zeros((odd, nodes + 1)),
-        "way_path": np.zeros((odd, nodes + 1), dtype=np.int64),
-        "mate": i(nodes + 1), "member": i(nodes + 1), "best": f(1 << 10), "best_mate": i(1 << 10),
+        "first": i(sides + 1), "member": i(paths), "point_x": f(16 * paths), "point_y": f(16 * paths),
+        "group_first": i(paths), "group_best": i(paths), "sector_cost": f(paths),
         "key": np.full(1 << (2 * halves).bit_length(), -1, dtype=np.int64),
         "value": i(1 << (2 * halves).bit_length()),
     }  # fmt: skip
-    reals = {"x", "y", "z", "ax", "ay", "sx", "sy", "u0", "u1", "path_cost", "miss", "spoke_x", "spoke_y", "cut_part",
+    reals = {"x", "y", "z", "ax", "ay", "sx", "sy", "u0", "u1", "path_cost", "path_angle", "miss", "spoke_x", "spoke_y", "cut_part",
              "ridge_length"}  # fmt: skip
     for name in Work._fields:
         if name in sizes:

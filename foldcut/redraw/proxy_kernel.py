@@ -13,7 +13,7 @@ Source: Demaine, Demaine and Lubiw, "Folding and one straight cut suffice", 1999
 
 from __future__ import annotations
 
-from math import inf, sqrt
+from math import atan2, inf, sqrt
 
 from foldcut.core.compiled import compiled_in
 from foldcut.geometry.straight_skeleton.wavefront import ARCS as FRONT_ARCS
@@ -26,7 +26,7 @@ inlined = compiled_in(__name__, inline=True)
 RIDGE, BASE, LEVEL = 0, 1, 2
 
 # places in ``counts``
-NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES = range(14)
+NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS = range(16)
 
 # places in ``numbers``
 SHORTEST, PENALTY, COST, LEAST_HEIGHT = range(4)
@@ -39,9 +39,6 @@ MOST_CROSSINGS = 30
 
 MOST_PARTIAL = 9
 """Of a perpendicular that does not end, so many crossings are looked at for nodes that it passes."""
-
-MOST_MATCHED = 10
-"""Components with more odd nodes are matched greedily."""
 
 FULL = -1
 """What a function returns when a table is too small."""
@@ -232,6 +229,8 @@ def walk(w, start, mode, path):
     lines = 0
     straight_on = False
     w.ints[2] = -1
+    if mode == 0:
+        add_point(w, x, y)
     if mode == 2 or mode == 1:
         w.way_first[path] = w.counts[WAYS]
     for crossing in range(MOST_CROSSINGS):
@@ -271,6 +270,8 @@ def walk(w, start, mode, path):
         if h < 0 and not ends_outside:
             beyond = beyond_straight_ridge(w, -1 - h, face)
         is_end = ends_outside or (h < 0 and beyond < 0)
+        if mode == 0:
+            add_point(w, to_x, to_y)
         if not is_end and (w.kind[h] == BASE or w.kind[h] == LEVEL):
             pass  # it goes straight on
         else:
@@ -341,6 +342,15 @@ def note_misses(w, path, crossing, face, u, start):
 
 
 @inlined
+def add_point(w, x, y):
+    """Add a point to the perpendicular that is traced."""
+    k = w.counts[POINTS]
+    if k < len(w.point_x):
+        w.point_x[k], w.point_y[k] = x, y
+        w.counts[POINTS] += 1
+
+
+@inlined
 def add_length(w, length):
     """Take note of a crease's length."""
     if length < w.numbers[SHORTEST]:
@@ -394,219 +404,245 @@ def add_cut(w, h, x, y):
 
 @compiled
 def find_paths(w, corners):
-    """Trace the perpendiculars from odd nodes, and from the nodes that these come to: all that end."""
-    queue = w.queue
-    filled = 0
+    """Trace the perpendiculars of all nodes, counter-clockwise around each.
+
+    ``path_next`` is the next one around the same node. One that ends at another node is there twice, once from each
+    end; they are each other's ``path_mate``.
+    """
     w.counts[PATHS] = 0
+    w.counts[POINTS] = 0
+    w.counts[DEGREES] = 0
     for node in range(w.counts[NODES]):
-        w.seen[node] = 0
-        if w.root[node] == node and w.degree[node] % 2 == 1 and on_sheet(w, w.x[node], w.y[node]):
-            queue[filled] = node
-            w.seen[node] = 1
-            filled += 1
-    w.counts[DEGREES] = filled
-    at = 0
-    while at < filled:
-        node = queue[at]
-        at += 1
+        w.node_path[node] = -1
+        if w.root[node] != node or node < corners or w.degree[node] == 0 or not on_sheet(w, w.x[node], w.y[node]):
+            continue
+        if w.degree[node] % 2 == 1:
+            w.counts[DEGREES] += 1
+        first = w.counts[PATHS]
         h = w.at_node[node]
         while h >= 0:
-            if walk(w, h, 0, 0):
-                end = w.ints[0]
-                # one between two nodes is found from both ends, and kept from one
-                if end < 0 or not (w.seen[end] == 2 and is_known(w, end, node, w.ints[2])):
-                    k = w.counts[PATHS]
-                    if k >= len(w.path_cost):
-                        return FULL
-                    w.path_half[k] = h
-                    w.path_start[k], w.path_end[k] = node, end
-                    w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1]
-                    w.path_taken[k] = 0
-                    w.path_last[k] = w.ints[2]
-                    w.counts[PATHS] += 1
-                if end >= corners and w.seen[end] == 0:
-                    w.seen[end] = 1
-                    queue[filled] = end
-                    filled += 1
+            way = way_in(w, h)
+            if way != 0 or w.kind[h] == LEVEL and w.degree[node] > 2:
+                k = w.counts[PATHS]
+                if k >= len(w.path_cost):
+                    return FULL
+                side = w.face[h]
+                if way != 0:
+                    angle = atan2(way * w.ax[side], -way * w.ay[side])
+                else:
+                    angle = atan2(w.y[w.head[h]] - w.y[node], w.x[w.head[h]] - w.x[node])
+                # in order of their angles
+                while k > first and w.path_angle[k - 1] > angle:
+                    w.path_angle[k], w.path_half[k] = w.path_angle[k - 1], w.path_half[k - 1]
+                    k -= 1
+                w.path_angle[k], w.path_half[k] = angle, h
+                w.counts[PATHS] += 1
             h = w.next_at_node[h]
-        w.seen[node] = 2
+        last = w.counts[PATHS]
+        if last > first:
+            w.node_path[node] = first
+        for k in range(first, last):
+            w.path_next[k] = k + 1 if k + 1 < last else first
+            w.path_before[k] = k - 1 if k > first else last - 1
+            w.path_start[k] = node
+            w.path_mate[k] = -1
+            w.path_taken[k] = 0
+            w.path_group[k] = -1
+            w.path_point[k] = w.counts[POINTS]
+            w.path_end[k] = -2
+            w.path_cost[k] = w.sizes[ENDLESS_COST]
+            if walk(w, w.path_half[k], 0, k):
+                w.path_end[k] = w.ints[0]
+                w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1]
+                w.path_last[k] = w.ints[2]
+    w.path_point[w.counts[PATHS]] = w.counts[POINTS]
+    for k in range(w.counts[PATHS]):
+        end = w.path_end[k]
+        if end >= corners and w.node_path[end] >= 0 and w.path_mate[k] < 0:
+            other = w.node_path[end]
+            first = other
+            while True:
+                if w.path_end[other] == w.path_start[k] and w.face[w.path_half[other]] == w.path_last[k]:
+                    w.path_mate[k], w.path_mate[other] = other, k
+                    break
+                other = w.path_next[other]
+                if other == first:
+                    break
     return 0
 
 
 @compiled
-def is_known(w, start, end, face):
-    """Return whether there is a perpendicular from a node to another one that begins in this face."""
-    for k in range(w.counts[PATHS]):
-        if w.path_start[k] == start and w.path_end[k] == end and w.face[w.path_half[k]] == face:
-            return True
-    return False
+def find_groups(w):
+    """Find the groups of nodes that perpendiculars join, and the corridors around each.
 
-
-@compiled
-def shortest_ways(w, source, place):
-    """Find the cheapest ways along perpendiculars from a node to all others, and to the border.
-
-    Rows of ``way_cost`` and ``way_path`` belong to odd nodes; the column after the last node is the border.
+    ``path_sector`` is the corridor that comes next around the node, named by the perpendicular at which its border
+    begins. ``sector_cost`` is what it costs to fold all perpendiculars of the group that do not border on it.
     """
-    count = w.counts[NODES]
-    for node in range(count + 1):
-        w.way_cost[place, node] = inf
-        w.way_path[place, node] = -1
-    w.way_cost[place, source] = 0.0
-    changed = True
-    while changed:
-        changed = False
-        for k in range(w.counts[PATHS]):
-            a, b = w.path_start[k], w.path_end[k]
-            cost = w.path_cost[k]
-            if b < 0:
-                b = count
-            if w.way_cost[place, a] + cost < w.way_cost[place, b] - 1e-9:
-                w.way_cost[place, b] = w.way_cost[place, a] + cost
-                w.way_path[place, b] = k
-                changed = True
-            if b < count and w.way_cost[place, b] + cost < w.way_cost[place, a] - 1e-9:
-                w.way_cost[place, a] = w.way_cost[place, b] + cost
-                w.way_path[place, a] = k
-                changed = True
+    groups = 0
+    for k in range(w.counts[PATHS]):
+        if w.path_group[k] >= 0:
+            continue
+        # all of this group
+        w.member[0] = k
+        size, at = 1, 0
+        w.path_group[k] = groups
+        while at < size:
+            p = w.member[at]
+            at += 1
+            for turn in range(2):
+                q = w.path_next[p] if turn == 0 else w.path_mate[p]
+                if q >= 0 and w.path_group[q] < 0:
+                    w.path_group[q] = groups
+                    w.member[size] = q
+                    size += 1
+        total = 0.0
+        for at in range(size):
+            p = w.member[at]
+            w.path_sector[p] = -1
+            if w.path_mate[p] < 0 or w.path_mate[p] > p:
+                total += w.path_cost[p]
+        w.group_first[groups] = k
+        w.group_best[groups] = -1
+        best = inf
+        for at in range(size):
+            first = w.member[at]
+            if w.path_mate[first] >= 0:
+                continue
+            cost = total - w.path_cost[first]
+            p, steps = first, 0
+            while steps < 200:
+                steps += 1
+                w.path_sector[p] = first
+                q = w.path_next[p]
+                if w.path_mate[q] < 0:
+                    if q != first:
+                        cost -= w.path_cost[q]
+                    else:
+                        cost += w.path_cost[q]  # the corridor is on both sides of it
+                    break
+                cost -= w.path_cost[q]
+                p = w.path_mate[q]
+            w.sector_cost[first] = cost
+            if cost < best:
+                best = cost
+                w.group_best[groups] = first
+        groups += 1
+        if groups >= len(w.group_first):
+            return FULL
+    w.counts[GROUPS] = groups
+    return 0
 
 
 @compiled
-def take_way(w, place, target):
-    """Take the perpendiculars of the cheapest way from an odd node to a node or the border; twice taken is not taken."""
-    count = w.counts[NODES]
-    while w.way_path[place, target] >= 0:
-        k = w.way_path[place, target]
-        w.path_taken[k] = 1 - w.path_taken[k]
-        b = w.path_end[k]
-        if b < 0:
-            b = count
-        target = w.path_start[k] if b == target else b
+def sector_towards(w, group, x, y):
+    """Return the corridor of a group in which a point lies."""
+    first = w.group_first[group]
+    node = w.path_start[first]
+    ox, oy = w.x[node], w.y[node]
+    dx, dy = x - ox, y - oy
+    angle = atan2(dy, dx)
+    # the last of the node's perpendiculars that comes before this angle
+    k = w.node_path[node]
+    begin = k
+    last = w.path_before[begin]
+    sector = last
+    while True:
+        if w.path_angle[k] <= angle:
+            sector = k
+        if k == last:
+            break
+        k = w.path_next[k]
+    sector = w.path_sector[sector]
+    latest = 1e-9
+    for p in range(w.counts[PATHS]):
+        if w.path_group[p] != group or (w.path_mate[p] >= 0 and w.path_mate[p] < p):
+            continue
+        for i in range(w.path_point[p], w.path_point[p + 1] - 1):
+            ax, ay = w.point_x[i], w.point_y[i]
+            ex, ey = w.point_x[i + 1] - ax, w.point_y[i + 1] - ay
+            area = dx * ey - dy * ex
+            if area == 0.0:
+                continue
+            part = ((ax - ox) * ey - (ay - oy) * ex) / area
+            if latest < part < 1 - 1e-9:
+                along = ((ax - ox) * dy - (ay - oy) * dx) / area
+                if 0 <= along <= 1 and (i > w.path_point[p] or w.path_start[p] != node or along > 1e-9):
+                    latest = part
+                    # to its left if the way turns left of it
+                    left = ex * dy - ey * dx > 0
+                    sector = w.path_sector[p] if left else w.path_sector[w.path_before[p]]
+    return sector
 
 
 @compiled
 def choose(w):
-    """Choose the cheapest set of perpendiculars that makes the creases at every node even.
+    """Choose the perpendiculars that fold all paper away from one corridor: of all corridors the cheapest.
 
-    Odd nodes are matched with each other or with the sheet's border along cheapest ways: a least T-join. Counts the
-    nodes that nothing can be done for.
+    Of each group those are folded that do not border on the corridor towards that one (``methods.skeleton.choices``).
     """
-    count = w.counts[NODES]
-    odd = w.counts[DEGREES]
-    if odd > len(w.way_cost):
+    if find_groups(w) < 0:
         return FULL
+    groups = w.counts[GROUPS]
+    best, root = inf, -1
+    for one in range(groups):
+        if w.group_best[one] < 0:
+            continue
+        here = w.path_start[w.group_first[one]]
+        if w.path_next[w.group_first[one]] == w.path_before[w.group_first[one]] and root >= 0:
+            continue  # two perpendiculars or one: nothing new beyond
+        total = w.sector_cost[w.group_best[one]]
+        for other in range(groups):
+            if other != one and w.group_best[other] >= 0:
+                if w.sector_cost[w.group_best[other]] + total >= best:
+                    total = inf
+                    break
+                total += group_cost(w, other, here)
+                if total >= best:
+                    break
+        if total < best:
+            best, root = total, one
     w.counts[ENDLESS] = 0
     w.counts[STUCK] = 0
-    for place in range(odd):
-        shortest_ways(w, w.queue[place], place)
-        w.mate[place] = -2
-    # components of nodes that might be matched with each other
-    for place in range(odd):
-        if w.mate[place] != -2:
+    if root < 0:
+        return 0
+    here = w.path_start[w.group_first[root]]
+    for one in range(groups):
+        if w.group_best[one] < 0:
             continue
-        w.member[0] = place
-        size = 1
-        w.mate[place] = -3
-        at = 0
-        while at < size:
-            here = w.member[at]
-            at += 1
-            for other in range(odd):
-                if w.mate[other] == -2:
-                    together = w.way_cost[here, w.queue[other]]
-                    if together < w.way_cost[here, count] + w.way_cost[other, count]:
-                        w.mate[other] = -3
-                        w.member[size] = other
-                        size += 1
-        if size == 1:
-            w.mate[place] = -1
-        elif size <= MOST_MATCHED:
-            match_exactly(w, size)
-        else:
-            match_greedily(w, size)
-    for place in range(odd):
-        mate = w.mate[place]
-        if mate == -1:
-            if w.way_cost[place, count] < inf:
-                take_way(w, place, count)
-            else:
+        sector = w.group_best[one] if one == root else sector_towards(w, one, w.x[here], w.y[here])
+        if sector < 0:
+            sector = w.group_best[one]
+        w.group_best[one] = sector
+    for k in range(w.counts[PATHS]):
+        group = w.path_group[k]
+        sector = w.group_best[group]
+        if sector < 0:
+            continue
+        borders = w.path_sector[k] == sector
+        borders_too = w.path_sector[w.path_before[k]] == sector
+        mate = w.path_mate[k]
+        if mate >= 0:
+            borders = borders or w.path_sector[w.path_before[mate]] == sector
+            borders_too = borders_too or w.path_sector[mate] == sector
+        if borders == borders_too and (mate < 0 or mate > k):
+            if w.path_end[k] == -2:
                 w.counts[ENDLESS] += 1
-                w.stuck[w.counts[STUCK]] = w.queue[place]
-                w.counts[STUCK] += 1
-        elif mate > place:
-            take_way(w, place, w.queue[mate])
+                if w.counts[STUCK] == 0 or w.stuck[w.counts[STUCK] - 1] != w.path_start[k]:
+                    w.stuck[w.counts[STUCK]] = w.path_start[k]
+                    w.counts[STUCK] += 1
+            else:
+                w.path_taken[k] = 1
     return 0
 
 
-@inlined
-def pair_cost(w, one, other):
-    """Return what it costs to match two odd nodes; an odd node with itself stands for the border."""
-    if one == other:
-        cost = w.way_cost[one, w.counts[NODES]]
-        return cost if cost < inf else 1000.0
-    cost = w.way_cost[one, w.queue[other]]
-    return cost if cost < inf else 2000.0
-
-
 @compiled
-def match_exactly(w, size):
-    """Match the members of a component, by going through all subsets."""
-    full = 1 << size
-    w.best[0] = 0.0
-    for mask in range(1, full):
-        low = 0
-        while not (mask >> low) & 1:
-            low += 1
-        one = w.member[low]
-        best, mate = inf, low
-        rest = mask & ~(1 << low)
-        for other in range(low, size):
-            if other != low and not (mask >> other) & 1:
-                continue
-            left = rest & ~(1 << other)
-            cost = w.best[left] + pair_cost(w, one, w.member[other])
-            if cost < best:
-                best, mate = cost, other
-        w.best[mask] = best
-        w.best_mate[mask] = mate
-    mask = full - 1
-    while mask:
-        low = 0
-        while not (mask >> low) & 1:
-            low += 1
-        other = w.best_mate[mask]
-        if other == low:
-            w.mate[w.member[low]] = -1
-        else:
-            w.mate[w.member[low]] = w.member[other]
-            w.mate[w.member[other]] = w.member[low]
-        mask &= ~(1 << low)
-        mask &= ~(1 << other)
-
-
-@compiled
-def match_greedily(w, size):
-    """Match the members of a component: again and again the two that save most."""
-    count = w.counts[NODES]
-    for k in range(size):
-        w.mate[w.member[k]] = -1
-    while True:
-        best, one, other = 0.0, -1, -1
-        for i in range(size):
-            a = w.member[i]
-            if w.mate[a] >= 0:
-                continue
-            for j in range(i + 1, size):
-                b = w.member[j]
-                if w.mate[b] >= 0:
-                    continue
-                apart = min(1000.0, w.way_cost[a, count]) + min(1000.0, w.way_cost[b, count])
-                saved = apart - w.way_cost[a, w.queue[b]]
-                if saved > best:
-                    best, one, other = saved, a, b
-        if one < 0:
-            return
-        w.mate[one], w.mate[other] = other, one
+def group_cost(w, group, node):
+    """Return what a group costs if paper is folded away from a node."""
+    first = w.group_first[group]
+    if w.path_next[first] == w.path_before[first] and w.path_mate[first] < 0:
+        return w.sector_cost[w.group_best[group]]  # one perpendicular or two
+    sector = sector_towards(w, group, w.x[node], w.y[node])
+    return w.sector_cost[sector] if sector >= 0 else w.sector_cost[w.group_best[group]]
 
 
 @compiled

@@ -8,17 +8,32 @@ through both layers, or all four.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
-from foldcut.core.model import CreasePattern, Sheet
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import CreasePattern, Shape, Sheet
 from foldcut.drawing.laying import Laid
+from foldcut.geometry.mirror_axes import symmetric
 from foldcut.methods.base import Made
+from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half, axis_lines
+from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.quick import TRIES, fold_outline
+from foldcut.methods.skeleton.search import Search, adjusted
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.foldability import crease_numbers
 
-__all__ = ["fold_half", "made_of_half"]
+__all__ = ["fold_half", "made_of_half", "search_half"]
+
+PATIENCE = 0.5
+"""While there is no pattern, shapes with moved corners are tried for this part of the time, each."""
+
+SYMMETRIC = 1e-8
+"""How far corners that were moved may be off from symmetry, relative to the sheet's diagonal."""
+
 
 def fold_half(half: Half, *, ribbon: float = 0.0, tries: int = TRIES) -> Skeletal:
     """Return the pattern of the first promising set of perpendiculars, of at most ``tries``, that can be folded.
@@ -27,6 +42,42 @@ def fold_half(half: Half, *, ribbon: float = 0.0, tries: int = TRIES) -> Skeleta
     are refused. Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
     return fold_outline(half.outline, half.sheet, ribbon=ribbon, tries=tries, part=half)
+
+
+def search_half(
+    shape: Shape,
+    sheet: Sheet,
+    axes: tuple[int, ...],
+    *,
+    near: float,
+    ribbon: float = 0.0,
+    seconds: float,
+    progress: Callable[[str, float], None] | None = None,
+) -> Skeletal:
+    """Return the pattern of the sheet that is easiest to fold, of all that a search for some seconds finds.
+
+    ``shape`` is symmetric about the sheet's ``axes``, as for ``Half``. Its corners may be moved by ``near`` mm, as by
+    ``fold_skeletal``; the shape as it is is tried first. ``seconds`` are those of the budget's model. Raises
+    ``UnfoldableError`` with the first reason where no pattern is found. Ctrl-C ends the search with the best so far.
+    """
+    half = next(halves_of(shape, sheet, axes))
+    search = Search(half.sheet, ribbon, Budget(seconds), progress)
+    interrupted = False
+    try:
+        search.fold(half.outline, 0.0, seconds, half)
+        for variant, moved in adjusted(shape, sheet, near)[:-1]:
+            variant, off = symmetric(variant, np.array([sheet.width, sheet.height]) / 2, axes)
+            if off <= SYMMETRIC * sheet.diagonal:
+                half = next(halves_of(variant, sheet, axes))
+                search.fold(half.outline, moved, PATIENCE * seconds, half)
+        search.improve()
+    except KeyboardInterrupt:
+        if search.made is None:
+            raise
+        interrupted = True
+    if search.made is None:
+        raise search.problem or UnfoldableError("no set of perpendiculars makes the creases at every node even")
+    return replace(search.made, interrupted=interrupted)
 
 
 def made_of_half(axes: tuple[int, ...], found: Skeletal, laid: Laid, *, ribbon: float = 0.0) -> Made:
@@ -42,12 +93,16 @@ def made_of_half(axes: tuple[int, ...], found: Skeletal, laid: Laid, *, ribbon: 
         laid,
         ribbon,
         actions=len(axes) + lines_beside(found.creases, laid.sheet, axes),
-        told=(f"mirror: half of the sheet along the straight skeleton, {count} perpendicular{'s' * (count != 1)}",),
+        told=(f"mirror: the straight skeleton of {_named(axes)}, {count} perpendicular{'s' * (count != 1)}",),
         numbers={"perpendiculars": count, "moved_mm": found.moved_mm},
         first_folds=axis_lines(laid.sheet, axes),
         interrupted=found.interrupted,
         detail=found,
     )
+
+
+def _named(axes: tuple[int, ...]) -> str:
+    return "a quarter of the sheet" if len(axes) == 2 else "half of the sheet"
 
 
 def lines_beside(creases: CreasePattern, sheet: Sheet, axes: tuple[int, ...]) -> int:
