@@ -73,9 +73,8 @@ class Plan:
 
     def field(self, tolerance: float) -> Field:
         """Return what outlines are compared with, within ``tolerance`` mm, on that part of the sheet."""
-        return Field(
-            tuple(loop - self.middle for loop in self.target.loops), self.part.width, self.part.height, tolerance
-        )
+        loops = tuple(loop - self.middle for loop in self.target.loops)
+        return Field(loops, self.part.width, self.part.height, tolerance, self.axes)
 
     def starts(self, tolerance: float) -> Iterator[Corners]:
         """Yield outlines to begin a search with, on that part of the sheet."""

@@ -128,6 +128,8 @@ class Work(NamedTuple):
     spoke_next: Any
     cut_part: Any
     cut_next: Any
+    exit_x: Any
+    exit_y: Any
     ridge: Any
     ridge_length: Any
 
@@ -137,9 +139,9 @@ def _work(nodes: int, sides: int) -> Work:
     paths = 4 * nodes + 64
     f, i = (lambda n: np.zeros(n)), (lambda n: np.zeros(n, dtype=np.int64))
     sizes = {
-        "counts": i(16), "numbers": f(8), "sizes": f(9), "ints": i(16), "place": f(2),
+        "counts": i(20), "numbers": f(8), "sizes": f(11), "ints": i(16), "place": f(2),
         "first": i(sides + 1), "member": i(paths), "point_x": f(16 * paths), "point_y": f(16 * paths),
-        "group_first": i(paths), "group_best": i(paths), "sector_cost": f(paths),
+        "group_first": i(paths), "group_best": i(paths), "sector_cost": f(paths), "exit_x": f(paths), "exit_y": f(paths),
         "key": np.full(1 << (2 * halves).bit_length(), -1, dtype=np.int64),
         "value": i(1 << (2 * halves).bit_length()),
     }  # fmt: skip
@@ -199,13 +201,15 @@ class Field:
     """What outlines are compared with: a drawing on its sheet, both in mm.
 
     ``loops``: dense polylines, ``(n, 2)`` each. What lies beyond the sheet, which is ``width`` by ``height``, does not
-    count. ``tolerance``: how far the outline may be from the drawing, and the drawing from the outline.
+    count. ``tolerance``: how far the outline may be from the drawing, and the drawing from the outline. ``axes``: the
+    sheet is the part to the right of an upright axis (0), above a level one (1), or both, along which it is folded first.
     """
 
     loops: tuple[Floats, ...]
     width: float
     height: float
     tolerance: float
+    axes: tuple[int, ...] = ()
 
     @property
     def diagonal(self) -> float:
@@ -304,6 +308,7 @@ class _Place:
         diagonal = engine.field.diagonal
         self.work.sizes[:] = (
             width, height, SNAP * diagonal, NEAR * diagonal, engine.least_crease, ENDLESS_COST, 0.0, *SHORT_COST,
+            *(float(axis in engine.field.axes) for axis in (0, 1)),
         )  # fmt: skip
         samples = engine.field.samples
         grid, cell_first, cell_item, lines = engine.field.grid

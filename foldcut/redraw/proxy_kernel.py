@@ -26,13 +26,13 @@ inlined = compiled_in(__name__, inline=True)
 RIDGE, BASE, LEVEL = 0, 1, 2
 
 # places in ``counts``
-NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS = range(16)
+NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS, EXITS_X, EXITS_Y = range(18)
 
 # places in ``numbers``
 SHORTEST, PENALTY, COST, LEAST_HEIGHT = range(4)
 
 # places in ``sizes``
-WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST = range(9)
+WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST, FOLDED_X, FOLDED_Y = range(11)
 
 MOST_CROSSINGS = 30
 """A perpendicular that crosses more faces is given up."""
@@ -286,6 +286,8 @@ def walk(w, start, mode, path):
                     add_spoke(w, -1 - h, begin_x - to_x, begin_y - to_y)
                 elif not ends_outside and h >= 0:
                     add_cut(w, h, to_x, to_y)
+                if ends_outside:
+                    add_exit(w, to_x, to_y)
             begin_x, begin_y = to_x, to_y
         if is_end:
             w.ints[0] = -1 if ends_outside else -1 - h
@@ -645,6 +647,35 @@ def group_cost(w, group, node):
     return w.sector_cost[sector] if sector >= 0 else w.sector_cost[w.group_best[group]]
 
 
+@inlined
+def add_exit(w, x, y):
+    """Note where a crease comes to an axis along which the sheet is folded first."""
+    snap = w.sizes[SNAP]
+    if w.sizes[FOLDED_X] > 0 and x <= snap and w.counts[EXITS_X] < len(w.exit_x):
+        w.exit_x[w.counts[EXITS_X]] = y
+        w.counts[EXITS_X] += 1
+    if w.sizes[FOLDED_Y] > 0 and y <= snap and w.counts[EXITS_Y] < len(w.exit_y):
+        w.exit_y[w.counts[EXITS_Y]] = x
+        w.counts[EXITS_Y] += 1
+
+
+@compiled
+def measure_axis(w, places, count, length):
+    """Measure the pieces of an axis between the creases that come to it."""
+    for i in range(1, count):
+        here, k = places[i], i
+        while k > 0 and places[k - 1] > here:
+            places[k] = places[k - 1]
+            k -= 1
+        places[k] = here
+    before = 0.0
+    for i in range(count + 1):
+        here = places[i] if i < count else length
+        if here - before > w.sizes[SNAP]:
+            add_length(w, here - before)
+        before = here
+
+
 @compiled
 def measure(w, corners):
     """Count the lines of ridges and of the chosen perpendiculars, and measure the pieces."""
@@ -656,6 +687,8 @@ def measure(w, corners):
     w.counts[MISSES] = 0
     w.counts[SHORT] = 0
     w.counts[TAKEN] = 0
+    w.counts[EXITS_X] = 0
+    w.counts[EXITS_Y] = 0
     w.numbers[SHORTEST] = inf
     w.numbers[PENALTY] = 0.0
     w.numbers[LEAST_HEIGHT] = inf
@@ -705,11 +738,19 @@ def measure(w, corners):
             add_spoke(w, a, dx, dy)
         if high == 1.0 and on_sheet(w, w.x[b], w.y[b]):
             add_spoke(w, b, -dx, -dy)
+        if low > 0.0:
+            add_exit(w, x + low * dx, y + low * dy)
+        if high < 1.0:
+            add_exit(w, x + high * dx, y + high * dy)
         at, before = w.cut_at[h], low
         while at >= 0:
             add_length(w, (w.cut_part[at] - before) * length)
             before, at = w.cut_part[at], w.cut_next[at]
         add_length(w, (high - before) * length)
+    if w.sizes[FOLDED_X] > 0:
+        measure_axis(w, w.exit_x, w.counts[EXITS_X], w.sizes[HEIGHT])
+    if w.sizes[FOLDED_Y] > 0:
+        measure_axis(w, w.exit_y, w.counts[EXITS_Y], w.sizes[WIDTH])
     for node in range(corners, w.counts[NODES]):
         if w.root[node] == node and w.degree[node] > 0 and on_sheet(w, w.x[node], w.y[node]):
             w.numbers[LEAST_HEIGHT] = min(w.numbers[LEAST_HEIGHT], w.z[node])

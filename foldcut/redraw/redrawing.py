@@ -35,7 +35,7 @@ REFUSED = 8.0
 
 import os
 DEBUG = os.environ.get("RD")
-WORK = 6000
+WORK = 20000
 """How much work a search is, in assessments of outlines."""
 
 
@@ -133,7 +133,7 @@ class _Redrawing:
             self.best = redrawn
         self.keep(redrawn)
         true = redrawn.folds - len(self.plan.axes) + _cost_of_shortest(redrawn.shortest)
-        return max(0.0, true - one.lines - _cost_of_shortest(one.shortest))
+        return true - one.lines - _cost_of_shortest(one.shortest)
 
     def _on_sheet(self, shape: Shape, found: Skeletal, off: float) -> Redrawn:
         plan, frame = self.plan, self.plan.frame
