@@ -456,6 +456,8 @@ class Details:
                 work.tail[ridges].tolist(),
                 work.head[ridges].tolist(),
                 work.ridge_length[: len(ridges)].tolist(),
+                work.face[ridges].tolist(),
+                work.face[work.twin[ridges]].tolist(),
                 strict=True,
             )
         )

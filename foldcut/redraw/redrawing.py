@@ -109,7 +109,7 @@ class _Redrawing:
         search = Search(self.engine, work, believe=self.believe)
         search.run(starts)
         if DEBUG:
-            print('   ', self.plan.axes, 'starts', len(starts), 'best', search.best and (search.best.lines, search.best.shortest, search.best.endless), self.reasons[:4], self.engine.assessed, self.engine.solved)
+            print('   ', self.plan.axes, 'starts', len(starts), 'best', search.best and (search.best.lines, search.best.shortest, search.best.endless), self.reasons[:4], self.engine.assessed, self.engine.solved, search.statistics)
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""

@@ -57,6 +57,7 @@ class Search:
         self.engine = engine
         self.most = most
         self.random = Random(seed)
+        self.deep = 12
         self.believe = believe
         self.best: Assessment | None = None
         self.pool: list[Assessment] = []
@@ -153,7 +154,10 @@ class Search:
             return
         here = starts[0]
         others = list(starts[1:4])
-        moves = (self._without_corner, self._with_corner_across, self._shaken, self._slid, self._without_corner)
+        moves = (
+            self._without_corner, self._with_corner_across, self._shaken, self._slid,
+            self._without_sides, self._without_sides, self._with_bend, self._without_bend,
+        )  # fmt: skip
         first = self.spent
         while not self.is_over:
             left = 1 - (self.spent - first) / max(1, self.most - first)
@@ -171,7 +175,7 @@ class Search:
                 continue
             statistics[1] += 1
             if found.cost < here.cost + 15:
-                found = self.greedy(found, 12)
+                found = self.greedy(found, self.deep)
             warmth = 1.5 * left
             gain = here.cost - found.cost
             if gain > 1e-9 or self.random.random() < math.exp((gain - 1e-9) / max(warmth, 1e-3)):
@@ -201,27 +205,108 @@ class Search:
     def _without_corner(self, here: Assessment) -> Outline | None:
         """Leave out a corner, or a side whose neighbours are made longer until they meet."""
         corner = self.random.randrange(len(here.points))
-        loop, first, size = self._loop_of(here.loop_sizes, corner)
-        if size <= 3:
+        return self._without(here, [corner], here.details.ties(), chord=self.random.random() < 0.5)
+
+    def _without_sides(self, here: Assessment) -> Outline | None:
+        """Leave out the two sides that face each other across a ridge, and make their neighbours longer.
+
+        Where those neighbours were matched across the same strip, they still are.
+        """
+        details = here.details
+        inner = [ridge for ridge in details.ridges if ridge[0] >= details.corners and ridge[1] >= details.corners]
+        if not inner:
             return None
-        points = here.points.copy()
-        after = first + (corner - first + 1) % size
-        if self.random.random() < 0.5:
-            before, beyond = first + (corner - first - 1) % size, first + (corner - first + 2) % size
-            one, other = points[corner] - points[before], points[beyond] - points[after]
-            area = one[0] * other[1] - one[1] * other[0]
-            if abs(area) <= 1e-6 * math.hypot(*one) * math.hypot(*other):
+        _, _, _, one, other = inner[self.random.randrange(len(inner))]
+        ties = details.ties()
+        gone = {one >> 1, other >> 1}
+        beside = {(self._beside(here.loop_sizes, side >> 1, step), side & 1) for side in (one, other) for step in (-1, 1)}
+        if len(gone) == 2 and not gone & {edge for edge, _ in beside}:
+            ties = [*ties, tuple(sorted(2 * edge + flank for edge, flank in beside))]
+        return self._without(here, sorted(gone, reverse=True), ties, chord=False)
+
+    def _without_bend(self, here: Assessment) -> Outline | None:
+        """Leave out the two corners of a bend of a strip: corners whose bisectors are one line."""
+        details = here.details
+        count = len(here.points)
+        bends = []
+        for node, tie in details.sides.items():
+            if len(tie) == 4 and details.on_sheet[node]:
+                edges = {side >> 1 for side in tie}
+                corners = [edge for edge in edges if self._beside(here.loop_sizes, edge, -1) in edges]
+                if len(corners) == 2:
+                    bends.append(corners)
+        if not bends or count < 8:
+            return None
+        corners = bends[self.random.randrange(len(bends))]
+        return self._without(here, sorted(corners, reverse=True), details.ties(), chord=True)
+
+    def _without(self, here: Assessment, gone: Sequence[int], ties: Sequence[Tie], *, chord: bool) -> Outline | None:
+        """Leave out sides, or with ``chord`` corners, in descending order."""
+        points, sizes = here.points, here.loop_sizes
+        for corner in gone:
+            loop, first, size = self._loop_of(sizes, corner)
+            if size <= 3:
                 return None
-            away = points[after] - points[corner]
-            part = (away[0] * other[1] - away[1] * other[0]) / area
-            place = points[corner] + part * one
-            if math.hypot(*(place - (points[corner] + points[after]) / 2)) > 15 * self.engine.field.tolerance:
+            if not chord:
+                shortened = self._meeting_place(points, first, size, corner)
+                if shortened is None:
+                    return None
+                points = points.copy()
+                points[first + (corner - first + 1) % size] = shortened
+            number = {side: side - (side > corner) for side in range(len(points)) if side != corner}
+            ties = _renumbered(ties, number)
+            sizes = tuple(n - (k == loop) for k, n in enumerate(sizes))
+            points = np.delete(points, corner, axis=0)
+        return Outline(points, sizes, list(ties))
+
+    def _meeting_place(self, points: Floats, first: int, size: int, corner: int) -> Floats | None:
+        """Return where the sides before and after the one from a corner meet, None if that is far away."""
+        before, after = first + (corner - first - 1) % size, first + (corner - first + 1) % size
+        beyond = first + (corner - first + 2) % size
+        one, other = points[corner] - points[before], points[beyond] - points[after]
+        area = one[0] * other[1] - one[1] * other[0]
+        if abs(area) <= 1e-6 * math.hypot(*one) * math.hypot(*other):
+            return None
+        away = points[after] - points[corner]
+        part = (away[0] * other[1] - away[1] * other[0]) / area
+        place: Floats = points[corner] + part * one
+        if math.hypot(*(place - (points[corner] + points[after]) / 2)) > 15 * self.engine.field.tolerance:
+            return None
+        return place
+
+    def _beside(self, sizes: tuple[int, ...], edge: int, step: int) -> int:
+        """Return the edge before (-1) or after (1) another one."""
+        _, first, size = self._loop_of(sizes, edge)
+        return first + (edge - first + step) % size
+
+    def _with_bend(self, here: Assessment) -> Outline | None:
+        """Put a corner into each of the two sides that face each other across a ridge, opposite each other."""
+        details = here.details
+        inner = [ridge for ridge in details.ridges if ridge[0] >= details.corners and ridge[1] >= details.corners]
+        if not inner:
+            return None
+        a, b, _, one, other = inner[self.random.randrange(len(inner))]
+        if one >> 1 == other >> 1:
+            return None
+        part = self.random.uniform(0.25, 0.75)
+        x = details.x[a] + part * (details.x[b] - details.x[a])
+        y = details.y[a] + part * (details.y[b] - details.y[a])
+        points, sizes, ties = here.points, here.loop_sizes, details.ties()
+        tie: set[int] = set()
+        for side in sorted((one, other), reverse=True):
+            edge = side >> 1
+            loop, _, _ = self._loop_of(sizes, edge)
+            start, end = points[edge], points[self._beside(sizes, edge, 1)]
+            along = end - start
+            u = float(((x, y) - start) @ along / (along @ along))
+            if not 0.05 < u < 0.95:
                 return None
-            points[after] = place
-        # side k begins at corner k: the side from the corner goes
-        number = {side: side - (side > corner) for side in range(len(points)) if side != corner}
-        sizes = tuple(n - (k == loop) for k, n in enumerate(here.loop_sizes))
-        return Outline(np.delete(points, corner, axis=0), sizes, _renumbered(here.details.ties(), number))
+            number = {k: k + (k > edge) for k in range(len(points))}
+            ties = _renumbered(ties, number)
+            tie = {2 * number[s >> 1] + (s & 1) for s in tie} | {side, side + 2}
+            points = np.insert(points, edge + 1, start + u * along, axis=0)
+            sizes = tuple(n + (k == loop) for k, n in enumerate(sizes))
+        return Outline(points, sizes, [*ties, tuple(sorted(tie))])
 
     def _with_corner_across(self, here: Assessment) -> Outline | None:
         """Follow a corner's bisector to the side across, on either flank, and put a corner there."""
@@ -315,7 +400,7 @@ def candidates(here: Assessment, reach: float) -> list[Candidate]:
     d = here.details
     found: list[Candidate] = []
     corners = d.corners
-    for a, b, length in d.ridges:
+    for a, b, length, _, _ in d.ridges:
         if a >= corners and b >= corners and length < reach:
             odd = d.degree[a] % 2 + d.degree[b] % 2
             tie = tuple(sorted({*d.sides[a], *d.sides[b]}))
