@@ -1,1 +1,1 @@
-"""Redraw an outline within a tolerance so that it folds with few folds: drawing -> outlines (``Shape``) for the methods."""
+"""Redraw an outline within a tolerance so that it folds with few folds: a drawing -> outlines for the methods."""

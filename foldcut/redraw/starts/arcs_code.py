@@ -1,4 +1,4 @@
-"""The fewest sides along a smooth row of points, if sides around a bend are tangents of one circle; run plain or compiled.
+"""The fewest sides along a smooth row of points, where sides around a bend touch one circle; plain or compiled.
 
 The bisectors between tangents of one circle all meet in its middle, so the straight skeleton has one node there, and
 both edges of a strip have it together. An *anchor* is a line that the sides may include: a straight part of the row, or
@@ -43,7 +43,7 @@ def _range(points, shift, i, j, x, y):
 
 @compiled
 def _bend(points, shift, theta, tolerance, i, j, a, b, c, d):
-    """Return how many sides, at least, lie between two lines, where along the bisector their circle is, and how far off.
+    """Return how many sides at least lie between two lines, where on the bisector their circle is, and how far off.
 
     The lines have the directions a and b, in radians, and the offsets c and d, and are near the row up to place i, from
     place j on. The number is -1 if none fit.
@@ -55,7 +55,6 @@ def _bend(points, shift, theta, tolerance, i, j, a, b, c, d):
         return -1, 0.0, 0.0
     ax, ay, bx, by = -sin(a), cos(a), -sin(b), cos(b)
     mid = (a + b) / 2
-    ex, ey = -sin(mid), cos(mid)
     wx, wy = ax - bx, ay - by
     w = wx * wx + wy * wy
     qx, qy = wx * (c - d) / w, wy * (c - d) / w
@@ -125,7 +124,8 @@ def fit_arcs(points, shift, theta, tolerance, weight, anchors, price, cost, prev
     ``theta`` ``(m,)``: the row's direction at each place, in radians, without jumps. ``anchors`` ``(n, 4)``, in order:
     the first and last place where the row is on the anchor's line, the line's direction (near ``theta`` there), its
     offset. ``price`` ``(n,)``. Results for each anchor: ``cost``, the ``previous`` anchor (-1: it is the first), the
-    number of sides ``between``, and where ``along`` the bisector the circle's middle is. Returns the last anchor, or -1.
+    number of sides ``between``, and where ``along`` the bisector the circle's middle is.
+    Returns the last anchor, or -1.
     """
     m, count = points.shape[1], anchors.shape[0]
     best, last = INFINITE, -1

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -169,9 +170,10 @@ def _chain(number: int, loop: Floats, tolerance: float, axes: Sequence[Axis]) ->
         turned = np.roll(loop, -_cut_open(loop), axis=0)
         points = np.concatenate([turned, turned[:1]])
         return _sampled(number, points, tolerance, (None, None))
-    points = _part(loop, axes[0])
-    if points is None:
+    half = _part(loop, axes[0])
+    if half is None:
         return None
+    points = half
     ends = (axes[0], axes[0])
     if len(axes) == 2:
         # of the half, the part on the left of the other axis
@@ -236,9 +238,7 @@ def _turns(points: Floats) -> Floats:
     return turns
 
 
-def _sampled(
-    number: int, points: Floats, tolerance: float, ends: tuple[Axis | None, Axis | None]
-) -> Chain:
+def _sampled(number: int, points: Floats, tolerance: float, ends: tuple[Axis | None, Axis | None]) -> Chain:
     """Return a chain of samples of a dense row of points, true corners among them."""
     keep = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9])
     points = points[keep]
@@ -251,7 +251,7 @@ def _sampled(
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     step = max(min(1.0 + tolerance, 3.0), float(along[-1]) / MOST)
     rows, corners = [], []
-    for a, b in zip(bounds[:-1], bounds[1:], strict=True):
+    for a, b in pairwise(bounds):
         count = max(2, math.ceil((along[b] - along[a]) / step))
         where = np.linspace(along[a], along[b], count + 1)[:-1]
         rows.append(np.column_stack([np.interp(where, along, points[:, k]) for k in (0, 1)]))
@@ -263,15 +263,15 @@ def _sampled(
 
 
 def loop_corners(chain: Chain, lines: Sequence[Line], reach: float) -> Floats | None:
-    """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None if they do not meet.
+    """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None without lines.
 
     ``reach``: as for ``Chains.loops``.
     """
     lines = _merged(chain, lines)
-    if lines is None:
+    if not lines:
         return None
     corners = []
-    for a, b in zip(lines[:-1], lines[1:], strict=True):
+    for a, b in pairwise(lines):
         corners.append(_corner(chain, a, b, reach))
     if chain.is_closed:
         return np.array([_corner(chain, lines[-1], lines[0], reach), *corners])
@@ -314,7 +314,7 @@ def _on_axis(line: Line, axis: Axis) -> Floats:
     return np.empty((0, 2)) if corner is None else corner[None]
 
 
-def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line] | None:
+def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line]:
     """Return lines of which no two that follow each other are parallel, where those are on one line nearly."""
     kept: list[Line] = []
     for line in lines:
@@ -328,7 +328,7 @@ def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line] | None:
         a, b = kept.pop(), kept[0]
         longer = a if a.end - a.start >= b.end - b.start else b
         kept[0] = Line(b.start, b.end, longer.normal, longer.offset)
-    return kept if kept else None
+    return kept
 
 
 def _sine(a: Floats, b: Floats) -> float:

@@ -20,7 +20,7 @@ APART = np.sin(np.radians(8))
 
 @dataclass(frozen=True)
 class End:
-    """How the first or the last piece of a row has to be: ``kind`` of ``pieces``, the left normal of its line, its offset.
+    """How the first or last piece of a row has to be: ``kind`` of ``pieces``, the left normal of its line, its offset.
 
     ``price``: what the piece costs, where others cost 1. ``optional``: whether it may have another direction.
     """
@@ -49,8 +49,8 @@ ANY = End()
 class Sides:
     """Lines for the pieces of rows: piece s goes from place ``cuts[s]`` to ``cuts[s + 1]``.
 
-    ``normals`` ``(k, s, 2)`` point to the left; the line of row k is ``normals[k, s] @ p == offsets[k, s]``. ``cost``: the
-    number of lines, and a little for how far they are off.
+    ``normals`` ``(k, s, 2)`` point to the left; the line of row k is ``normals[k, s] @ p == offsets[k, s]``.
+    ``cost``: the number of lines, and a little for how far they are off.
     """
 
     cuts: Indices
@@ -62,10 +62,10 @@ class Sides:
 def fit(
     points: Floats,
     tolerance: float,
+    weight: float = 0.3,
     *,
     shift: Floats | None = None,
     breaks: Bools | None = None,
-    weight: float = 0.3,
     own: bool = False,
     first: End = ANY,
     last: End = ANY,
@@ -120,9 +120,7 @@ def _fit_directed(
     cost = np.empty((m, count + 1))
     previous, before = np.empty((m, count + 1), dtype=np.int64), np.empty((m, count + 1), dtype=np.int64)
     ends = first.array(), last.array()
-    _code().fit_directed(
-        points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before
-    )
+    _code().fit_directed(points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before)
     every = np.concatenate([directions, [first.normal]])
     j, d = m - 1, int(cost[-1].argmin())
     total = float(cost[j, d])
@@ -135,7 +133,7 @@ def _fit_directed(
             if stops[i + 1 : -1].any():
                 break
             reach = np.where(apart, cost[i], np.inf)
-            if i == 0 and not (first.kind == pieces.GIVEN):
+            if i == 0 and first.kind != pieces.GIVEN:
                 j, total, tail = 0, 0.0, [m - 1]
             elif reach.min() < total:
                 j, d, total, tail = i, int(reach.argmin()), float(reach.min()), [m - 1]

@@ -6,9 +6,9 @@ are parallel, at given distances from each other (the two edges of a strip, whic
 
 ``fit_freely``: lines of any direction. ``fit_directed``: lines whose directions are from a given set.
 
-Arrays: ``points`` ``(k, m, 2)`` mm, row after row; ``shift`` ``(k,)`` mm, how far each row's line is to the left of the
-piece's middle line; ``breaks`` ``(m,)``, nonzero where a piece has to end; ``first``, ``last`` ``(6,)``: the kind of the
-first and last piece (``FREE``, ``DIRECTED``, ``GIVEN``), the left normal and offset of its line, what it costs, and
+Arrays: ``points`` ``(k, m, 2)`` mm, row after row; ``shift`` ``(k,)`` mm, how far each row's line is to the left of
+the piece's middle line; ``breaks`` ``(m,)``, nonzero where a piece has to end; ``first``, ``last`` ``(6,)``: the kind of
+the first and last piece (``FREE``, ``DIRECTED``, ``GIVEN``), the left normal and offset of its line, what it costs, and
 whether it may have another direction all the same. All results are written to arrays that are passed in.
 """
 
@@ -118,11 +118,15 @@ def fit_freely(points, shift, breaks, tolerance, weight, own, first, last, sums,
                     if off_a < off_b:
                         high, b, off_b = b, a, off_a
                         a = high - GOLDEN * (high - low)
-                        off_a = _off(points, shift, i, j, x * cos(a) - y * sin(a), x * sin(a) + y * cos(a), own, INFINITE)
+                        off_a = _off(
+                            points, shift, i, j, x * cos(a) - y * sin(a), x * sin(a) + y * cos(a), own, INFINITE
+                        )
                     else:
                         low, a, off_a = a, b, off_b
                         b = low + GOLDEN * (high - low)
-                        off_b = _off(points, shift, i, j, x * cos(b) - y * sin(b), x * sin(b) + y * cos(b), own, INFINITE)
+                        off_b = _off(
+                            points, shift, i, j, x * cos(b) - y * sin(b), x * sin(b) + y * cos(b), own, INFINITE
+                        )
                 turn = a if off_a < off_b else b
                 if min(off_a, off_b) < off:
                     off = min(off_a, off_b)
@@ -136,13 +140,19 @@ def fit_freely(points, shift, breaks, tolerance, weight, own, first, last, sums,
                 other = _off(points, shift, i, j, first[1], first[2], own, INFINITE)
                 if first[5] == 0.0:
                     price = INFINITE
-                if other <= tolerance and first[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2:
+                if (
+                    other <= tolerance
+                    and first[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2
+                ):
                     price, x, y, off = first[4], first[1], first[2], other
             if j == m - 1 and last[0] == DIRECTED:
                 other = _off(points, shift, i, j, last[1], last[2], own, INFINITE)
                 if last[5] == 0.0:
                     price = INFINITE
-                if other <= tolerance and last[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2:
+                if (
+                    other <= tolerance
+                    and last[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2
+                ):
                     price, x, y, off = last[4], last[1], last[2], other
             if i == 0 and first[0] == GIVEN and _on(points, shift, i, j, first, tolerance):
                 price, x, y, off = 0.0, first[1], first[2], 0.0
