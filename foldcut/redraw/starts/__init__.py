@@ -29,7 +29,7 @@ from foldcut.redraw.starts.chains import Axis, Chain, Chains, Line, chains_of
 from foldcut.redraw.starts.circles import circles_of, regular_lines
 from foldcut.redraw.starts.directions import direction_set, straight_directions
 from foldcut.redraw.starts.disks import fit_disks
-from foldcut.redraw.starts.fitting import ANY, End, Sides, fit
+from foldcut.redraw.starts.fitting import ANY, End, Sides, fit, straight_as_far_as
 from foldcut.redraw.starts.following import follow
 from foldcut.redraw.starts.near import Near
 from foldcut.redraw.starts.strips import Pairs, Strip, find_strips, recut_chains
@@ -42,6 +42,10 @@ SLACK = 1.02
 
 FOLLOWING = 0.97
 """How far the edge of a strip that follows the other may be off, as a part of the tolerance."""
+
+
+FOLLOWED = 0.85
+"""A side of the leading edge is so short that the other edge is this straight beside it, in parts of the tolerance."""
 
 
 class Kind(NamedTuple):
@@ -257,7 +261,8 @@ class _Fitter:
         if second:
             rows, along = rows[::-1], along * (1.0, 1.0, -1.0)
         fitted = fit_bends if kind.arcs else fit
-        lead = fitted(rows[:1], tolerance, kind.weight, breaks=breaks, first=first, last=last)
+        reach = straight_as_far_as(rows[1], FOLLOWED * self.tolerance)
+        lead = fitted(rows[:1], tolerance, kind.weight, breaks=breaks, reach=reach, first=first, last=last)
         if lead is None:
             return None
         sides = follow(rows, along, lead, FOLLOWING * self.tolerance, first=first, last=last)

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import numpy as np
 
-from foldcut.core.arrays import Bools, Floats
+from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.core.compiled import compiled_copy, is_installed
 from foldcut.redraw.starts import arcs_code, pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
@@ -33,6 +33,7 @@ def fit_bends(
     *,
     shift: Floats | None = None,
     breaks: Bools | None = None,
+    reach: Indices | None = None,
     first: End = ANY,
     last: End = ANY,
 ) -> Sides | None:
@@ -43,10 +44,12 @@ def fit_bends(
     rows, m = points.shape[:2]
     shift = np.zeros(rows) if shift is None else np.asarray(shift, dtype=np.float64)
     stops = [0, *(np.flatnonzero(breaks[1:-1]) + 1).tolist(), m - 1] if breaks is not None else [0, m - 1]
+    bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
     cuts, normals, offsets, total = [0], [], [], 0.0
     for a, b in pairwise(stops):
         ends = first if a == 0 else ANY, last if b == m - 1 else ANY
-        part = _fit(np.ascontiguousarray(points[:, a : b + 1]), shift, tolerance, weight, *ends)
+        row = np.ascontiguousarray(points[:, a : b + 1])
+        part = _fit(row, shift, bound[a : b + 1] - a, tolerance, weight, *ends)
         if part is None:
             return None
         some, angles, middle, cost = part
@@ -60,7 +63,7 @@ def fit_bends(
 
 
 def _fit(
-    points: Floats, shift: Floats, tolerance: float, weight: float, first: End, last: End
+    points: Floats, shift: Floats, reach: Indices, tolerance: float, weight: float, first: End, last: End
 ) -> tuple[list[int], list[float], list[float], float] | None:
     """Return cuts, directions and middle offsets of the fewest lines for a smooth row."""
     m = points.shape[1]
@@ -69,7 +72,9 @@ def _fit(
     count = len(anchors)
     cost, along = np.empty(count), np.empty(count)
     previous, between = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
-    end = _code().fit_arcs(points, shift, theta, tolerance, weight, anchors, price, cost, previous, between, along)
+    end = _code().fit_arcs(
+        points, shift, theta, reach, tolerance, weight, anchors, price, cost, previous, between, along
+    )
     if end < 0:
         return None
     taken = [int(end)]

@@ -26,6 +26,9 @@ MOST = 500
 SHARP = math.radians(28)
 """Where a drawn line turns by more than this at one point, it has a true corner."""
 
+APART = 1.5
+"""Of corners nearer to each other along the line than this many tolerances, only the sharpest is kept."""
+
 MEET = math.sin(math.radians(2.5))
 """Lines with a smaller sine of the angle between them do not make a corner."""
 
@@ -242,11 +245,11 @@ def _sampled(number: int, points: Floats, tolerance: float, ends: tuple[Axis | N
     """Return a chain of samples of a dense row of points, true corners among them."""
     keep = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9])
     points = points[keep]
-    sharp = np.zeros(len(points), dtype=bool)
-    sharp[1:-1] = np.abs(_turns(points)) > SHARP
+    turns = np.zeros(len(points))
+    turns[1:-1] = np.abs(_turns(points))
     if ends[0] is None:
-        closing = np.concatenate([points[-2:-1], points[:1], points[1:2]])
-        sharp[[0, -1]] = abs(float(_turns(closing)[0])) > SHARP
+        turns[[0, -1]] = abs(float(_turns(np.concatenate([points[-2:-1], points[:1], points[1:2]]))[0]))
+    sharp = _sharp(points, turns, APART * tolerance, closed=ends[0] is None)
     bounds = sorted({0, *np.flatnonzero(sharp).tolist(), len(points) - 1})
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     step = max(min(1.0 + tolerance, 3.0), float(along[-1]) / MOST)
@@ -260,6 +263,23 @@ def _sampled(number: int, points: Floats, tolerance: float, ends: tuple[Axis | N
     rows.append(points[-1:])
     corners.append(np.array([bool(sharp[-1])]))
     return Chain(number, np.concatenate(rows), np.concatenate(corners), ends)
+
+
+def _sharp(points: Floats, turns: Floats, apart: float, *, closed: bool) -> Bools:
+    """Return which points are corners: the sharpest ones, and none nearer to a sharper one than ``apart`` mm."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    sharp = np.zeros(len(points), dtype=bool)
+    taken: list[float] = []
+    for k in sorted(np.flatnonzero(turns > SHARP).tolist(), key=lambda k: -turns[k]):
+        off = [abs(along[k] - other) for other in taken]
+        if closed:
+            off = [min(one, along[-1] - one) for one in off]
+        if min(off, default=apart) >= apart:
+            sharp[k] = True
+            taken.append(float(along[k]))
+    if closed:
+        sharp[[0, -1]] = sharp[0] or sharp[-1]
+    return sharp
 
 
 def loop_corners(chain: Chain, lines: Sequence[Line], reach: float) -> Floats | None:

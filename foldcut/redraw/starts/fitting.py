@@ -12,7 +12,7 @@ from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.core.compiled import compiled_copy, is_installed
 from foldcut.redraw.starts import pieces
 
-__all__ = ["ANY", "End", "Sides", "fit"]
+__all__ = ["ANY", "End", "Sides", "fit", "straight_as_far_as"]
 
 APART = np.sin(np.radians(8))
 """The least sine of the angle between sides that follow each other, where directions are from a set."""
@@ -66,6 +66,7 @@ def fit(
     *,
     shift: Floats | None = None,
     breaks: Bools | None = None,
+    reach: Indices | None = None,
     own: bool = False,
     first: End = ANY,
     last: End = ANY,
@@ -74,7 +75,9 @@ def fit(
     """Return the fewest lines for rows of ``points`` ``(k, m, 2)``, each within ``tolerance`` of its piece, or None.
 
     ``shift`` ``(k,)``: how far each row's line is to the left of the middle one; with ``own`` the lines of a piece are
-    parallel at any distance. ``breaks`` ``(m,)``: where a piece has to end. ``directions`` ``(d, 2)``: the left normals
+    parallel at any distance. ``breaks`` ``(m,)``: where a piece has to end.
+    ``reach`` ``(m,)``: where a piece that begins at a place ends at the latest, if lines may have any direction.
+    ``directions`` ``(d, 2)``: the left normals
     that lines may have, if not any. Lengths in mm.
     """
     rows, m = points.shape[:2]
@@ -88,7 +91,8 @@ def fit(
     if directions is None:
         cost, previous, normals = np.empty(m), np.empty(m, dtype=np.int64), np.empty((m, 2))
         sums = np.empty((rows, m, 5))
-        code.fit_freely(points, shift, stops, tolerance, weight, own, *ends, sums, cost, previous, normals)
+        bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
+        code.fit_freely(points, shift, stops, bound, tolerance, weight, own, *ends, sums, cost, previous, normals)
         if cost[-1] >= pieces.INFINITE:
             return None
         cuts = [m - 1]
@@ -102,6 +106,13 @@ def fit(
             return None
         cuts, chosen, total = found
     return _sides(points, shift, np.array(cuts), chosen, own, first, last, total)
+
+
+def straight_as_far_as(row: Floats, tolerance: float) -> Indices:
+    """Return for each place of a row ``(m, 2)`` how far a piece that begins there is straight within ``tolerance`` mm."""
+    reach = np.empty(len(row), dtype=np.int64)
+    _code().straight_as_far_as(np.ascontiguousarray(row)[None], tolerance, np.empty((1, len(row), 5)), reach)
+    return reach
 
 
 def _fit_directed(
