@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foldcut.core.arrays import Bools, Floats
+from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
 from foldcut.redraw.starts import pieces
 from foldcut.redraw.starts.arcs import fit_bends
@@ -44,7 +44,7 @@ FOLLOWING = 0.97
 """How far the edge of a strip that follows the other may be off, as a part of the tolerance."""
 
 
-FOLLOWED = 0.85
+FOLLOWED = 0.75
 """A side of the leading edge is so short that the other edge is this straight beside it, in parts of the tolerance."""
 
 
@@ -56,7 +56,7 @@ class Kind(NamedTuple):
     ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
     ``lead``: 1 or 2, the inner (shorter) or outer edge of a strip is fitted first, and the other so that it follows it;
     0: both at once. ``regular``: circles become regular polygons, a "side" or a "corner" of them on the axis.
-    ``weight``: what a side costs more that is off by all of the tolerance.
+    ``best``: each strip as it has the fewest sides. ``weight``: what a side costs more that is off by all of the tolerance.
     """
 
     edges: str
@@ -65,12 +65,18 @@ class Kind(NamedTuple):
     arcs: bool = False
     disks: bool = False
     lead: int = 0
+    best: bool = False
     regular: str = ""
     weight: float = 0.3
 
     def __str__(self) -> str:
         words = [self.edges or "sides", f"{self.step:g}" if self.step else "any", f"{self.part:g}", self.regular]
-        words += ["arcs"] * self.arcs + ["disks"] * self.disks + [f"lead {self.lead}"] * (self.lead > 0)
+        words += (
+            ["arcs"] * self.arcs
+            + ["disks"] * self.disks
+            + ["best"] * self.best
+            + [f"lead {self.lead}"] * (self.lead > 0)
+        )
         words += [f"weight {self.weight:g}"] * (self.weight != 0.3)
         return " ".join(word for word in words if word)
 
@@ -84,7 +90,17 @@ class Start:
     axes: tuple[Axis, ...]
 
 
+BEST = (
+    Kind("in", 0.0, 0.95, lead=2),
+    Kind("in", 0.0, 0.95, lead=1),
+    Kind("in", 0.0, 0.95, arcs=True, lead=2),
+    Kind("in", 0.0, 0.95, arcs=True, lead=1),
+    Kind("in", 0.0, 0.95, disks=True),
+)
+"""How strips are fitted of which the fitting with the fewest sides is taken."""
+
 KINDS = (
+    Kind("in", 0.0, 0.95, best=True),
     Kind("in", 0.0, 0.95, disks=True),
     Kind("in", 0.0, 0.95, lead=2),
     Kind("in", 0.0, 0.95, lead=1),
@@ -151,6 +167,10 @@ def _is_known(shape: Shape, seen: list[Floats], same: float) -> bool:
     return False
 
 
+Fitted = list[tuple[int, list[Line]]]
+"""Fitted lines, by the number of their chain."""
+
+
 class _Fitter:
     """Fits the chains of one drawing; what several kinds need is found once."""
 
@@ -164,6 +184,7 @@ class _Fitter:
         self.drawn, self.chains, self.tolerance = drawn, recut, tolerance
         self._circles = circles_of(recut.chains, tolerance)
         self._strips: dict[str, list[Strip]] = {"in": within}
+        self._fitted: dict[tuple[object, ...], Fitted] = {}
         self._straight = straight_directions(drawn.loops, max(12.0, 3 * tolerance), chains.axes)
 
     def kinds(self) -> Iterator[Kind]:
@@ -202,10 +223,10 @@ class _Fitter:
         for strip in strips:
             if regular.intersection(strip.chains):
                 continue
-            some = self._fitted_strip(strip, tolerance, directions, kind)
+            some = self._lines_of(strip, kind)
             matched |= bool(some)
             if kind.lead and not some:
-                some = self._fitted_strip(strip, 0.95 * self.tolerance, directions, kind._replace(disks=True, lead=0))
+                some = self._lines_of(strip, BEST[-1])
             for number, more in some:
                 lines[number] += more
         if strips and not matched:
@@ -221,15 +242,20 @@ class _Fitter:
             fitted.append(whole)
         return self.chains.loops(fitted, self.tolerance)
 
-    def _fitted_strip(
-        self, strip: Strip, tolerance: float, directions: Floats | None, kind: Kind
-    ) -> list[tuple[int, list[Line]]]:
+    def _lines_of(self, strip: Strip, kind: Kind) -> Fitted:
         """Return the lines of both edges of a strip, with the numbers of their chains; nothing if there are none."""
+        if kind.best:
+            every = [some for one in BEST if (some := self._lines_of(strip, one))]
+            return min(every, key=lambda some: len(some[0][1]), default=[])
+        key = (id(strip), kind.arcs, kind.disks, kind.lead, kind.part, kind.weight)
+        if key not in self._fitted:
+            self._fitted[key] = self._fitted_strip(strip, kind)
+        return self._fitted[key]
+
+    def _fitted_strip(self, strip: Strip, kind: Kind) -> Fitted:
+        """Fit both edges of a strip as a kind says."""
         chains = [self.chains.chains[number] for number in strip.chains]
-        rows = strip.rows(self.chains.chains)
-        breaks = np.zeros(len(strip.places), dtype=bool)
-        for k, chain in enumerate(chains):
-            breaks |= chain.corners[strip.places[:, k]]
+        rows, tolerance = strip.rows(self.chains.chains), kind.part * self.tolerance
         first = last = ANY
         (a0, b0), (a1, b1) = strip.places[0], strip.places[-1]
         if a0 == 0 and b0 == len(chains[1].points) - 1 and chains[0].ends[0] is not None:
@@ -238,11 +264,11 @@ class _Fitter:
             last = _across(chains[0].ends[1], rows[0, -1] - rows[0, -2])
         along = strip.disks * (1.0, 1.0, 0.5 if strip.inside else -0.5)
         if kind.lead:
-            sides = self._following(rows, along, breaks, tolerance, kind, first, last)
+            sides = self._following(rows, along, tolerance, kind, first, last)
         else:
             sides = fit_disks(rows, along, tolerance, kind.weight, paired=strip.paired, first=first, last=last)
             if sides is None:
-                return self._fitted_strip(strip.trimmed(), tolerance, directions, kind) if strip.can_be_trimmed else []
+                return self._fitted_strip(strip.trimmed(), kind) if strip.can_be_trimmed else []
         if sides is None:
             return []
         front, back = [], []
@@ -253,7 +279,7 @@ class _Fitter:
         return [(strip.chains[0], front), (strip.chains[1], back[::-1])]
 
     def _following(
-        self, rows: Floats, along: Floats, breaks: Bools, tolerance: float, kind: Kind, first: End, last: End
+        self, rows: Floats, along: Floats, tolerance: float, kind: Kind, first: End, last: End
     ) -> Sides | None:
         """Return the lines of a strip of which one edge leads."""
         longer = np.hypot(*np.diff(rows, axis=1).transpose(2, 0, 1)).sum(axis=1)
@@ -262,7 +288,7 @@ class _Fitter:
             rows, along = rows[::-1], along * (1.0, 1.0, -1.0)
         fitted = fit_bends if kind.arcs else fit
         reach = straight_as_far_as(rows[1], FOLLOWED * self.tolerance)
-        lead = fitted(rows[:1], tolerance, kind.weight, breaks=breaks, reach=reach, first=first, last=last)
+        lead = fitted(rows[:1], tolerance, kind.weight, reach=reach, first=first, last=last)
         if lead is None:
             return None
         sides = follow(rows, along, lead, FOLLOWING * self.tolerance, first=first, last=last)
