@@ -77,12 +77,14 @@ def _hardness(path: Perpendicular) -> float:
 
 
 def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:
-    """Return the sets of perpendiculars that fold all paper away from one corridor, those with the fewest folds first.
+    """Return the sets of perpendiculars that fold all paper away from one place, those with the fewest folds first.
 
     A *corridor* is a strip of paper between perpendiculars; nodes' perpendiculars are the *joints* between corridors.
     Where all perpendiculars end, corridors and joints form a tree. Any corridor may be its root: of a joint's
     perpendiculars only those are folded that do not border on the corridor towards the root. Then no corridor comes
-    back to the joint that it hangs on, so nothing runs across the folds there.
+    back to the joint that it hangs on, so nothing runs across the folds there. A joint may be the root itself, if no
+    node of it needs a perpendicular: of its own none are folded, so its corridors lie on its left and on its right in
+    turns, and all other paper is folded away from it.
     """
     paths = perpendiculars.paths
     division = Division(perpendiculars, range(len(paths)))
@@ -100,9 +102,13 @@ def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:
         for one in mine:
             joints_at[one].add(joint[path])
     found: dict[frozenset[int], int] = {}
-    for root in sorted(joints_at):
+    for root in [*({one} for one in sorted(joints_at)), *(corridors_at[one] for one in sorted(corridors_at))]:
         above = _corridors_above(root, joints_at, corridors_at)
-        folded = {path for path, mine in beside.items() if len(mine) == 1 or above.get(joint[path]) not in mine}
+        folded = {
+            path
+            for path, mine in beside.items()
+            if joint[path] in above and (len(mine) == 1 or above[joint[path]] not in mine)
+        }
         if is_even(perpendiculars, folded):
             taken = sorted(folded)
         else:
@@ -201,13 +207,19 @@ def _joints(perpendiculars: Perpendiculars) -> list[int]:
     return groups(len(perpendiculars.paths), [(k, at.setdefault(node, k)) for k, node in ends])
 
 
-def _corridors_above(root: int, joints_at: dict[int, set[int]], corridors_at: dict[int, set[int]]) -> dict[int, int]:
-    """Return for each joint the corridor through which the way from the root comes to it."""
+def _corridors_above(
+    roots: set[int], joints_at: dict[int, set[int]], corridors_at: dict[int, set[int]]
+) -> dict[int, int]:
+    """Return for each joint the corridor through which the way from the root comes to it.
+
+    ``roots`` are the root, or if it is a joint, its corridors; that joint is left out.
+    """
+    root_joint = {joint for joint, mine in corridors_at.items() if mine == roots} if len(roots) > 1 else set()
     above: dict[int, int] = {}
-    seen, stack = {root}, [root]
+    seen, stack = set(roots), [*roots]
     while stack:
         here = stack.pop()
-        for joint in joints_at[here]:
+        for joint in joints_at[here] - root_joint:
             if joint not in above:
                 above[joint] = here
                 following = corridors_at[joint] - seen

@@ -21,17 +21,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foldcut.core.arrays import Bools, Floats
+from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
 from foldcut.redraw.starts import pieces
 from foldcut.redraw.starts.arcs import fit_bends
 from foldcut.redraw.starts.chains import Axis, Chain, Chains, Line, chains_of
+from foldcut.redraw.starts.circles import circles_of, regular_lines
 from foldcut.redraw.starts.directions import direction_set, straight_directions
 from foldcut.redraw.starts.disks import fit_disks
-from foldcut.redraw.starts.fitting import ANY, End, Sides, fit
+from foldcut.redraw.starts.fitting import ANY, End, Sides, fit, straight_as_far_as
 from foldcut.redraw.starts.following import follow
 from foldcut.redraw.starts.near import Near
-from foldcut.redraw.starts.strips import Pairs, Strip, find_strips
+from foldcut.redraw.starts.strips import Pairs, Strip, find_strips, recut_chains
 
 __all__ = ["Axis", "Start", "all_starts", "starts"]
 
@@ -39,28 +40,45 @@ SLACK = 1.02
 """By how much the check on samples may find an outline farther than the tolerance."""
 
 
+FOLLOWING = 0.97
+"""How far the edge of a strip that follows the other may be off, as a part of the tolerance."""
+
+
+FOLLOWED = 0.75
+"""A side of the leading edge is so short that the other edge is this straight beside it, in parts of the tolerance."""
+
+
 class Kind(NamedTuple):
     """How an outline is made.
 
     ``edges``: which strips are fitted as such: "" none, "in" and "out" those of paper inside or outside.
     ``step``: degrees between directions, 0 for any direction. ``part``: of the tolerance, how far lines may be off.
-    ``own``: edges of a strip are parallel, but not at one distance. ``phase``: how far directions are turned, in steps.
     ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
-    ``lead``: 1 or 2, the edge of a strip that is fitted first, and the other so that it follows it; 0: both at once.
+    ``lead``: 1 or 2, the inner (shorter) or outer edge of a strip is fitted first, and the other so that it follows it;
+    0: both at once. ``regular``: circles become regular polygons, a "side" or a "corner" of them on the axis.
+    ``best``: each strip as it has the fewest sides. ``weight``: what a side costs more that is off by all of the tolerance.
     """
 
     edges: str
     step: float
     part: float
-    own: bool = False
-    phase: float = 0.0
     arcs: bool = False
     disks: bool = False
     lead: int = 0
+    best: bool = False
+    regular: str = ""
+    weight: float = 0.3
 
     def __str__(self) -> str:
-        words = [self.edges or "sides", f"{self.step:g}" if self.step else "any", f"{self.part:g}"]
-        return " ".join(words + ["arcs"] * self.arcs + ["disks"] * self.disks + [f"lead {self.lead}"] * (self.lead > 0) + ["own"] * self.own + [f"phase {self.phase:g}"] * (self.phase > 0))
+        words = [self.edges or "sides", f"{self.step:g}" if self.step else "any", f"{self.part:g}", self.regular]
+        words += (
+            ["arcs"] * self.arcs
+            + ["disks"] * self.disks
+            + ["best"] * self.best
+            + [f"lead {self.lead}"] * (self.lead > 0)
+        )
+        words += [f"weight {self.weight:g}"] * (self.weight != 0.3)
+        return " ".join(word for word in words if word)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,24 +90,40 @@ class Start:
     axes: tuple[Axis, ...]
 
 
-STEPS = (90.0, 60.0, 45.0, 36.0, 30.0, 22.5, 18.0, 15.0)
-PARTS = (0.95, 0.7, 0.5)
+BEST = (
+    Kind("in", 0.0, 0.95, lead=2),
+    Kind("in", 0.0, 0.95, lead=1),
+    Kind("in", 0.0, 0.95, arcs=True, lead=2),
+    Kind("in", 0.0, 0.95, arcs=True, lead=1),
+    Kind("in", 0.0, 0.95, disks=True),
+)
+"""How strips are fitted of which the fitting with the fewest sides is taken."""
 
-
-def kinds() -> Iterator[Kind]:
-    """Yield the kinds of outlines."""
-    for part in PARTS:
-        for edges in ("in", "out"):
-            yield Kind(edges, 0.0, part, disks=True)
-            for lead in (1, 2):
-                yield Kind(edges, 0.0, part, arcs=True, lead=lead)
-                yield Kind(edges, 0.0, part, lead=lead)
-            yield Kind(edges, 0.0, part)
-        yield Kind("", 0.0, part)
-        yield Kind("", 0.0, part, arcs=True)
-    for step in STEPS:
-        yield Kind("", step, 0.95)
-        yield Kind("in", step, 0.95)
+KINDS = (
+    Kind("in", 0.0, 0.95, best=True),
+    Kind("in", 0.0, 0.95, disks=True),
+    Kind("in", 0.0, 0.95, lead=2),
+    Kind("in", 0.0, 0.95, lead=1),
+    Kind("in", 0.0, 0.95, arcs=True, lead=2),
+    Kind("in", 0.0, 0.95, arcs=True, lead=1),
+    Kind("in", 0.0, 0.7, arcs=True, lead=1),
+    Kind("in", 0.0, 0.7, lead=1),
+    Kind("in", 0.0, 0.7, lead=2),
+    Kind("in", 0.0, 0.7, arcs=True, lead=2),
+    Kind("in", 0.0, 0.95, disks=True, weight=1.5),
+    Kind("", 0.0, 0.95),
+    Kind("in", 0.0, 0.7, disks=True),
+    Kind("", 0.0, 0.95, arcs=True),
+    Kind("in", 0.0, 0.5, lead=1),
+    Kind("in", 0.0, 0.5, arcs=True, lead=1),
+    Kind("", 0.0, 0.7),
+    Kind("", 0.0, 0.7, arcs=True),
+    *(Kind("", step, 0.95) for step in (15.0, 18.0, 22.5, 30.0, 45.0, 90.0)),
+    Kind("out", 0.0, 0.95, disks=True),
+    Kind("in", 0.0, 0.5, disks=True),
+    Kind("", 0.0, 0.5),
+)
+"""The kinds of outlines: those first that were the best, or nearly, for most letters."""
 
 
 def starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterator[Shape]:
@@ -106,12 +140,12 @@ def all_starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Ite
     """Yield outlines as ``starts`` does, with how they were made."""
     near = Near(drawn)
     seen: list[Floats] = []
-    for some in ([tuple(axes), ()] if axes else [()]):
+    for some in [tuple(axes), ()] if axes else [()]:
         chains = chains_of(drawn, tolerance, some)
         if chains is None:
             continue
         fitter = _Fitter(drawn, chains, tolerance)
-        for kind in kinds():
+        for kind in fitter.kinds():
             loops = fitter.loops(kind)
             if loops is None:
                 continue
@@ -133,14 +167,34 @@ def _is_known(shape: Shape, seen: list[Floats], same: float) -> bool:
     return False
 
 
+Fitted = list[tuple[int, list[Line]]]
+"""Fitted lines, by the number of their chain."""
+
+
 class _Fitter:
     """Fits the chains of one drawing; what several kinds need is found once."""
 
     def __init__(self, drawn: Shape, chains: Chains, tolerance: float) -> None:
-        self.drawn, self.chains, self.tolerance = drawn, chains, tolerance
         self._pairs = Pairs(chains)
-        self._strips: dict[str, list[Strip]] = {}
+        within = find_strips(self._pairs, inside=True)
+        recut = recut_chains(chains, within)
+        if recut is not chains:
+            self._pairs = Pairs(recut)
+            within = find_strips(self._pairs, inside=True)
+        self.drawn, self.chains, self.tolerance = drawn, recut, tolerance
+        self._circles = circles_of(recut.chains, tolerance)
+        self._strips: dict[str, list[Strip]] = {"in": within}
+        self._fitted: dict[tuple[object, ...], Fitted] = {}
         self._straight = straight_directions(drawn.loops, max(12.0, 3 * tolerance), chains.axes)
+
+    def kinds(self) -> Iterator[Kind]:
+        """Yield the kinds of outlines, those with regular polygons for circles first."""
+        for kind in KINDS:
+            if self._circles:
+                for regular in ("side", "corner"):
+                    yield kind._replace(regular=regular)
+            if len(self._circles) < len(self.chains.chains):
+                yield kind
 
     def strips(self, edges: str) -> list[Strip]:
         """Return the strips for a kind, of which no two overlap."""
@@ -157,49 +211,64 @@ class _Fitter:
             return None
         directions = None
         if kind.step:
-            directions = direction_set(self._straight, math.radians(kind.step), kind.phase)
-            if kind.phase and self._straight:
-                return None
+            directions = direction_set(self._straight, math.radians(kind.step))
         tolerance = kind.part * self.tolerance
         lines: list[list[Line]] = [[] for _ in self.chains.chains]
+        circles = self._circles if kind.regular else []
+        regular = {circle.chain for circle in circles}
+        for circle in circles:
+            chain = self.chains.chains[circle.chain]
+            lines[circle.chain] = regular_lines(chain, circle, circle.sides, flat=kind.regular == "side")
+        matched = False
         for strip in strips:
-            for number, some in self._fitted_strip(strip, tolerance, directions, kind):
-                lines[number] += some
+            if regular.intersection(strip.chains):
+                continue
+            some = self._lines_of(strip, kind)
+            matched |= bool(some)
+            if kind.lead and not some:
+                some = self._lines_of(strip, BEST[-1])
+            for number, more in some:
+                lines[number] += more
+        if strips and not matched:
+            return None
         fitted = []
-        for chain, known in zip(self.chains.chains, lines, strict=True):
-            whole = _filled(chain, known, tolerance, directions, kind.arcs)
+        for number, (chain, known) in enumerate(zip(self.chains.chains, lines, strict=True)):
+            if number in regular:
+                fitted.append(known)
+                continue
+            whole = _filled(chain, known, tolerance, directions, kind)
             if whole is None:
                 return None
             fitted.append(whole)
         return self.chains.loops(fitted, self.tolerance)
 
-    def _fitted_strip(
-        self, strip: Strip, tolerance: float, directions: Floats | None, kind: Kind
-    ) -> list[tuple[int, list[Line]]]:
+    def _lines_of(self, strip: Strip, kind: Kind) -> Fitted:
         """Return the lines of both edges of a strip, with the numbers of their chains; nothing if there are none."""
+        if kind.best:
+            every = [some for one in BEST if (some := self._lines_of(strip, one))]
+            return min(every, key=lambda some: len(some[0][1]), default=[])
+        key = (id(strip), kind.arcs, kind.disks, kind.lead, kind.part, kind.weight)
+        if key not in self._fitted:
+            self._fitted[key] = self._fitted_strip(strip, kind)
+        return self._fitted[key]
+
+    def _fitted_strip(self, strip: Strip, kind: Kind) -> Fitted:
+        """Fit both edges of a strip as a kind says."""
         chains = [self.chains.chains[number] for number in strip.chains]
-        rows = strip.rows(self.chains.chains)
-        width = strip.width if strip.inside else -strip.width
-        breaks = np.zeros(len(strip.places), dtype=bool)
-        for k, chain in enumerate(chains):
-            breaks |= chain.corners[strip.places[:, k]]
+        rows, tolerance = strip.rows(self.chains.chains), kind.part * self.tolerance
         first = last = ANY
         (a0, b0), (a1, b1) = strip.places[0], strip.places[-1]
         if a0 == 0 and b0 == len(chains[1].points) - 1 and chains[0].ends[0] is not None:
             first = _across(chains[0].ends[0], rows[0, 1] - rows[0, 0])
         if b1 == 0 and a1 == len(chains[0].points) - 1 and chains[0].ends[1] is not None:
             last = _across(chains[0].ends[1], rows[0, -1] - rows[0, -2])
-        ends: dict[str, End] = {"first": first, "last": last}
         along = strip.disks * (1.0, 1.0, 0.5 if strip.inside else -0.5)
         if kind.lead:
-            sides = self._following(rows, along, breaks, tolerance, kind, ends)
-        elif kind.disks:
-            sides = fit_disks(rows, along, tolerance, paired=strip.paired, **ends)
-            if sides is None:
-                return self._fitted_strip(strip.trimmed(), tolerance, directions, kind) if strip.can_be_trimmed else []
+            sides = self._following(rows, along, tolerance, kind, first, last)
         else:
-            shift = np.array([0.0, width])
-            sides = fit(rows, tolerance, shift=shift, breaks=breaks, own=kind.own, directions=directions, **ends)
+            sides = fit_disks(rows, along, tolerance, kind.weight, paired=strip.paired, first=first, last=last)
+            if sides is None:
+                return self._fitted_strip(strip.trimmed(), kind) if strip.can_be_trimmed else []
         if sides is None:
             return []
         front, back = [], []
@@ -209,21 +278,21 @@ class _Fitter:
             back.append(Line(int(end[1]), int(start[1]), -other, -float(sides.offsets[1, s])))
         return [(strip.chains[0], front), (strip.chains[1], back[::-1])]
 
-
     def _following(
-        self, rows: Floats, along: Floats, breaks: Bools, tolerance: float, kind: Kind, ends: dict[str, End]
+        self, rows: Floats, along: Floats, tolerance: float, kind: Kind, first: End, last: End
     ) -> Sides | None:
         """Return the lines of a strip of which one edge leads."""
-        if kind.lead == 2:
+        longer = np.hypot(*np.diff(rows, axis=1).transpose(2, 0, 1)).sum(axis=1)
+        second = bool(longer[1] < longer[0]) == (kind.lead == 1)
+        if second:
             rows, along = rows[::-1], along * (1.0, 1.0, -1.0)
-        if kind.arcs:
-            lead = fit_bends(rows[:1], tolerance, breaks=breaks, **ends)
-        else:
-            lead = fit(rows[:1], tolerance, breaks=breaks, **ends)
+        fitted = fit_bends if kind.arcs else fit
+        reach = straight_as_far_as(rows[1], FOLLOWED * self.tolerance)
+        lead = fitted(rows[:1], tolerance, kind.weight, reach=reach, first=first, last=last)
         if lead is None:
             return None
-        sides = follow(rows, along, lead, 0.97 * self.tolerance, **ends)
-        if sides is None or kind.lead == 1:
+        sides = follow(rows, along, lead, FOLLOWING * self.tolerance, first=first, last=last)
+        if sides is None or not second:
             return sides
         return Sides(sides.cuts, sides.normals[::-1], sides.offsets[::-1], sides.cost)
 
@@ -237,7 +306,9 @@ def _across(axis: Axis, ahead: Floats) -> End:
     return End(pieces.DIRECTED, (x, y), price=0.5)
 
 
-def _filled(chain: Chain, known: list[Line], tolerance: float, directions: Floats | None, arcs: bool) -> list[Line] | None:
+def _filled(
+    chain: Chain, known: list[Line], tolerance: float, directions: Floats | None, kind: Kind
+) -> list[Line] | None:
     """Return lines for a whole chain: those known, in order, and between them the fewest that fit."""
     known = sorted(known, key=lambda line: (line.start, line.end))
     runs: list[list[Line]] = []
@@ -253,7 +324,7 @@ def _filled(chain: Chain, known: list[Line], tolerance: float, directions: Float
         if there < here:
             return None
         if there > here:
-            between = _between(chain, here, there, behind, run[0] if run else None, tolerance, directions, arcs)
+            between = _between(chain, here, there, behind, run[0] if run else None, tolerance, directions, kind)
             if between is None:
                 return None
             for line in between:
@@ -279,7 +350,7 @@ def _between(
     ahead: Line | None,
     tolerance: float,
     directions: Floats | None,
-    arcs: bool,
+    kind: Kind,
 ) -> list[Line] | None:
     """Return the fewest lines from sample ``here`` to ``there`` of a chain, between two known ones, which may go on."""
     points = chain.points[here : there + 1]
@@ -294,9 +365,11 @@ def _between(
     elif there == len(chain.points) - 1 and end is not None:
         last = _across(end, points[-1] - points[-2])
     breaks = chain.corners[here : there + 1]
-    sides = fit_bends(points[None], tolerance, breaks=breaks, first=first, last=last) if arcs else None
+    sides, row, weight = None, points[None], kind.weight
+    if kind.arcs:
+        sides = fit_bends(row, tolerance, weight, breaks=breaks, first=first, last=last)
     if sides is None:
-        sides = fit(points[None], tolerance, breaks=breaks, first=first, last=last, directions=directions)
+        sides = fit(row, tolerance, weight, breaks=breaks, first=first, last=last, directions=directions)
     if sides is None:
         return None
     lines = [

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from itertools import pairwise
 from types import ModuleType
 
 import numpy as np
 
-from foldcut.core.arrays import Bools, Floats
+from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.core.compiled import compiled_copy, is_installed
 from foldcut.redraw.starts import arcs_code, pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
@@ -28,10 +29,11 @@ STRAIGHT = math.radians(0.7)
 def fit_bends(
     points: Floats,
     tolerance: float,
+    weight: float = 0.3,
     *,
     shift: Floats | None = None,
     breaks: Bools | None = None,
-    weight: float = 0.3,
+    reach: Indices | None = None,
     first: End = ANY,
     last: End = ANY,
 ) -> Sides | None:
@@ -42,10 +44,12 @@ def fit_bends(
     rows, m = points.shape[:2]
     shift = np.zeros(rows) if shift is None else np.asarray(shift, dtype=np.float64)
     stops = [0, *(np.flatnonzero(breaks[1:-1]) + 1).tolist(), m - 1] if breaks is not None else [0, m - 1]
+    bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
     cuts, normals, offsets, total = [0], [], [], 0.0
-    for a, b in zip(stops[:-1], stops[1:], strict=True):
+    for a, b in pairwise(stops):
         ends = first if a == 0 else ANY, last if b == m - 1 else ANY
-        part = _fit(np.ascontiguousarray(points[:, a : b + 1]), shift, tolerance, weight, *ends)
+        row = np.ascontiguousarray(points[:, a : b + 1])
+        part = _fit(row, shift, bound[a : b + 1] - a, tolerance, weight, *ends)
         if part is None:
             return None
         some, angles, middle, cost = part
@@ -53,11 +57,13 @@ def fit_bends(
         normals += [(-math.sin(t), math.cos(t)) for t in angles]
         offsets += middle
         total += cost
-    return Sides(np.array(cuts), np.repeat(np.array(normals)[None], rows, axis=0), np.array(offsets) + shift[:, None], total)
+    return Sides(
+        np.array(cuts), np.repeat(np.array(normals)[None], rows, axis=0), np.array(offsets) + shift[:, None], total
+    )
 
 
 def _fit(
-    points: Floats, shift: Floats, tolerance: float, weight: float, first: End, last: End
+    points: Floats, shift: Floats, reach: Indices, tolerance: float, weight: float, first: End, last: End
 ) -> tuple[list[int], list[float], list[float], float] | None:
     """Return cuts, directions and middle offsets of the fewest lines for a smooth row."""
     m = points.shape[1]
@@ -67,7 +73,7 @@ def _fit(
     cost, along = np.empty(count), np.empty(count)
     previous, between = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     end = _code().fit_arcs(
-        points, shift, theta, tolerance, weight, anchors, price, cost, previous, between, along
+        points, shift, theta, reach, tolerance, weight, anchors, price, cost, previous, between, along
     )
     if end < 0:
         return None
@@ -76,7 +82,7 @@ def _fit(
         taken.append(int(previous[taken[-1]]))
     taken.reverse()
     cuts, angles, offsets = [0], [float(anchors[taken[0], 2])], [float(anchors[taken[0], 3])]
-    for b, n in zip(taken[:-1], taken[1:], strict=True):
+    for b, n in pairwise(taken):
         a0, a1, c0, c1 = anchors[b, 2], anchors[n, 2], anchors[b, 3], anchors[n, 3]
         sides, sign = int(between[n]), 1.0 if a1 > a0 else -1.0
         step = abs(a1 - a0) / (sides + 1)
@@ -132,8 +138,7 @@ def _anchors(
         angle = float(theta[place])
         offset = _middle(points, shift, place, place, angle)
         sign = float(np.sign(curving[place]))
-        for part in ASIDE:
-            found.append((place, place, angle, offset + sign * part * tolerance, 1.0))
+        found += [(place, place, angle, offset + sign * part * tolerance, 1.0) for part in ASIDE]
     for end, place in ((first, 0), (last, m - 1)):
         if end.kind == pieces.FREE:
             continue
@@ -145,8 +150,7 @@ def _anchors(
         offset = _middle(points, shift, place, place, angle)
         inward = 1 if place == 0 else m - 2
         sign = float(np.sign(curving[inward]))
-        for part in ASIDE:
-            found.append((place, place, angle, offset + sign * part * tolerance, end.price))
+        found += [(place, place, angle, offset + sign * part * tolerance, end.price) for part in ASIDE]
     array = np.array(sorted(found))
     return np.ascontiguousarray(array[:, :4]), np.ascontiguousarray(array[:, 4])
 

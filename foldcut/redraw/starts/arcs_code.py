@@ -1,4 +1,4 @@
-"""The fewest sides along a smooth row of points, if sides around a bend are tangents of one circle; run plain or compiled.
+"""The fewest sides along a smooth row of points, where sides around a bend touch one circle; plain or compiled.
 
 The bisectors between tangents of one circle all meet in its middle, so the straight skeleton has one node there, and
 both edges of a strip have it together. An *anchor* is a line that the sides may include: a straight part of the row, or
@@ -42,8 +42,8 @@ def _range(points, shift, i, j, x, y):
 
 
 @compiled
-def _bend(points, shift, theta, tolerance, i, j, a, b, c, d):
-    """Return how many sides, at least, lie between two lines, where along the bisector their circle is, and how far off.
+def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
+    """Return how many sides at least lie between two lines, where on the bisector their circle is, and how far off.
 
     The lines have the directions a and b, in radians, and the offsets c and d, and are near the row up to place i, from
     place j on. The number is -1 if none fit.
@@ -55,7 +55,6 @@ def _bend(points, shift, theta, tolerance, i, j, a, b, c, d):
         return -1, 0.0, 0.0
     ax, ay, bx, by = -sin(a), cos(a), -sin(b), cos(b)
     mid = (a + b) / 2
-    ex, ey = -sin(mid), cos(mid)
     wx, wy = ax - bx, ay - by
     w = wx * wx + wy * wy
     qx, qy = wx * (c - d) / w, wy * (c - d) / w
@@ -79,6 +78,9 @@ def _bend(points, shift, theta, tolerance, i, j, a, b, c, d):
                 there = j
             angle = a + sign * s * step
             x, y = -sin(angle), cos(angle)
+            if there > reach[here]:
+                possible = False
+                break
             least, most = _range(points, shift, here, there, x, y)
             room = tolerance - (most - least) / 2
             if room < 0.0:
@@ -119,13 +121,15 @@ def _bend(points, shift, theta, tolerance, i, j, a, b, c, d):
 
 
 @compiled
-def fit_arcs(points, shift, theta, tolerance, weight, anchors, price, cost, previous, between, along):
+def fit_arcs(points, shift, theta, reach, tolerance, weight, anchors, price, cost, previous, between, along):
     """Find the fewest sides for rows: which anchors to take, and how many sides lie between two of them.
 
-    ``theta`` ``(m,)``: the row's direction at each place, in radians, without jumps. ``anchors`` ``(n, 4)``, in order:
+    ``theta`` ``(m,)``: the row's direction at each place, in radians, without jumps. ``reach`` ``(m,)``: where a piece that
+    begins at each place ends at the latest. ``anchors`` ``(n, 4)``, in order:
     the first and last place where the row is on the anchor's line, the line's direction (near ``theta`` there), its
     offset. ``price`` ``(n,)``. Results for each anchor: ``cost``, the ``previous`` anchor (-1: it is the first), the
-    number of sides ``between``, and where ``along`` the bisector the circle's middle is. Returns the last anchor, or -1.
+    number of sides ``between``, and where ``along`` the bisector the circle's middle is.
+    Returns the last anchor, or -1.
     """
     m, count = points.shape[1], anchors.shape[0]
     best, last = INFINITE, -1
@@ -146,7 +150,7 @@ def fit_arcs(points, shift, theta, tolerance, weight, anchors, price, cost, prev
             if abs(anchors[n, 2] - anchors[b, 2]) > 6.2:
                 continue
             sides, place, off = _bend(
-                points, shift, theta, tolerance, h, i, anchors[b, 2], anchors[n, 2], anchors[b, 3], anchors[n, 3]
+                points, shift, theta, reach, tolerance, h, i, anchors[b, 2], anchors[n, 2], anchors[b, 3], anchors[n, 3]
             )
             if sides >= 0:
                 total = cost[b] + price[n] + sides + weight * (off / tolerance) ** 2

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -24,6 +25,9 @@ MOST = 500
 
 SHARP = math.radians(28)
 """Where a drawn line turns by more than this at one point, it has a true corner."""
+
+APART = 1.5
+"""Of corners nearer to each other along the line than this many tolerances, only the sharpest is kept."""
 
 MEET = math.sin(math.radians(2.5))
 """Lines with a smaller sine of the angle between them do not make a corner."""
@@ -169,9 +173,10 @@ def _chain(number: int, loop: Floats, tolerance: float, axes: Sequence[Axis]) ->
         turned = np.roll(loop, -_cut_open(loop), axis=0)
         points = np.concatenate([turned, turned[:1]])
         return _sampled(number, points, tolerance, (None, None))
-    points = _part(loop, axes[0])
-    if points is None:
+    half = _part(loop, axes[0])
+    if half is None:
         return None
+    points = half
     ends = (axes[0], axes[0])
     if len(axes) == 2:
         # of the half, the part on the left of the other axis
@@ -236,22 +241,20 @@ def _turns(points: Floats) -> Floats:
     return turns
 
 
-def _sampled(
-    number: int, points: Floats, tolerance: float, ends: tuple[Axis | None, Axis | None]
-) -> Chain:
+def _sampled(number: int, points: Floats, tolerance: float, ends: tuple[Axis | None, Axis | None]) -> Chain:
     """Return a chain of samples of a dense row of points, true corners among them."""
     keep = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9])
     points = points[keep]
-    sharp = np.zeros(len(points), dtype=bool)
-    sharp[1:-1] = np.abs(_turns(points)) > SHARP
+    turns = np.zeros(len(points))
+    turns[1:-1] = np.abs(_turns(points))
     if ends[0] is None:
-        closing = np.concatenate([points[-2:-1], points[:1], points[1:2]])
-        sharp[[0, -1]] = abs(float(_turns(closing)[0])) > SHARP
+        turns[[0, -1]] = abs(float(_turns(np.concatenate([points[-2:-1], points[:1], points[1:2]]))[0]))
+    sharp = _sharp(points, turns, APART * tolerance, closed=ends[0] is None)
     bounds = sorted({0, *np.flatnonzero(sharp).tolist(), len(points) - 1})
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
     step = max(min(1.0 + tolerance, 3.0), float(along[-1]) / MOST)
     rows, corners = [], []
-    for a, b in zip(bounds[:-1], bounds[1:], strict=True):
+    for a, b in pairwise(bounds):
         count = max(2, math.ceil((along[b] - along[a]) / step))
         where = np.linspace(along[a], along[b], count + 1)[:-1]
         rows.append(np.column_stack([np.interp(where, along, points[:, k]) for k in (0, 1)]))
@@ -262,16 +265,33 @@ def _sampled(
     return Chain(number, np.concatenate(rows), np.concatenate(corners), ends)
 
 
+def _sharp(points: Floats, turns: Floats, apart: float, *, closed: bool) -> Bools:
+    """Return which points are corners: the sharpest ones, and none nearer to a sharper one than ``apart`` mm."""
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    sharp = np.zeros(len(points), dtype=bool)
+    taken: list[float] = []
+    for k in sorted(np.flatnonzero(turns > SHARP).tolist(), key=lambda k: -turns[k]):
+        off = [abs(along[k] - other) for other in taken]
+        if closed:
+            off = [min(one, along[-1] - one) for one in off]
+        if min(off, default=apart) >= apart:
+            sharp[k] = True
+            taken.append(float(along[k]))
+    if closed:
+        sharp[[0, -1]] = sharp[0] or sharp[-1]
+    return sharp
+
+
 def loop_corners(chain: Chain, lines: Sequence[Line], reach: float) -> Floats | None:
-    """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None if they do not meet.
+    """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None without lines.
 
     ``reach``: as for ``Chains.loops``.
     """
     lines = _merged(chain, lines)
-    if lines is None:
+    if not lines:
         return None
     corners = []
-    for a, b in zip(lines[:-1], lines[1:], strict=True):
+    for a, b in pairwise(lines):
         corners.append(_corner(chain, a, b, reach))
     if chain.is_closed:
         return np.array([_corner(chain, lines[-1], lines[0], reach), *corners])
@@ -314,7 +334,7 @@ def _on_axis(line: Line, axis: Axis) -> Floats:
     return np.empty((0, 2)) if corner is None else corner[None]
 
 
-def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line] | None:
+def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line]:
     """Return lines of which no two that follow each other are parallel, where those are on one line nearly."""
     kept: list[Line] = []
     for line in lines:
@@ -328,7 +348,7 @@ def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line] | None:
         a, b = kept.pop(), kept[0]
         longer = a if a.end - a.start >= b.end - b.start else b
         kept[0] = Line(b.start, b.end, longer.normal, longer.offset)
-    return kept if kept else None
+    return kept
 
 
 def _sine(a: Floats, b: Floats) -> float:

@@ -1,9 +1,10 @@
-"""Fit both edges of a strip of any width with tangents of few disks: rows -> ``Sides``, by the program of ``disks_code``."""
+"""Fit both edges of a strip of any width with tangents of few disks: rows -> ``Sides``, by ``disks_code``."""
 
 from __future__ import annotations
 
 import math
 from functools import cache
+from itertools import pairwise
 from types import ModuleType
 
 import numpy as np
@@ -29,25 +30,22 @@ def fit_disks(
     points: Floats,
     along: Floats,
     tolerance: float,
+    weight: float = 0.3,
     *,
     paired: tuple[int, int] | None = None,
-    weight: float = 0.3,
     first: End = ANY,
     last: End = ANY,
 ) -> Sides | None:
     """Return few lines for both rows of ``points`` ``(2, m, 2)`` of a strip, tangents of common disks, or None.
 
-    ``along`` ``(m, 3)`` mm: middle and radius of the disks that touch both rows; the radius is negative where they lie on
-    the right of the first.
-    ``paired``: the first and last column where there is a disk between both rows. ``first``, ``last``: only those of an axis matter.
+    ``along`` ``(m, 3)`` mm: middle and radius of the disks that touch both rows; the radius is negative where they
+    lie on the right of the first. ``paired``: the first and last column where there is a disk between both rows.
+    ``first``, ``last``: only those of an axis matter.
     """
     points = np.ascontiguousarray(points)
     m = points.shape[1]
     disks = _disks(along, tolerance, paired or (0, m - 1))
-    ends = [
-        end.array() if end.kind == pieces.DIRECTED else ANY.array()
-        for end in (first, last)
-    ]
+    ends = [end.array() if end.kind == pieces.DIRECTED else ANY.array() for end in (first, last)]
     cost, previous = np.empty(len(disks)), np.empty(len(disks), dtype=np.int64)
     end = int(_code().fit_disks(points, disks, tolerance, weight, *ends, cost, previous))
     if end < 0:
@@ -68,7 +66,7 @@ def fit_disks(
     if cuts[0] > 0:
         cuts.insert(0, 0)
         add(disks[taken[0]], np.array(first.normal), np.array(first.normal))
-    for b, n in zip(taken[:-1], taken[1:], strict=True):
+    for b, n in pairwise(taken):
         ahead = disks[n, 1:3] - disks[b, 1:3]
         length = float(np.hypot(*ahead))
         ahead /= length

@@ -12,7 +12,7 @@ from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.core.compiled import compiled_copy, is_installed
 from foldcut.redraw.starts import pieces
 
-__all__ = ["ANY", "End", "Sides", "fit"]
+__all__ = ["ANY", "End", "Sides", "fit", "straight_as_far_as"]
 
 APART = np.sin(np.radians(8))
 """The least sine of the angle between sides that follow each other, where directions are from a set."""
@@ -20,7 +20,7 @@ APART = np.sin(np.radians(8))
 
 @dataclass(frozen=True)
 class End:
-    """How the first or the last piece of a row has to be: ``kind`` of ``pieces``, the left normal of its line, its offset.
+    """How the first or last piece of a row has to be: ``kind`` of ``pieces``, the left normal of its line, its offset.
 
     ``price``: what the piece costs, where others cost 1. ``optional``: whether it may have another direction.
     """
@@ -49,8 +49,8 @@ ANY = End()
 class Sides:
     """Lines for the pieces of rows: piece s goes from place ``cuts[s]`` to ``cuts[s + 1]``.
 
-    ``normals`` ``(k, s, 2)`` point to the left; the line of row k is ``normals[k, s] @ p == offsets[k, s]``. ``cost``: the
-    number of lines, and a little for how far they are off.
+    ``normals`` ``(k, s, 2)`` point to the left; the line of row k is ``normals[k, s] @ p == offsets[k, s]``.
+    ``cost``: the number of lines, and a little for how far they are off.
     """
 
     cuts: Indices
@@ -62,10 +62,11 @@ class Sides:
 def fit(
     points: Floats,
     tolerance: float,
+    weight: float = 0.3,
     *,
     shift: Floats | None = None,
     breaks: Bools | None = None,
-    weight: float = 0.3,
+    reach: Indices | None = None,
     own: bool = False,
     first: End = ANY,
     last: End = ANY,
@@ -74,7 +75,9 @@ def fit(
     """Return the fewest lines for rows of ``points`` ``(k, m, 2)``, each within ``tolerance`` of its piece, or None.
 
     ``shift`` ``(k,)``: how far each row's line is to the left of the middle one; with ``own`` the lines of a piece are
-    parallel at any distance. ``breaks`` ``(m,)``: where a piece has to end. ``directions`` ``(d, 2)``: the left normals
+    parallel at any distance. ``breaks`` ``(m,)``: where a piece has to end.
+    ``reach`` ``(m,)``: where a piece that begins at a place ends at the latest, if lines may have any direction.
+    ``directions`` ``(d, 2)``: the left normals
     that lines may have, if not any. Lengths in mm.
     """
     rows, m = points.shape[:2]
@@ -88,7 +91,8 @@ def fit(
     if directions is None:
         cost, previous, normals = np.empty(m), np.empty(m, dtype=np.int64), np.empty((m, 2))
         sums = np.empty((rows, m, 5))
-        code.fit_freely(points, shift, stops, tolerance, weight, own, *ends, sums, cost, previous, normals)
+        bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
+        code.fit_freely(points, shift, stops, bound, tolerance, weight, own, *ends, sums, cost, previous, normals)
         if cost[-1] >= pieces.INFINITE:
             return None
         cuts = [m - 1]
@@ -102,6 +106,13 @@ def fit(
             return None
         cuts, chosen, total = found
     return _sides(points, shift, np.array(cuts), chosen, own, first, last, total)
+
+
+def straight_as_far_as(row: Floats, tolerance: float) -> Indices:
+    """Return for each place of a row ``(m, 2)`` how far a piece that begins there is straight within ``tolerance`` mm."""
+    reach = np.empty(len(row), dtype=np.int64)
+    _code().straight_as_far_as(np.ascontiguousarray(row)[None], tolerance, np.empty((1, len(row), 5)), reach)
+    return reach
 
 
 def _fit_directed(
@@ -120,9 +131,7 @@ def _fit_directed(
     cost = np.empty((m, count + 1))
     previous, before = np.empty((m, count + 1), dtype=np.int64), np.empty((m, count + 1), dtype=np.int64)
     ends = first.array(), last.array()
-    _code().fit_directed(
-        points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before
-    )
+    _code().fit_directed(points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before)
     every = np.concatenate([directions, [first.normal]])
     j, d = m - 1, int(cost[-1].argmin())
     total = float(cost[j, d])
@@ -135,7 +144,7 @@ def _fit_directed(
             if stops[i + 1 : -1].any():
                 break
             reach = np.where(apart, cost[i], np.inf)
-            if i == 0 and not (first.kind == pieces.GIVEN):
+            if i == 0 and first.kind != pieces.GIVEN:
                 j, total, tail = 0, 0.0, [m - 1]
             elif reach.min() < total:
                 j, d, total, tail = i, int(reach.argmin()), float(reach.min()), [m - 1]

@@ -1,7 +1,7 @@
 """Fit one edge of a strip so that it follows the other: bends at the same places, tangents of common disks.
 
-The sides of the leading edge are known. The middles of the disks then lie on its bisectors, and each has only its radius
-to choose: a small dynamic program over a few radii for each bend.
+The sides of the leading edge are known. The middles of the disks then lie on its bisectors, and each has only its
+radius to choose: a small dynamic program over a few radii for each bend.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ def follow(
     for s in range(count):
         across = (s == 0 and first.kind == pieces.DIRECTED) or (s == count - 1 and last.kind == pieces.DIRECTED)
         near = sure[s + 1] if s == 0 and count > 1 else sure[s]
-        normal, offset, possible = _parallel(near, normals[s], s == 0 and count > 1) if across else _lines(
-            sure[s], sure[s + 1], normals[s]
+        normal, offset, possible = (
+            _parallel(near, normals[s], s == 0 and count > 1) if across else _lines(sure[s], sure[s + 1], normals[s])
         )
         piece = points[1, cuts[s] : cuts[s + 1] + 1]
         off = np.abs(normal @ piece.T - offset[..., None]).max(axis=2)
@@ -79,9 +79,7 @@ def _node(
     return place + (offsets[s] + radii - normals[s] @ place)[:, None] * normals[s], radii
 
 
-def _lines(
-    one: tuple[Floats, Floats], two: tuple[Floats, Floats], lead: Floats
-) -> tuple[Floats, Floats, Bools]:
+def _lines(one: tuple[Floats, Floats], two: tuple[Floats, Floats], lead: Floats) -> tuple[Floats, Floats, Bools]:
     """Return normals, offsets, and which are possible, of the other tangents between disks of two nodes."""
     (p, r), (q, w) = one, two
     away = q[None] - p[:, None]

@@ -6,9 +6,9 @@ are parallel, at given distances from each other (the two edges of a strip, whic
 
 ``fit_freely``: lines of any direction. ``fit_directed``: lines whose directions are from a given set.
 
-Arrays: ``points`` ``(k, m, 2)`` mm, row after row; ``shift`` ``(k,)`` mm, how far each row's line is to the left of the
-piece's middle line; ``breaks`` ``(m,)``, nonzero where a piece has to end; ``first``, ``last`` ``(6,)``: the kind of the
-first and last piece (``FREE``, ``DIRECTED``, ``GIVEN``), the left normal and offset of its line, what it costs, and
+Arrays: ``points`` ``(k, m, 2)`` mm, row after row; ``shift`` ``(k,)`` mm, how far each row's line is to the left of
+the piece's middle line; ``breaks`` ``(m,)``, nonzero where a piece has to end; ``first``, ``last`` ``(6,)``: the kind of
+the first and last piece (``FREE``, ``DIRECTED``, ``GIVEN``), the left normal and offset of its line, what it costs, and
 whether it may have another direction all the same. All results are written to arrays that are passed in.
 """
 
@@ -18,7 +18,7 @@ from math import atan2, cos, hypot, sin
 
 from foldcut.core.compiled import compiled_in
 
-__all__ = ["DIRECTED", "FREE", "GIVEN", "fit_directed", "fit_freely"]
+__all__ = ["DIRECTED", "FREE", "GIVEN", "fit_directed", "fit_freely", "straight_as_far_as"]
 
 compiled = compiled_in(__name__)
 inlined = compiled_in(__name__, inline=True)
@@ -55,15 +55,9 @@ def _off(points, shift, i, j, x, y, own, known):
     return worst / 2 if own else (high - low) / 2
 
 
-@compiled
-def fit_freely(points, shift, breaks, tolerance, weight, own, first, last, sums, cost, previous, normals):
-    """Divide rows into the fewest pieces, each within the tolerance of its line.
-
-    ``weight``: what a piece at the tolerance costs more than one on its line, which costs 1. ``own``: the rows' lines
-    are parallel, at any distance. Scratch: ``sums`` ``(k, m, 5)``. Results for each place j: ``cost[j]`` of the best
-    pieces that end there (``INFINITE``: none), ``previous[j]``, where the last of them begins, ``normals[j]``, its left
-    normal.
-    """
+@inlined
+def _add_up(points, sums):
+    """Add up along each row what lines by least squares are found from."""
     rows, m = points.shape[0], points.shape[1]
     for k in range(rows):
         for c in range(5):
@@ -79,6 +73,65 @@ def fit_freely(points, shift, breaks, tolerance, weight, own, first, last, sums,
             xy = (ax * ay + bx * by) / 3 + (ax * by + ay * bx) / 6
             sums[k, p, 3] = sums[k, p - 1, 3] + length * (xx - yy)
             sums[k, p, 4] = sums[k, p - 1, 4] + length * xy
+
+
+@inlined
+def _line(points, sums, i, j):
+    """Return the left normal of the line by least squares for places i..j, the way between its ends, and its length."""
+    rows = points.shape[0]
+    spread, mixed, cx, cy, length = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(rows):
+        n = sums[k, j, 0] - sums[k, i, 0]
+        if n <= 0.0:
+            continue
+        sx, sy = sums[k, j, 1] - sums[k, i, 1], sums[k, j, 2] - sums[k, i, 2]
+        spread += sums[k, j, 3] - sums[k, i, 3] - (sx * sx - sy * sy) / n
+        mixed += sums[k, j, 4] - sums[k, i, 4] - sx * sy / n
+        cx += points[k, j, 0] - points[k, i, 0]
+        cy += points[k, j, 1] - points[k, i, 1]
+        length = max(length, hypot(points[k, j, 0] - points[k, i, 0], points[k, j, 1] - points[k, i, 1]))
+    angle = 0.5 * atan2(2 * mixed, spread)
+    x, y = -sin(angle), cos(angle)
+    if cos(angle) * cx + sin(angle) * cy < 0.0:
+        x, y = -x, -y
+    return x, y, cx, cy, length
+
+
+@compiled
+def straight_as_far_as(points, tolerance, sums, reach):
+    """Find for each place of a row ``(1, m, 2)`` how far pieces that begin there are nearly within the tolerance of a line.
+
+    Nearly: of the line by least squares. Result: ``reach`` ``(m,)``, the last place. Scratch: ``sums`` ``(1, m, 5)``.
+    """
+    m = points.shape[1]
+    _add_up(points, sums)
+    j = 0
+    for i in range(m):
+        j = max(j, min(i + 1, m - 1))
+        while j + 1 < m:
+            x, y, _, _, _ = _line(points, sums, i, j + 1)
+            low, high = INFINITE, -INFINITE
+            for p in range(i, j + 2):
+                v = points[0, p, 0] * x + points[0, p, 1] * y
+                low = min(low, v)
+                high = max(high, v)
+            if high - low > 2 * tolerance:
+                break
+            j += 1
+        reach[i] = j
+
+
+@compiled
+def fit_freely(points, shift, breaks, reach, tolerance, weight, own, first, last, sums, cost, previous, normals):
+    """Divide rows into the fewest pieces, each within the tolerance of its line.
+
+    ``reach`` ``(m,)``: where a piece that begins at each place ends at the latest. ``weight``: what a piece at the tolerance costs more than one on its line, which costs 1. ``own``: the rows' lines
+    are parallel, at any distance. Scratch: ``sums`` ``(k, m, 5)``. Results for each place j: ``cost[j]`` of the best
+    pieces that end there (``INFINITE``: none), ``previous[j]``, where the last of them begins, ``normals[j]``, its left
+    normal.
+    """
+    rows, m = points.shape[0], points.shape[1]
+    _add_up(points, sums)
     for j in range(m):
         cost[j] = INFINITE
         previous[j] = -1
@@ -87,23 +140,8 @@ def fit_freely(points, shift, breaks, tolerance, weight, own, first, last, sums,
         if cost[i] >= INFINITE:
             continue
         misses = 0
-        for j in range(i + 1, m):
-            # the line by least squares
-            spread, mixed, cx, cy, length = 0.0, 0.0, 0.0, 0.0, 0.0
-            for k in range(rows):
-                n = sums[k, j, 0] - sums[k, i, 0]
-                if n <= 0.0:
-                    continue
-                sx, sy = sums[k, j, 1] - sums[k, i, 1], sums[k, j, 2] - sums[k, i, 2]
-                spread += sums[k, j, 3] - sums[k, i, 3] - (sx * sx - sy * sy) / n
-                mixed += sums[k, j, 4] - sums[k, i, 4] - sx * sy / n
-                cx += points[k, j, 0] - points[k, i, 0]
-                cy += points[k, j, 1] - points[k, i, 1]
-                length = max(length, hypot(points[k, j, 0] - points[k, i, 0], points[k, j, 1] - points[k, i, 1]))
-            angle = 0.5 * atan2(2 * mixed, spread)
-            x, y = -sin(angle), cos(angle)
-            if cos(angle) * cx + sin(angle) * cy < 0.0:
-                x, y = -x, -y
+        for j in range(i + 1, min(m, reach[i] + 1)):
+            x, y, cx, cy, length = _line(points, sums, i, j)
             off = _off(points, shift, i, j, x, y, own, 2 * HOPELESS * tolerance)
             if off > HOPELESS * tolerance:
                 misses += 1
@@ -118,11 +156,15 @@ def fit_freely(points, shift, breaks, tolerance, weight, own, first, last, sums,
                     if off_a < off_b:
                         high, b, off_b = b, a, off_a
                         a = high - GOLDEN * (high - low)
-                        off_a = _off(points, shift, i, j, x * cos(a) - y * sin(a), x * sin(a) + y * cos(a), own, INFINITE)
+                        off_a = _off(
+                            points, shift, i, j, x * cos(a) - y * sin(a), x * sin(a) + y * cos(a), own, INFINITE
+                        )
                     else:
                         low, a, off_a = a, b, off_b
                         b = low + GOLDEN * (high - low)
-                        off_b = _off(points, shift, i, j, x * cos(b) - y * sin(b), x * sin(b) + y * cos(b), own, INFINITE)
+                        off_b = _off(
+                            points, shift, i, j, x * cos(b) - y * sin(b), x * sin(b) + y * cos(b), own, INFINITE
+                        )
                 turn = a if off_a < off_b else b
                 if min(off_a, off_b) < off:
                     off = min(off_a, off_b)
@@ -136,13 +178,19 @@ def fit_freely(points, shift, breaks, tolerance, weight, own, first, last, sums,
                 other = _off(points, shift, i, j, first[1], first[2], own, INFINITE)
                 if first[5] == 0.0:
                     price = INFINITE
-                if other <= tolerance and first[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2:
+                if (
+                    other <= tolerance
+                    and first[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2
+                ):
                     price, x, y, off = first[4], first[1], first[2], other
             if j == m - 1 and last[0] == DIRECTED:
                 other = _off(points, shift, i, j, last[1], last[2], own, INFINITE)
                 if last[5] == 0.0:
                     price = INFINITE
-                if other <= tolerance and last[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2:
+                if (
+                    other <= tolerance
+                    and last[4] + weight * (other / tolerance) ** 2 < price + weight * (off / tolerance) ** 2
+                ):
                     price, x, y, off = last[4], last[1], last[2], other
             if i == 0 and first[0] == GIVEN and _on(points, shift, i, j, first, tolerance):
                 price, x, y, off = 0.0, first[1], first[2], 0.0

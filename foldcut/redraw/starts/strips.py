@@ -19,7 +19,7 @@ import numpy as np
 from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.redraw.starts.chains import Chain, Chains
 
-__all__ = ["Pairs", "Strip", "find_strips"]
+__all__ = ["Pairs", "Strip", "find_strips", "recut_chains"]
 
 FACING = math.cos(math.radians(32))
 """How exactly opposite the outline has to run at both edges of a strip."""
@@ -124,9 +124,7 @@ def _samples(chains: Chains) -> _Samples:
         every = np.concatenate([every, axis.mirrored(every)])
         image = along - 2 * (along @ axis.normal)[:, None] * axis.normal
         along = np.concatenate([along, -image])
-    return _Samples(
-        every, along, np.concatenate(numbers), np.concatenate(places), np.concatenate(corners), count
-    )
+    return _Samples(every, along, np.concatenate(numbers), np.concatenate(places), np.concatenate(corners), count)
 
 
 def _partners(samples: _Samples, inside: bool) -> tuple[Indices, Floats]:
@@ -146,6 +144,7 @@ def _partners(samples: _Samples, inside: bool) -> tuple[Indices, Floats]:
     width = diameter[np.arange(n), partner]
     facing = (tangents[:n] * tangents[partner]).sum(axis=1) < -FACING
     good = np.isfinite(width) & facing & (partner < n) & ~samples.corner
+    good &= ~samples.corner[np.minimum(partner, n - 1)]  # a disk that rests on a corner says nothing of a width
     return np.where(good, partner, -1), width
 
 
@@ -341,3 +340,30 @@ def _longest_run(free: Bools) -> tuple[int, int] | None:
     starts, ends = change[::2], change[1::2]
     best = int((ends - starts).argmax())
     return int(starts[best]), int(ends[best])
+
+
+def recut_chains(chains: Chains, strips: Sequence[Strip]) -> Chains:
+    """Return chains of which those without corners are cut open where no strip is, rather than within one."""
+    made = list(chains.chains)
+    for number, chain in enumerate(made):
+        if not chain.is_closed or chain.corners.any():
+            continue
+        count = len(chain.points) - 1
+        covered = np.zeros(count, dtype=bool)
+        for strip in strips:
+            for k, a, b in strip.intervals():
+                if k == number:
+                    covered[a + 1 : b] = True
+        if not (covered[1:3].any() and covered[-2:].any()):
+            continue
+        inner = np.flatnonzero(~covered)
+        inner = inner[(inner > 2) & (inner < count - 2)]
+        if not len(inner):
+            continue
+        place = int(inner[len(inner) // 2])
+        turned = np.roll(chain.points[:-1], -place, axis=0)
+        points = np.concatenate([turned, turned[:1]])
+        made[number] = Chain(chain.loop, points, chain.corners, chain.ends)
+    if all(a is b for a, b in zip(made, chains.chains, strict=True)):
+        return chains
+    return Chains(tuple(made), chains.source, chains.axes)
