@@ -48,7 +48,7 @@ def along(target: Target, piece: Piece, count: int = 50) -> Floats:
 
 
 def faults(target: Target, strip: Strip, tolerance: float) -> list[str]:
-    """What is wrong with a strip: sides that are off the outline, not half its width away, swapped, or not its pieces."""
+    """What is wrong with a strip: sides off the outline, not half its width away, swapped, or none of its pieces."""
     wrong = []
     outline = target.outline
     shapely.prepare(outline)
