@@ -355,6 +355,18 @@ class CurvedLoop:
             found[these] = getattr(self.segments[one], what)(places[these] - one)
         return found
 
+    def part(self, first: float, last: float) -> list[Segment]:
+        """Return the segments from one place to another, backward if ``last`` is less; either may be on any round."""
+        if last < first:
+            return [segment.reversed() for segment in self.part(last, first)[::-1]]
+        found: list[Segment] = []
+        for number in range(math.floor(first), math.ceil(last)):
+            segment = self.segments[number % len(self.segments)]
+            start, end = max(first - number, 0.0), min(last - number, 1.0)
+            if end > start:
+                found.append(segment if (start, end) == (0.0, 1.0) else segment.between(start, end))
+        return found
+
     @cached_property
     def turns(self) -> Floats:
         """By how much the tangent turns at the start of each segment, in radians, to the left above 0, ``(n,)``."""

@@ -86,6 +86,18 @@ def test_turns_of_a_loop() -> None:
     assert smooth.reversed().turns == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.parametrize(("first", "last"), [(0.3, 2.6), (2.5, 4.2), (3.0, 1.0), (-0.4, 0.7), (1.2, 1.7)])
+def test_parts_of_a_loop(first: float, last: float) -> None:
+    loop = blob(np.random.default_rng(3), 3, "cubic")
+    part = loop.part(first, last)
+    places = np.linspace(0, 1, 7)
+    ends = np.array([(one.start, one.end) for one in part])
+    assert ends[:-1, 1] == pytest.approx(ends[1:, 0])
+    assert (ends[0, 0], ends[-1, 1]) == (pytest.approx(loop.points([first])[0]), pytest.approx(loop.points([last])[0]))
+    line = shapely.linestrings(loop.flattened(1e-6))
+    assert shapely.distance(line, shapely.points(np.concatenate([one.points(places) for one in part]))).max() < 1e-3
+
+
 def ring(points: Floats) -> shapely.Geometry:
     return shapely.linestrings(np.concatenate([points, points[:1]]))
 
