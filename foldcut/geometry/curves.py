@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from foldcut.core.arrays import Floats, blocks, points_array
 from foldcut.geometry.vectors import left_normal
 
-__all__ = ["Arc", "Bezier", "CurvedLoop", "Line", "Segment", "farthest_apart"]
+__all__ = ["Arc", "Bezier", "CurvedLoop", "Line", "Segment", "farthest_apart", "is_within"]
 
 PRECISION = 1e-4
 """How much smaller than the Hausdorff distance ``farthest_apart`` may be, in the unit of the points, unless told."""
@@ -412,11 +412,32 @@ def farthest_apart(
     return (back, other) if back > there else (there, place)
 
 
-def _farthest(from_: Floats, to: Floats, precision: float, least: float) -> tuple[float, Floats]:
+def is_within(
+    loops: Sequence[CurvedLoop], polygons: Sequence[Floats], distance: float, precision: float = PRECISION
+) -> bool:
+    """Tell whether the Hausdorff distance between curves and the sides of polygons is at most ``distance``.
+
+    If it is less by no more than ``precision``, the answer may be no. This takes less time than to find the distance.
+    """
+    curves = np.concatenate([loop.cubics for loop in loops])
+    sides = np.concatenate([np.stack([one, np.roll(one, -1, axis=0)], axis=1) for one in polygons])
+    lines = _lines_as_cubics(sides)
+    if distance <= precision:
+        return farthest_apart(loops, polygons, precision / 2)[0] <= distance - precision / 2
+    least = distance - precision
+    return all(
+        _farthest(one, other, precision, least, least)[0] <= least for one, other in ((lines, curves), (curves, lines))
+    )
+
+
+def _farthest(
+    from_: Floats, to: Floats, precision: float, least: float, enough: float = math.inf
+) -> tuple[float, Floats]:
     """Return how far the farthest point of the cubics ``from_`` is from the cubics ``to``, and that point.
 
-    What is not farther than ``least`` need not be found. Every piece of a curve is taken for its chord, with the error
-    that this makes: so a distance is one between a point and a line, with bounds.
+    What is not farther than ``least`` need not be found; what is farther than ``enough`` ends the search. Every piece
+    of a curve is taken for its chord, with the error that this makes: so a distance is one between a point and a line,
+    with bounds.
     """
     lengths = _chord_lengths(from_)
     piece = max(float(lengths.sum()), precision) / FIRST_PIECES
@@ -442,7 +463,7 @@ def _farthest(from_: Floats, to: Floats, precision: float, least: float) -> tupl
             reach = (high[some] + half[some] + far_off[some])[active]
             relevant |= (between[active] - near_off <= reach[:, None]).any(axis=0)
         active = high > best + precision
-        if not active.any():
+        if best > enough or not active.any():
             break
         near, near_off = near[relevant], near_off[relevant]
         wanted = max(precision, float(high.max()) - best) / 8

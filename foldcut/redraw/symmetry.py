@@ -35,6 +35,9 @@ CELLS = 320
 MOST_CANDIDATES = 36
 """Of so many directions at most the axis is improved and measured."""
 
+ROUNDING = 1e-9
+"""Directions that are turned to within this of upright or level, in radians, are so."""
+
 EXACT_MM = 1e-3
 """Images that are off by less than this are exact but for rounding, in mm of the frame."""
 
@@ -71,6 +74,15 @@ class Axis:
         """The unit normal, ``(2,)``."""
         return _normal(self.angle)
 
+    def transformed(self, matrix: Floats) -> Axis:
+        """Return the axis after a similarity ``(2, 3)`` that moves and turns it."""
+        along = matrix[:, :2] @ (math.cos(self.angle), math.sin(self.angle))
+        angle = math.atan2(along[1], along[0])
+        nearest = round(angle / (math.pi / 2)) * math.pi / 2
+        angle = nearest if abs(angle - nearest) < ROUNDING else angle
+        through = matrix[:, :2] @ (self.normal * self.offset) + matrix[:, 2]
+        return _axis(angle, float(_normal(angle) @ through), self.off * float(np.hypot(*along)))
+
     def image(self, points: Floats) -> Floats:
         """Return the mirror images of points, ``(n, 2)``."""
         return _image(points, self.angle, self.offset)
@@ -91,6 +103,13 @@ class Symmetry:
     order: int = 1
     off: float = 0.0
     others: tuple[Axis, ...] = ()
+
+    def transformed(self, matrix: Floats) -> Symmetry:
+        """Return the symmetry after a similarity ``(2, 3)`` that moves and turns the drawing."""
+        centre = points_array(matrix[:, :2] @ self.centre + matrix[:, 2])[0]
+        axes = tuple(sorted((axis.transformed(matrix) for axis in self.axes), key=lambda axis: axis.angle))
+        others = tuple(axis.transformed(matrix) for axis in self.others)
+        return Symmetry(centre, axes, self.order, self.off * float(np.hypot(*matrix[:, 0])), others)
 
     @property
     def angles(self) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 from foldcut.core.arrays import Floats
-from foldcut.geometry.curves import Arc, Bezier, CurvedLoop, Line, Segment, farthest_apart
+from foldcut.geometry.curves import Arc, Bezier, CurvedLoop, Line, Segment, farthest_apart, is_within
 
 TURNED = np.array([(0.6, -0.8, 3.0), (0.8, 0.6, -2.0)])
 MIRRORED = np.array([(-1.5, 0.0, 1.0), (0.0, 1.5, 4.0)])
@@ -148,6 +148,20 @@ def test_farthest_apart_is_the_distance_that_shapely_finds(kind: str, seed: int)
     ends = [float(shapely.distance(one, shapely.Point(place))) for one in sets]
     assert min(ends) < 1e-3
     assert max(ends) == pytest.approx(distance, abs=2e-4)
+
+
+@pytest.mark.parametrize("kind", ["lines", "quadratic", "cubic"])
+@pytest.mark.parametrize("seed", range(3))
+def test_is_within_agrees_with_the_distance(kind: str, seed: int) -> None:
+    rng = np.random.default_rng(seed + 20)
+    loop = blob(rng, 6, kind)
+    polygon = loop.flattened(0.2) + rng.normal(0, 0.1, 2)
+    distance, _ = farthest_apart([loop], [polygon], 1e-6)
+    assert is_within([loop], [polygon], distance + 2e-4)
+    assert not is_within([loop], [polygon], distance - 1e-6)
+    assert not is_within([loop], [polygon], distance / 3)
+    assert is_within([loop], [polygon], 3 * distance)
+    assert is_within([CurvedLoop.of_points(polygon)], [polygon], 1e-4)
 
 
 def test_both_directions_count() -> None:
