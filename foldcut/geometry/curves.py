@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from foldcut.core.arrays import Floats, blocks, points_array
 from foldcut.geometry.vectors import left_normal
 
-__all__ = ["Arc", "Bezier", "CurvedLoop", "Line", "Segment", "farthest_apart"]
+__all__ = ["Arc", "Bezier", "CurvedLoop", "Line", "Segment", "farthest_apart", "is_within"]
 
 PRECISION = 1e-4
 """How much smaller than the Hausdorff distance ``farthest_apart`` may be, in the unit of the points, unless told."""
@@ -355,6 +355,18 @@ class CurvedLoop:
             found[these] = getattr(self.segments[one], what)(places[these] - one)
         return found
 
+    def part(self, first: float, last: float) -> list[Segment]:
+        """Return the segments from one place to another, backward if ``last`` is less; either may be on any round."""
+        if last < first:
+            return [segment.reversed() for segment in self.part(last, first)[::-1]]
+        found: list[Segment] = []
+        for number in range(math.floor(first), math.ceil(last)):
+            segment = self.segments[number % len(self.segments)]
+            start, end = max(first - number, 0.0), min(last - number, 1.0)
+            if end > start:
+                found.append(segment if (start, end) == (0.0, 1.0) else segment.between(start, end))
+        return found
+
     @cached_property
     def turns(self) -> Floats:
         """By how much the tangent turns at the start of each segment, in radians, to the left above 0, ``(n,)``."""
@@ -400,11 +412,32 @@ def farthest_apart(
     return (back, other) if back > there else (there, place)
 
 
-def _farthest(from_: Floats, to: Floats, precision: float, least: float) -> tuple[float, Floats]:
+def is_within(
+    loops: Sequence[CurvedLoop], polygons: Sequence[Floats], distance: float, precision: float = PRECISION
+) -> bool:
+    """Tell whether the Hausdorff distance between curves and the sides of polygons is at most ``distance``.
+
+    If it is less by no more than ``precision``, the answer may be no. This takes less time than to find the distance.
+    """
+    curves = np.concatenate([loop.cubics for loop in loops])
+    sides = np.concatenate([np.stack([one, np.roll(one, -1, axis=0)], axis=1) for one in polygons])
+    lines = _lines_as_cubics(sides)
+    if distance <= precision:
+        return farthest_apart(loops, polygons, precision / 2)[0] <= distance - precision / 2
+    least = distance - precision
+    return all(
+        _farthest(one, other, precision, least, least)[0] <= least for one, other in ((lines, curves), (curves, lines))
+    )
+
+
+def _farthest(
+    from_: Floats, to: Floats, precision: float, least: float, enough: float = math.inf
+) -> tuple[float, Floats]:
     """Return how far the farthest point of the cubics ``from_`` is from the cubics ``to``, and that point.
 
-    What is not farther than ``least`` need not be found. Every piece of a curve is taken for its chord, with the error
-    that this makes: so a distance is one between a point and a line, with bounds.
+    What is not farther than ``least`` need not be found; what is farther than ``enough`` ends the search. Every piece
+    of a curve is taken for its chord, with the error that this makes: so a distance is one between a point and a line,
+    with bounds.
     """
     lengths = _chord_lengths(from_)
     piece = max(float(lengths.sum()), precision) / FIRST_PIECES
@@ -430,7 +463,7 @@ def _farthest(from_: Floats, to: Floats, precision: float, least: float) -> tupl
             reach = (high[some] + half[some] + far_off[some])[active]
             relevant |= (between[active] - near_off <= reach[:, None]).any(axis=0)
         active = high > best + precision
-        if not active.any():
+        if best > enough or not active.any():
             break
         near, near_off = near[relevant], near_off[relevant]
         wanted = max(precision, float(high.max()) - best) / 8

@@ -20,6 +20,7 @@ from foldcut.core.errors import FileFormatError
 from foldcut.drawing.shape import polygon_loops
 from foldcut.geometry.curves import CurvedLoop, Line, Segment
 from foldcut.readers.base import Drawing, ReadOptions, counted
+from foldcut.readers.cut_curves import CutCurves
 
 MOST_CROSSINGS = 10_000
 """Outlines with more crossings are left as they are; ``make_shape`` refuses them and says where."""
@@ -117,10 +118,7 @@ def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float |
     nothing = f"left out {flat} outline{'s' * (flat > 1)} without area" if flat else ""
     repairs = filter(None, [_closed_gaps([*gaps, *more], extent, unit_mm), stray, nothing])
     found = (*loops, *whole)
-    curves: list[CurvedLoop] = []
-    if any(id(loop) in curved for loop in found):
-        curves = [curved[id(loop)][1] if id(loop) in curved else CurvedLoop.of_points(loop) for loop in found]
-    return Loops(found, tuple(notes), tuple(repairs), tuple(curves))
+    return Loops(found, tuple(notes), tuple(repairs), _curves_of(found, curved))
 
 
 def closed_loops(
@@ -148,6 +146,19 @@ def drawing_of(
     extent = float(np.ptp(finite, axis=0).max()) if len(finite) else 0.0
     found = loops_of([Outline([(line, False) for line in lines])], options, None, extent)
     return Drawing(found.loops, None, title, found.notes, ignored=counted(ignored), repairs=found.repairs)
+
+
+def _curves_of(loops: Sequence[Floats], curved: dict[int, tuple[Floats, CurvedLoop]]) -> tuple[CurvedLoop, ...]:
+    """Return the curve of each loop; nothing if all are polygons. ``curved``: by id, loops and what they were."""
+    if not curved:
+        return ()
+    found = [curved[id(loop)][1] if id(loop) in curved else None for loop in loops]
+    if not all(found):
+        known = CutCurves(*zip(*curved.values(), strict=True))
+        found = [curve or known.curve_of(loop) for curve, loop in zip(found, loops, strict=True)]
+    if not any(found):
+        return ()
+    return tuple(curve or CurvedLoop.of_points(loop) for curve, loop in zip(found, loops, strict=True))
 
 
 def _closed_curve(segments: Sequence[Segment], extent: float) -> CurvedLoop:

@@ -22,7 +22,7 @@ from foldcut.redraw.target import Samples, Target
 
 __all__ = ["Piece", "Round", "Strip", "concentric", "rounds", "strips"]
 
-MOST_SAMPLES = 900
+MOST_SAMPLES = 800
 """The number of points of all loops together that discs are made for, about."""
 
 NEIGHBOURS = 2
@@ -304,7 +304,7 @@ def _smooth_start(loop: Floats) -> int:
 
 def _arcs(points: Floats) -> Iterator[tuple[int, int, Circle]]:
     """Yield the arcs in an open line, as its first and its last point, from the start on."""
-    first = 0
+    first = free = 0
     while first + LEAST_POINTS <= len(points):
         last, circle = first + LEAST_POINTS - 1, _circle(points[first : first + LEAST_POINTS], least=0.0)
         step = 1
@@ -316,10 +316,12 @@ def _arcs(points: Floats) -> Iterator[tuple[int, int, Circle]]:
             else:
                 last, circle, step = reach, more, 2 * step
         if circle is not None and abs(circle[2]) >= LEAST_SWEEP:
+            while first > free and (more := _circle(points[first - 1 : last + 1], least=0.0)):
+                first, circle = first - 1, more
             yield first, last, circle
-            first = last
+            first = free = last
         else:
-            first += 1
+            first += max((last - first) // 3, 1)
 
 
 def _circle(points: Floats, least: float = LEAST_SWEEP) -> Circle | None:

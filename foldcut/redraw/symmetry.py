@@ -35,6 +35,9 @@ CELLS = 320
 MOST_CANDIDATES = 36
 """Of so many directions at most the axis is improved and measured."""
 
+ROUNDING = 1e-9
+"""Directions that are turned to within this of upright or level, in radians, are so."""
+
 EXACT_MM = 1e-3
 """Images that are off by less than this are exact but for rounding, in mm of the frame."""
 
@@ -46,6 +49,9 @@ SNAP = math.radians(0.3)
 
 SAME = math.radians(2)
 """Axes whose directions differ by less than this are the same."""
+
+MOST_ROUNDS = 12
+"""How often an axis or a centre is improved at most."""
 
 BORDERLINE = 2.0
 """Axes that are off by up to this many times what is allowed after least squares are improved further."""
@@ -68,6 +74,15 @@ class Axis:
         """The unit normal, ``(2,)``."""
         return _normal(self.angle)
 
+    def transformed(self, matrix: Floats) -> Axis:
+        """Return the axis after a similarity ``(2, 3)`` that moves and turns it."""
+        along = matrix[:, :2] @ (math.cos(self.angle), math.sin(self.angle))
+        angle = math.atan2(along[1], along[0])
+        nearest = round(angle / (math.pi / 2)) * math.pi / 2
+        angle = nearest if abs(angle - nearest) < ROUNDING else angle
+        through = matrix[:, :2] @ (self.normal * self.offset) + matrix[:, 2]
+        return _axis(angle, float(_normal(angle) @ through), self.off * float(np.hypot(*along)))
+
     def image(self, points: Floats) -> Floats:
         """Return the mirror images of points, ``(n, 2)``."""
         return _image(points, self.angle, self.offset)
@@ -88,6 +103,13 @@ class Symmetry:
     order: int = 1
     off: float = 0.0
     others: tuple[Axis, ...] = ()
+
+    def transformed(self, matrix: Floats) -> Symmetry:
+        """Return the symmetry after a similarity ``(2, 3)`` that moves and turns the drawing."""
+        centre = points_array(matrix[:, :2] @ self.centre + matrix[:, 2])[0]
+        axes = tuple(sorted((axis.transformed(matrix) for axis in self.axes), key=lambda axis: axis.angle))
+        others = tuple(axis.transformed(matrix) for axis in self.others)
+        return Symmetry(centre, axes, self.order, self.off * float(np.hypot(*matrix[:, 0])), others)
 
     @property
     def angles(self) -> tuple[float, ...]:
@@ -183,7 +205,7 @@ def _snapped(angle: float, period: float) -> list[float]:
 
 def _hardly_worse(off: float, allowed: float) -> float:
     """Return how far images may be off about an axis that is nicer than the best one."""
-    return min(allowed, max(off + 2 * FLAT_MM, 0.5 * allowed if off > 5 * FLAT_MM else 0.0))
+    return allowed if off > 5 * FLAT_MM else min(allowed, off + 2 * FLAT_MM)
 
 
 def _apart(one: float, other: float) -> float:
@@ -245,20 +267,16 @@ class _Outline:
 
     def directions(self, allowed: float) -> list[float]:
         """Return the directions of axes that may do, the best first."""
-        distance, low, cell = self.map
         step = math.pi / DIRECTIONS
         reach = float(np.hypot(*(self.few - self.middle).T).max())
-        slack = 2 * allowed + reach * step + 1.5 * cell
+        slack = 2 * allowed + reach * step + 1.5 * self.map[2]
         angles = 2 * step * np.arange(DIRECTIONS)
         cosine, sine = np.cos(angles)[:, None], np.sin(angles)[:, None]
         scores = np.full(DIRECTIONS, np.inf)
         for middle in (self.middle, self.box_middle):
             x, y = (self.few - middle).T
-            images = cosine * x + sine * y + middle[0], sine * x - cosine * y + middle[1]
-            at = [
-                ((image - at) / cell).astype(np.intp).clip(0, CELLS - 1) for image, at in zip(images, low, strict=True)
-            ]
-            away = distance[at[0], at[1]]
+            images = np.stack([cosine * x + sine * y, sine * x - cosine * y], axis=-1) + middle
+            away = self._on_map(images)
             may = away.max(axis=1) <= slack
             scores[may] = np.minimum(scores[may], away[may].mean(axis=1))
         least = (scores <= np.roll(scores, 1)) & (scores <= np.roll(scores, -1)) & np.isfinite(scores)
@@ -267,6 +285,12 @@ class _Outline:
         multiples = [one for one in order.tolist() if one % (DIRECTIONS // 12) == 0]
         best = [*multiples, *(one for one in order.tolist() if one % (DIRECTIONS // 12))][:MOST_CANDIDATES]
         return [one * step for one in best]
+
+    def _on_map(self, points: Floats) -> Floats:
+        """Return how far points, ``(..., 2)``, are from the outline, to about a cell of the map."""
+        distance, low, cell = self.map
+        at = ((points - low) / cell).astype(np.intp).clip(0, CELLS - 1)
+        return np.asarray(distance[at[..., 0], at[..., 1]], dtype=np.float64)
 
     @cached_property
     def map(self) -> tuple[Floats, Floats, float]:
@@ -287,62 +311,45 @@ class _Outline:
 
     def improved(self, angle: float, allowed: float) -> Axis | None:
         """Return the best axis near a direction, or None if it is not good enough."""
-        offset = float(_normal(angle) @ self.middle)
-        # about the middle of the drawing, so that angle and offset hardly depend on each other
-        for _ in range(12):
-            normal, along = _normal(angle), np.array([math.cos(angle), math.sin(angle)])
-            images = _image(self.few, angle, offset)
-            foot, across = self.nearest(images)
-            from_middle = self.few - self.middle
-            away = (from_middle @ normal) - (offset - float(normal @ self.middle))
-            turning = 2 * (from_middle @ along)[:, None] * normal + 2 * away[:, None] * along
-            matrix = np.stack([(across * turning).sum(axis=1), 2 * across @ normal], axis=1)
-            residual = (across * (images - foot)).sum(axis=1)
-            turn, shift = np.linalg.lstsq(matrix, -residual, rcond=None)[0].tolist()
-            turn = min(max(turn, -0.02), 0.02)
-            shift_here = offset - float(normal @ self.middle) + shift
-            angle += turn
-            offset = float(_normal(angle) @ self.middle) + shift_here
-            if abs(turn) < 1e-13 and abs(shift) < 1e-11:
+        shift = 0.0
+        for count in range(MOST_ROUNDS):
+            matrix, residual = self._moves(angle, shift)
+            if count == 3 and np.abs(residual).max() > 2 * BORDERLINE * allowed:
+                return None
+            turn, further = np.linalg.lstsq(matrix, -residual, rcond=None)[0].tolist()
+            angle, shift = angle + min(max(turn, -0.02), 0.02), shift + further
+            if abs(turn) < 1e-13 and abs(further) < 1e-11:
                 break
-        off = self.off(_image(self.many, angle, offset))
-        if off > BORDERLINE * allowed:
-            return None
+        off = self._axis_off(angle, shift)
+        if allowed < off <= BORDERLINE * allowed:
+            for _ in range(3):
+                turn, further = _least_at_worst(*self._moves(angle, shift))
+                angle, shift = angle + turn, shift + further
+            off = self._axis_off(angle, shift)
         if off > allowed:
-            angle, offset, off = self._least_off(angle, offset)
-        if off > allowed:
             return None
-        for one in _snapped(angle, math.pi):
-            at = float(_normal(one) @ (self.middle + (offset - float(_normal(angle) @ self.middle)) * _normal(angle)))
-            for shift_to in (float(_normal(one) @ self.box_middle), at):
-                snapped = self.off(_image(self.many, one, shift_to))
+        for nicer in _snapped(angle, math.pi):
+            to_box = float(_normal(nicer) @ (self.box_middle - self.middle))
+            for at in (to_box, shift):
+                snapped = self._axis_off(nicer, at)
                 if snapped <= _hardly_worse(off, allowed):
-                    return _axis(one, shift_to, snapped)
-        return _axis(angle, offset, off)
+                    return _axis(nicer, float(_normal(nicer) @ self.middle) + at, snapped)
+        return _axis(angle, float(_normal(angle) @ self.middle) + shift, off)
 
-    def _least_off(self, angle: float, offset: float) -> tuple[float, float, float]:
-        """Return the axis whose image is off least at its worst place, near one that is best on average."""
-        from scipy.optimize import minimize
+    def _axis_off(self, angle: float, shift: float) -> float:
+        """Return how far the image is off about the axis in a direction that passes the middle at a distance."""
+        return self.off(_image(self.many, angle, float(_normal(angle) @ self.middle) + shift))
 
-        reach = float(np.hypot(*(self.few - self.middle).T).max())
-        inner = offset - float(_normal(angle) @ self.middle)
-
-        def at(place: Floats) -> tuple[float, float]:
-            turned = angle + float(place[0]) / reach
-            return turned, float(_normal(turned) @ self.middle) + inner + float(place[1])
-
-        def worst(place: Floats) -> float:
-            return self.off(_image(self.few, *at(place)))
-
-        simplex = np.array([(0.0, 0.0), (0.3, 0.0), (0.0, 0.3)])
-        found = minimize(
-            worst,
-            np.zeros(2),
-            method="Nelder-Mead",
-            options={"initial_simplex": simplex, "maxfev": 60, "xatol": 1e-3, "fatol": 1e-3},
-        )
-        angle, offset = at(found.x)
-        return angle, offset, self.off(_image(self.many, angle, offset))
+    def _moves(self, angle: float, shift: float) -> tuple[Floats, Floats]:
+        """Return how far images are off, ``(n,)``, and how they move off with the angle and the shift, ``(n, 2)``."""
+        normal, along = _normal(angle), np.array([math.cos(angle), math.sin(angle)])
+        from_middle = self.few - self.middle
+        away = from_middle @ normal - shift
+        images = self.few - 2 * away[:, None] * normal
+        foot, across = self.nearest(images)
+        turning = 2 * (from_middle @ along)[:, None] * normal + 2 * away[:, None] * along
+        matrix = np.stack([(across * turning).sum(axis=1), 2 * across @ normal], axis=1)
+        return matrix, (across * (images - foot)).sum(axis=1)
 
     def turned(self, order: int, allowed: float) -> tuple[Floats, float] | None:
         """Return the centre about which equal turns bring the outline onto itself, and how far off they are."""
@@ -351,12 +358,12 @@ class _Outline:
         turn = np.array([(cosine, -sine), (sine, cosine)])
         centre = self.middle
         still = np.eye(2) - turn
-        for _ in range(12):
+        if self._on_map((self.few - centre) @ turn.T + centre).max() > 4 * allowed + 1.5 * self.map[2]:
+            return None
+        for _ in range(MOST_ROUNDS):
             images = (self.few - centre) @ turn.T + centre
             foot, across = self.nearest(images)
             residual = (across * (images - foot)).sum(axis=1)
-            if np.abs(residual).max() > 20 * allowed:
-                return None
             step = np.linalg.lstsq(across @ still, -residual, rcond=None)[0]
             centre = centre + step
             if np.abs(step).max() < 1e-11:
@@ -370,6 +377,24 @@ class _Outline:
             if off <= allowed and (best is None or off < best[1] - 2 * FLAT_MM):
                 best = points_array(middle)[0], off
         return best
+
+
+def _least_at_worst(matrix: Floats, residual: Floats) -> tuple[float, float]:
+    """Return x for which the greatest of ``abs(matrix @ x + residual)`` is least, nearly (Lawson's algorithm)."""
+    weights = np.full(len(residual), 1 / len(residual))
+    best, least = np.zeros(2), float(np.abs(residual).max())
+    for _ in range(40):
+        weighted = matrix * weights[:, None]
+        try:
+            x = np.linalg.solve(weighted.T @ matrix, -weighted.T @ residual)
+        except np.linalg.LinAlgError:
+            break
+        off = np.abs(matrix @ x + residual)
+        if off.max() < least:
+            best, least = x, float(off.max())
+        weights *= off
+        weights /= weights.sum()
+    return float(best[0]), float(best[1])
 
 
 def _axis(angle: float, offset: float, off: float) -> Axis:

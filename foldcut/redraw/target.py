@@ -1,7 +1,7 @@
 """What a redrawn outline must stay near to: the drawing in mm of the frame, and what can be recognised in it.
 
 ``Shape`` in the frame and, where they are known, its curves -> ``Target``: dense polygons, curves, true corners. From
-it come mirror axes (``redraw.symmetry``), parts that are smaller than a tolerance (``redraw.small_parts``), and
+it come mirror axes (``redraw.symmetry``), parts that are smaller than a tolerance (``redraw.narrow_parts``), and
 circles, arcs and strips (``redraw.strips``).
 """
 
@@ -18,7 +18,7 @@ import shapely
 from foldcut.core.arrays import Bools, Floats, Indices, points_array
 from foldcut.core.model import Shape
 from foldcut.drawing.curved import similarity
-from foldcut.geometry.curves import CurvedLoop, Line, farthest_apart
+from foldcut.geometry.curves import CurvedLoop, Line, farthest_apart, is_within
 from foldcut.geometry.vectors import signed_area
 from foldcut.methods.frame import Frame
 
@@ -124,6 +124,20 @@ class Target:
     def off_by(self, polygons: Sequence[Floats]) -> tuple[float, Floats]:
         """Return the Hausdorff distance of the drawing's curves from polygons in mm, and where it is, ``(2,)``."""
         return farthest_apart(self.curves, polygons)
+
+    def is_within(self, polygons: Sequence[Floats], tolerance: float) -> bool:
+        """Tell whether ``off_by`` is at most ``tolerance`` mm; this is faster."""
+        return is_within(self.curves, polygons, tolerance)
+
+    def transformed(self, matrix: Floats) -> Target:
+        """Return the target after a similarity ``(2, 3)`` of about the same size; what is known of it is kept."""
+        curves = tuple(one.transformed(matrix) for one in self.curves)
+        if np.linalg.det(matrix[:, :2]) < 0:
+            return Target.of_curves(curves, self.parent)
+        loops = tuple(points_array(loop @ matrix[:, :2].T + matrix[:, 2]) for loop in self.loops)
+        moved = Target(loops, self.parent, curves, self.places)
+        moved.__dict__["true_corners"] = self.true_corners
+        return moved
 
     def samples(self, step: float) -> tuple[Samples, ...]:
         """Return points along every loop, at most ``step`` mm apart, evenly so between true corners."""

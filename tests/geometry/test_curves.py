@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 from foldcut.core.arrays import Floats
-from foldcut.geometry.curves import Arc, Bezier, CurvedLoop, Line, Segment, farthest_apart
+from foldcut.geometry.curves import Arc, Bezier, CurvedLoop, Line, Segment, farthest_apart, is_within
 
 TURNED = np.array([(0.6, -0.8, 3.0), (0.8, 0.6, -2.0)])
 MIRRORED = np.array([(-1.5, 0.0, 1.0), (0.0, 1.5, 4.0)])
@@ -86,6 +86,18 @@ def test_turns_of_a_loop() -> None:
     assert smooth.reversed().turns == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.parametrize(("first", "last"), [(0.3, 2.6), (2.5, 4.2), (3.0, 1.0), (-0.4, 0.7), (1.2, 1.7)])
+def test_parts_of_a_loop(first: float, last: float) -> None:
+    loop = blob(np.random.default_rng(3), 3, "cubic")
+    part = loop.part(first, last)
+    places = np.linspace(0, 1, 7)
+    ends = np.array([(one.start, one.end) for one in part])
+    assert ends[:-1, 1] == pytest.approx(ends[1:, 0])
+    assert (ends[0, 0], ends[-1, 1]) == (pytest.approx(loop.points([first])[0]), pytest.approx(loop.points([last])[0]))
+    line = shapely.linestrings(loop.flattened(1e-6))
+    assert shapely.distance(line, shapely.points(np.concatenate([one.points(places) for one in part]))).max() < 1e-3
+
+
 def ring(points: Floats) -> shapely.Geometry:
     return shapely.linestrings(np.concatenate([points, points[:1]]))
 
@@ -136,6 +148,20 @@ def test_farthest_apart_is_the_distance_that_shapely_finds(kind: str, seed: int)
     ends = [float(shapely.distance(one, shapely.Point(place))) for one in sets]
     assert min(ends) < 1e-3
     assert max(ends) == pytest.approx(distance, abs=2e-4)
+
+
+@pytest.mark.parametrize("kind", ["lines", "quadratic", "cubic"])
+@pytest.mark.parametrize("seed", range(3))
+def test_is_within_agrees_with_the_distance(kind: str, seed: int) -> None:
+    rng = np.random.default_rng(seed + 20)
+    loop = blob(rng, 6, kind)
+    polygon = loop.flattened(0.2) + rng.normal(0, 0.1, 2)
+    distance, _ = farthest_apart([loop], [polygon], 1e-6)
+    assert is_within([loop], [polygon], distance + 2e-4)
+    assert not is_within([loop], [polygon], distance - 1e-6)
+    assert not is_within([loop], [polygon], distance / 3)
+    assert is_within([loop], [polygon], 3 * distance)
+    assert is_within([CurvedLoop.of_points(polygon)], [polygon], 1e-4)
 
 
 def test_both_directions_count() -> None:

@@ -106,13 +106,51 @@ def test_a_circle_of_an_svg_is_one_exactly() -> None:
         assert sum(one.sweep for one in arcs) == pytest.approx(math.copysign(math.tau, arcs[0].sweep))
 
 
-def test_a_loop_that_was_made_of_others_is_straight_and_the_rest_keep_their_curves() -> None:
-    drawing = svg(
-        '<circle cx="20" cy="20" r="10"/><circle cx="30" cy="20" r="10"/><circle cx="70" cy="70" r="20"/>'
-        '<rect x="60" y="10" width="9" height="9"/>'
-    )
+CUT = {
+    "two circles": ('<circle cx="20" cy="20" r="10"/><circle cx="30" cy="20" r="10"/>', [("Arc", 0.9)]),
+    "disc and rounded box": (
+        '<circle cx="50" cy="40" r="30"/><rect x="20" y="40" width="60" height="40" rx="5"/>',
+        [("Arc", 0.5)],
+    ),
+    "one outline that crosses itself": (
+        '<path d="M20 50A30 20 20 1 1 70 60A10 30 0 0 0 20 50Z"/>',
+        [("Arc", 0.8), ("Arc", 0.8), ("Arc", 0.6)],
+    ),
+    "four petals": (
+        '<path d="M10 50C10 10 90 10 90 50S10 90 10 50Z"/><path d="M50 0C60 20 60 60 50 100S40 20 50 0Z"/>',
+        [("Bezier", 0.9)],
+    ),
+    "the same twice": ('<circle cx="20" cy="20" r="10"/><circle cx="20" cy="20" r="10"/>', [("Arc", 1.0)]),
+    "boxes beside a disc": (
+        '<rect width="20" height="10"/><rect x="10" y="5" width="20" height="10"/><circle cx="70" cy="70" r="9"/>',
+        [("Line", 1.0), ("Arc", 1.0)],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", sorted(CUT))
+def test_loops_that_were_cut_out_of_others_keep_what_is_left_of_their_curves(name: str) -> None:
+    body, expected = CUT[name]
+    drawing = svg(body)
     assert faults(drawing) == []
-    assert sorted("".join(sorted(kinds(curve))) for curve in drawing.curves) == ["Arc", "Line", "Line"]
+    assert len(drawing.curves) == len(expected)
+    for curve, (kind, share) in zip(drawing.curves, expected, strict=True):
+        lengths = {"Arc": 0.0, "Bezier": 0.0, "Line": 0.0}
+        for segment in curve.segments:
+            points = segment.points(np.linspace(0, 1, 50))
+            lengths[type(segment).__name__] += float(np.hypot(*np.diff(points, axis=0).T).sum())
+        assert lengths[kind] >= 0.999 * share * sum(lengths.values())
+
+
+def test_curves_of_dxf_are_found_again_in_what_was_cut() -> None:
+    def draw(space: Any) -> None:
+        space.add_circle((5, 7), 3)
+        space.add_ellipse((9, 8), (5, 1), 0.5)
+
+    drawing = dxf(draw)
+    assert faults(drawing) == []
+    assert len(drawing.curves) == 1
+    assert sum(isinstance(one, Bezier) for one in drawing.curves[0].segments) >= 4
 
 
 def test_a_drawing_of_lines_has_no_curves() -> None:

@@ -162,6 +162,18 @@ def test_circles_have_the_axes_of_twelve() -> None:
     assert degrees(found) == pytest.approx([math.degrees(0.3) + 90], abs=1e-3)
 
 
+@pytest.mark.parametrize("turn", [0.0, -13.0, 90.0, 200.0])
+def test_symmetry_moves_with_the_drawing(turn: float) -> None:
+    target = of(turned(star(3), 13.0))
+    matrix = np.column_stack([turned(np.eye(2), turn).T, (5.0, -7.0)])
+    moved = symmetry(target, 0.5).transformed(matrix)
+    there = target.transformed(matrix)
+    assert faults(there, moved, 0.5) == []
+    again = symmetry(there, 0.5)
+    assert degrees(moved) == pytest.approx(degrees(again), abs=1e-6)
+    assert moved.centre == pytest.approx(again.centre, abs=1e-6)
+
+
 def test_several_tolerances_at_once() -> None:
     target = of(mirrored(1) + np.random.default_rng(1).uniform(-0.3, 0.3, (16, 2)))
     assert [len(found.axes) for found in symmetries(target, [0.02, 4.0])] == [0, 1]

@@ -133,6 +133,26 @@ def test_a_target_without_curves_is_the_shape() -> None:
     assert isinstance(target.curves[0].segments[0], Line)
 
 
+@pytest.mark.parametrize(
+    "matrix",
+    [
+        np.array([(0.6, -0.8, 3.0), (0.8, 0.6, -2.0)]),
+        np.array([(1.0, 0.0, 3.0), (0.0, 1.0, 9.0)]),
+        np.array([(-1.0, 0.0, 3.0), (0.0, 1.0, 9.0)]),
+    ],
+    ids=["turned", "moved", "mirrored"],
+)
+def test_a_target_may_be_moved(matrix: Floats) -> None:
+    target = of_path("M50 20A25 25 0 0 1 90 50Q80 70 50 95Q20 70 10 50A25 25 0 0 1 50 20Z")
+    moved = target.transformed(matrix)
+    polygons = [loop @ matrix[:, :2].T + matrix[:, 2] for loop in target.loops]
+    assert moved.off_by(polygons)[0] < 0.02
+    assert signed_area(moved.loops[0]) > 0
+    assert moved.curves[0].points(moved.places[0]) == pytest.approx(moved.loops[0])
+    expected = corner_points(target) @ matrix[:, :2].T + matrix[:, 2]
+    assert sorted(map(tuple, corner_points(moved).round(6))) == sorted(map(tuple, expected.round(6)))
+
+
 def test_off_by_is_measured_on_the_curves() -> None:
     bow = Bezier(np.array([(0.0, 0.0), (30.0, -20.0), (60.0, 0.0)]))
     loop = CurvedLoop((bow, *(Line(a, b) for a, b in zip(SQUARE[1:], np.roll(SQUARE, -1, axis=0)[1:], strict=True))))

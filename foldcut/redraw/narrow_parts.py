@@ -22,7 +22,7 @@ from foldcut.drawing.curved import curves_of
 from foldcut.drawing.shape import make_shape, polygon_loops
 from foldcut.redraw.target import Target
 
-__all__ = ["SmallPart", "enlarged", "small_parts", "without"]
+__all__ = ["SmallPart", "enlarged", "small_parts", "treated", "without"]
 
 SMALL = 0.01
 """What a disc cannot reach is no part if its area is less than this, relative to the square of the disc's width."""
@@ -90,6 +90,23 @@ def small_parts(target: Target, tolerance: float) -> list[SmallPart]:
         found += _narrow(page.difference(area), page.difference(closed), tolerance, ("slit", "gap"))
         found += _narrow(area, area.buffer(-half).buffer(half), tolerance, ("tail", "neck"))
     return sorted(found, key=lambda part: part.width)
+
+
+def treated(target: Target, tolerance: float, treatment: str) -> tuple[Target, list[SmallPart]]:
+    """Return a target whose small parts were treated, and these parts.
+
+    ``treatment``: "drop" leaves them out, "enlarge" makes them twice as wide as ``tolerance`` where there is room, and
+    "keep" leaves them alone. If nothing else is there, the widest stays.
+    """
+    parts = small_parts(target, tolerance)
+    if treatment == "enlarge":
+        return enlarged(target, parts, 2 * tolerance)[0], parts
+    if treatment == "keep" or not parts:
+        return target, parts
+    outer = {number for number, parent in enumerate(target.parent) if parent < 0}
+    if outer <= {part.loop for part in parts}:
+        parts.remove(max((part for part in parts if part.loop in outer), key=lambda part: part.width))
+    return without(target, parts), parts
 
 
 def without(target: Target, parts: Sequence[SmallPart]) -> Target:

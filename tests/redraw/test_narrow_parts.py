@@ -9,7 +9,7 @@ import shapely
 from foldcut.core.errors import ShapeError
 from foldcut.drawing.shape import make_shape, polygon_loops
 from foldcut.geometry.curves import Arc, CurvedLoop
-from foldcut.redraw.small_parts import SmallPart, enlarged, small_parts, without
+from foldcut.redraw.narrow_parts import SmallPart, enlarged, small_parts, treated, without
 from foldcut.redraw.target import Target
 
 PLATE = shapely.box(0, 0, 100, 100)
@@ -152,6 +152,22 @@ def test_nothing_is_left_of_a_drawing_of_small_parts() -> None:
     assert len(parts) == 3
     with pytest.raises(ShapeError, match="smaller than the tolerance"):
         without(target, parts)
+
+
+@pytest.mark.parametrize(("treatment", "loops"), [("drop", 1), ("keep", 3), ("enlarge", 3)])
+def test_treatments(treatment: str, loops: int) -> None:
+    target = of(PLATE - shapely.MultiPoint([(30, 40), (60, 70)]).buffer(0.4))
+    other, parts = treated(target, TOLERANCE, treatment)
+    assert len(parts) == 2
+    assert len(other.loops) == loops
+    assert (small_parts(other, TOLERANCE) == []) == (treatment != "keep")
+
+
+def test_the_widest_of_small_parts_stays() -> None:
+    target = of(shapely.union_all([shapely.Point(x, 0).buffer(0.5 + x / 200) for x in (0, 40, 90)]))
+    other, parts = treated(target, TOLERANCE, "drop")
+    assert len(parts) == 2
+    assert [round(loop.mean(axis=0)[0]) for loop in other.loops] == [90]
 
 
 def test_parts_come_from_the_narrowest_to_the_widest() -> None:
