@@ -580,22 +580,19 @@ def sector_towards(w, group, x, y):
 def choose(w):
     """Choose the perpendiculars that fold all paper away from one corridor: of all corridors the cheapest.
 
-    Of each group those are folded that do not border on the corridor towards that one. A node with an even number of
-    ridges may be in the place of that corridor: of its own none are folded (``methods.skeleton.choices``).
+    Of each group those are folded that do not border on the corridor towards that one (``methods.skeleton.choices``).
     """
     if find_groups(w) < 0:
         return FULL
     groups = w.counts[GROUPS]
     best, root = inf, -1
-    root_is_node = False
     for one in range(groups):
         if w.group_best[one] < 0:
             continue
         here = w.path_start[w.group_first[one]]
         if w.path_next[w.group_first[one]] == w.path_before[w.group_first[one]] and root >= 0:
             continue  # two perpendiculars or one: nothing new beyond
-        alone = is_even_node(w, one)
-        total = 0.0 if alone else w.sector_cost[w.group_best[one]]
+        total = w.sector_cost[w.group_best[one]]
         for other in range(groups):
             if other != one and w.group_best[other] >= 0:
                 if w.sector_cost[w.group_best[other]] + total >= best:
@@ -606,7 +603,6 @@ def choose(w):
                     break
         if total < best:
             best, root = total, one
-            root_is_node = alone
     w.counts[ENDLESS] = 0
     w.counts[STUCK] = 0
     if root < 0:
@@ -622,7 +618,7 @@ def choose(w):
     for k in range(w.counts[PATHS]):
         group = w.path_group[k]
         sector = w.group_best[group]
-        if sector < 0 or (root_is_node and group == root):
+        if sector < 0:
             continue
         borders = w.path_sector[k] == sector
         borders_too = w.path_sector[w.path_before[k]] == sector
@@ -639,21 +635,6 @@ def choose(w):
             else:
                 w.path_taken[k] = 1
     return 0
-
-
-@compiled
-def is_even_node(w, group):
-    """Return whether a group is a single node with an even number of ridges, so that it needs no perpendicular."""
-    first = w.group_first[group]
-    if w.degree[w.path_start[first]] % 2 == 1:
-        return False
-    k = first
-    while True:
-        if w.path_mate[k] >= 0:
-            return False
-        k = w.path_next[k]
-        if k == first:
-            return True
 
 
 @compiled

@@ -27,7 +27,7 @@ from foldcut.redraw.search import Search
 MOST_FOLDED = 12
 """How many outlines of one plan are folded at most."""
 
-TRIES = 6
+TRIES = 9
 """How many sets of perpendiculars are tried for each."""
 
 REFUSED = 8.0

@@ -77,47 +77,90 @@ def _hardness(path: Perpendicular) -> float:
 
 
 def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:
-    """Return the sets of perpendiculars that fold all paper away from one place, those with the fewest folds first.
+    """Return the sets of perpendiculars that fold all paper away from one corridor, those with the fewest folds first.
 
     A *corridor* is a strip of paper between perpendiculars; nodes' perpendiculars are the *joints* between corridors.
     Where all perpendiculars end, corridors and joints form a tree. Any corridor may be its root: of a joint's
     perpendiculars only those are folded that do not border on the corridor towards the root. Then no corridor comes
-    back to the joint that it hangs on, so nothing runs across the folds there. A joint may be the root itself, if no
-    node of it needs a perpendicular: of its own none are folded, so its corridors lie on its left and on its right in
-    turns, and all other paper is folded away from it.
+    back to the joint that it hangs on, so nothing runs across the folds there.
     """
-    paths = perpendiculars.paths
-    division = Division(perpendiculars, range(len(paths)))
-    facets, creases = division.planar()
-    corridor = groups(len(facets), [pair for edge, pair in creases if edge not in division.path_of])
-    beside: dict[int, set[int]] = defaultdict(set)
-    for edge, pair in creases:
-        if edge in division.path_of:
-            beside[division.path_of[edge]] |= {corridor[facet] for facet in pair}
-    joint = _joints(perpendiculars)
-    corridors_at: dict[int, set[int]] = defaultdict(set)
-    joints_at: dict[int, set[int]] = defaultdict(set)
-    for path, mine in beside.items():
-        corridors_at[joint[path]] |= mine
-        for one in mine:
-            joints_at[one].add(joint[path])
-    found: dict[frozenset[int], int] = {}
-    for root in [*({one} for one in sorted(joints_at)), *(corridors_at[one] for one in sorted(corridors_at))]:
-        above = _corridors_above(root, joints_at, corridors_at)
-        folded = {
+    corridors = Corridors(perpendiculars)
+    return corridors.away_from(({one} for one in sorted(corridors.joints_at)), needs_even=False)
+
+
+def away_from_joints(perpendiculars: Perpendiculars) -> list[list[int]]:
+    """Return the sets of perpendiculars that fold all paper away from one joint, those with the fewest folds first.
+
+    No node of that joint needs a perpendicular, and of its own none are folded: its corridors lie on its left and on
+    its right in turns. These sets have fewer folds than those away from a corridor, but fewer of them can be folded.
+    """
+    corridors = Corridors(perpendiculars)
+    return corridors.away_from((corridors.corridors_at[one] for one in sorted(corridors.corridors_at)), needs_even=True)
+
+
+class Corridors:
+    """The corridors between perpendiculars, and the joints between corridors: a tree, if all perpendiculars end.
+
+    ``beside``: the corridors on which each perpendicular borders; ``joint``: a number for each perpendicular that it
+    shares with those of its joint; ``corridors_at`` and ``joints_at``: which border on which.
+    """
+
+    def __init__(self, perpendiculars: Perpendiculars) -> None:
+        self.perpendiculars = perpendiculars
+        division = Division(perpendiculars, range(len(perpendiculars.paths)))
+        facets, creases = division.planar()
+        corridor = groups(len(facets), [pair for edge, pair in creases if edge not in division.path_of])
+        self.beside: dict[int, set[int]] = defaultdict(set)
+        for edge, pair in creases:
+            if edge in division.path_of:
+                self.beside[division.path_of[edge]] |= {corridor[facet] for facet in pair}
+        self.joint = _joints(perpendiculars)
+        self.corridors_at: dict[int, set[int]] = defaultdict(set)
+        self.joints_at: dict[int, set[int]] = defaultdict(set)
+        for path, mine in self.beside.items():
+            self.corridors_at[self.joint[path]] |= mine
+            for one in mine:
+                self.joints_at[one].add(self.joint[path])
+
+    def away_from(self, roots: Iterable[set[int]], *, needs_even: bool) -> list[list[int]]:
+        """Return the sets that fold all paper away from roots: a corridor each, or all corridors of a joint.
+
+        With ``needs_even`` sets that do not make every node even are left out, else the nearest that does is taken.
+        """
+        perpendiculars = self.perpendiculars
+        found: dict[frozenset[int], int] = {}
+        for root in roots:
+            folded = self._away_from(root)
+            if is_even(perpendiculars, folded):
+                taken = sorted(folded)
+            elif needs_even:
+                continue
+            else:
+                # the set nearest to that one; of several, that with the fewest folds
+                cost = [lines / 1e4 + (-1.0 if k in folded else 1.0) for k, lines in enumerate(perpendiculars.lines)]
+                taken = next(iter(_cheapest(perpendiculars, cost, 1)), [])
+            if taken or not perpendiculars.ridges.odd:
+                found[frozenset(taken)] = perpendiculars.line_count(taken)
+        return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
+
+    def _away_from(self, root: set[int]) -> set[int]:
+        """Return the perpendiculars that do not border on the corridor through which the way from the root comes."""
+        middle = {one for one, mine in self.corridors_at.items() if mine == root} if len(root) > 1 else set()
+        above: dict[int, int] = {}
+        seen, stack = set(root), sorted(root)
+        while stack:
+            here = stack.pop()
+            for joint in self.joints_at[here] - middle:
+                if joint not in above:
+                    above[joint] = here
+                    following = self.corridors_at[joint] - seen
+                    seen |= following
+                    stack += following
+        return {
             path
-            for path, mine in beside.items()
-            if joint[path] in above and (len(mine) == 1 or above[joint[path]] not in mine)
+            for path, mine in self.beside.items()
+            if self.joint[path] not in middle and (len(mine) == 1 or above.get(self.joint[path]) not in mine)
         }
-        if is_even(perpendiculars, folded):
-            taken = sorted(folded)
-        else:
-            # the set nearest to that one; of several, that with the fewest folds
-            cost = [lines / 1e4 + (-1.0 if k in folded else 1.0) for k, lines in enumerate(perpendiculars.lines)]
-            taken = next(iter(_cheapest(perpendiculars, cost, 1)), [])
-        if taken or not perpendiculars.ridges.odd:
-            found[frozenset(taken)] = perpendiculars.line_count(taken)
-    return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
 
 
 def exchanges(perpendiculars: Perpendiculars) -> list[frozenset[int]]:
@@ -205,24 +248,3 @@ def _joints(perpendiculars: Perpendiculars) -> list[int]:
         if node >= 0
     ]
     return groups(len(perpendiculars.paths), [(k, at.setdefault(node, k)) for k, node in ends])
-
-
-def _corridors_above(
-    roots: set[int], joints_at: dict[int, set[int]], corridors_at: dict[int, set[int]]
-) -> dict[int, int]:
-    """Return for each joint the corridor through which the way from the root comes to it.
-
-    ``roots`` are the root, or if it is a joint, its corridors; that joint is left out.
-    """
-    root_joint = {joint for joint, mine in corridors_at.items() if mine == roots} if len(roots) > 1 else set()
-    above: dict[int, int] = {}
-    seen, stack = set(roots), [*roots]
-    while stack:
-        here = stack.pop()
-        for joint in joints_at[here] - root_joint:
-            if joint not in above:
-                above[joint] = here
-                following = corridors_at[joint] - seen
-                seen |= following
-                stack += following
-    return above

@@ -13,7 +13,7 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget
-from foldcut.methods.skeleton.choices import FEWEST, away_from_roots, fewest_folds
+from foldcut.methods.skeleton.choices import FEWEST, away_from_joints, away_from_roots, fewest_folds
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
 from foldcut.methods.skeleton.search import ridges_of
 from foldcut.methods.skeleton.trial import Drawing, Skeletal, attempt
@@ -46,16 +46,16 @@ def fold_outline(
 
 
 def _sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]:
-    """Yield sets of perpendiculars: of those with the fewest folds, and of those away from a root, in turns.
+    """Yield sets of perpendiculars: of those with the fewest folds, away from a joint, and away from a corridor, in turns.
 
-    The latter are taken from the perpendiculars of all nodes; where all of these end, such a set can be folded.
+    The last two are taken from the perpendiculars of all nodes; where all of these end, the last can mostly be folded.
     """
     odd = trace(ridges, ridges.odd)
     odd.require_ends()
     every = trace(ridges, ridges.nodes) if len(ridges.nodes) > len(ridges.odd) else odd
-    sets = zip_longest(fewest_folds(odd, FEWEST), away_from_roots(every))
-    for fewest, rooted in sets:
+    for fewest, *rooted in zip_longest(fewest_folds(odd, FEWEST), away_from_joints(every), away_from_roots(every)):
         if fewest is not None:
             yield odd, fewest
-        if rooted is not None:
-            yield every, rooted
+        for taken in rooted:
+            if taken is not None:
+                yield every, taken
