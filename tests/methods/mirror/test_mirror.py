@@ -350,7 +350,9 @@ def test_corners_are_moved_so_that_creases_meet_on_the_axis() -> None:
     assert result.actions <= 5
     assert result.foldability.shortest_crease_mm > 50
     exact = fold([star], adjust=0.0)
-    assert exact.foldability.shortest_crease_mm < 1
+    assert exact.foldability.shortest_crease_mm < 0.5
+    # as short a crease is refused where compact made it, but along the straight skeleton creases may be short
+    assert foldcut.fold([star], method="mirror", effort="fast", adjust=0.0).actions == exact.actions
 
 
 @pytest.mark.parametrize("sheet", ["a3", "a6", "500x300"])
