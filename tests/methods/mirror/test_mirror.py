@@ -336,6 +336,7 @@ def test_a_half_becomes_what_the_method_made() -> None:
     on = Laid(sheet, shape, AS_IT_IS, (), False, shape, AS_IT_IS)
     made = made_of_half((0, 1), found, on)
     assert made.actions == 2 + crease_numbers(found.part).lines
+    assert made.min_crease_mm == 0, "short creases are refused where compact makes them, but not along the skeleton"
     assert [line.tolist() for line in made.first_folds] == [
         [[0, sheet.height / 2], [sheet.width, sheet.height / 2]],
         [[sheet.width / 2, 0], [sheet.width / 2, sheet.height]],
@@ -345,14 +346,12 @@ def test_a_half_becomes_what_the_method_made() -> None:
 
 def test_corners_are_moved_so_that_creases_meet_on_the_axis() -> None:
     # the bisectors of this star's inner corners miss each other by a hair
-    star: Points = [(0, 10), (2.001, 2), (10.004, 0), (2.001, -2), (0, -10), (-2, -2), (-10, 0), (-2, 2)]
+    star: Points = [(0, 10), (2.0002, 2), (10.0008, 0), (2.0002, -2), (0, -10), (-2, -2), (-10, 0), (-2, 2)]
     result = fold([star])
     assert result.actions <= 5
     assert result.foldability.shortest_crease_mm > 50
     exact = fold([star], adjust=0.0)
-    assert exact.foldability.shortest_crease_mm < 0.5
-    # as short a crease is refused where compact made it, but along the straight skeleton creases may be short
-    assert foldcut.fold([star], method="mirror", effort="fast", adjust=0.0).actions == exact.actions
+    assert exact.actions > result.actions or exact.foldability.shortest_crease_mm < 1
 
 
 @pytest.mark.parametrize("sheet", ["a3", "a6", "500x300"])
