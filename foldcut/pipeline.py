@@ -154,7 +154,8 @@ def fold(
     pattern of the first three that is easiest to fold, and if they make none, "paper" for one loop and "gate" for
     several. ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the
     method's default, which for "paper" and "gate" is a narrow one, since without it creases fold onto the cut line.
-    ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "mirror" and "compact", else 0).
+    ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "compact" and where "mirror" folds
+    the half like that, else 0).
     ``simplify`` leaves out corners if that moves the outline by no more than this; ``symmetry`` is how far corners may
     be off in a drawing that is taken as symmetric, and made so; ``adjust`` is how far "skeleton" may move corners so
     that creases meet, None a part of the drawing's size (about 1/500). ``effort`` ("fast", "normal", "best") or
@@ -261,7 +262,8 @@ def _folded(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[
     with stages("verify"):
         findings = verify(made.creases, made.folded.layers, made.laid.shape)
     if not findings:
-        least = METHODS[made.method].min_crease_mm if wishes.min_crease is None else wishes.min_crease
+        least = METHODS[made.method].min_crease_mm if made.min_crease_mm is None else made.min_crease_mm
+        least = least if wishes.min_crease is None else wishes.min_crease
         _require_length(made, least, {attempt.method for attempt in attempts})
     return made, attempts, findings
 

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from foldcut.core.errors import UnfoldableError
@@ -22,6 +22,13 @@ FOLDED = 0.98
 
 AFTER_OTHERS = 0.3
 """The part of the effort that a method gets when another one has made a pattern."""
+
+SMALL = 6
+"""Patterns with no more folds than this are found so soon that all methods are tried."""
+
+USUAL = 2.0
+"""Straight skeletons of a whole sheet have folds on at least this many lines for each that bisects a corner, unless
+many of their ridges are in line."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,7 @@ def _best(problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
     attempts: list[Attempt] = []
     interrupted = False
     for row in TRIES:
-        if not row.when(problem) or (row.last_resort and made):
+        if not row.when(problem) or (made and (row.last_resort or row.unless(problem, made))):
             continue
         problem.stages.up_to(row.until)
         try:
@@ -106,14 +113,16 @@ def _proven_fewest(problem: Problem, _: Effort) -> Made:
 class _Try:
     """A row of the table.
 
-    ``when``: whether the method is worth a try. ``until``: the progress that is reached after it. ``instead``:
-    what to call instead of the method. ``last_resort``: try it only if there is no pattern yet. ``is_best``: no other
-    pattern can be better, so nothing more is tried. ``unsaid``: if it fails, that is not reported.
+    ``when``: whether the method is worth a try. ``unless``: what has been made is so good that it is not. ``until``:
+    the progress that is reached after it. ``instead``: what to call instead of the method. ``last_resort``: try it only
+    if there is no pattern yet. ``is_best``: no other pattern can be better, so nothing more is tried. ``unsaid``: if it
+    fails, that is not reported.
     """
 
     method: str
     until: float
     when: Callable[[Problem], bool] = lambda _: True
+    unless: Callable[[Problem, Sequence[Made]], bool] = lambda *_: False
     instead: Callable[[Problem, Effort], Made] | None = None
     last_resort: bool = False
     is_best: bool = False
@@ -131,11 +140,27 @@ def _has_several_loops(problem: Problem) -> bool:
     return len(problem.shape.loops) > 1
 
 
+def _halves_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
+    """Return whether a pattern for a half of the sheet has so few folds that one for all of it will not have fewer.
+
+    What folds all of the sheet also folds the half, with the axis and about half as many folds. So only where a pattern
+    of the half has more folds than others usually have, may a search on all of the sheet do better.
+    """
+    scale = frame_scale(problem.laid)
+    ranks = [rank(one.actions, shortest_crease(one.creases) / scale) for one in made if one.first_folds]
+    if not ranks or min(ranks).unfoldable or min(ranks).creases <= SMALL:
+        return False
+    wishes = problem.wishes
+    near = ADJUST * scale if wishes.adjust is None else wishes.adjust
+    least = fewest_folds(problem.shape, problem.sheet, near, wishes.symmetry)
+    return min(ranks).creases <= USUAL * least.bisectors
+
+
 TRIES = (
     _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=True, unsaid=True),
     _Try("mirror", until=0.6),
-    _Try("skeleton", until=0.75),
-    _Try("compact", until=0.9),
+    _Try("skeleton", until=0.75, unless=_halves_are_simpler),
+    _Try("compact", until=0.9, unless=_halves_are_simpler),
     _Try("paper", until=FOLDED, when=_has_one_loop, last_resort=True),
     _Try("gate", until=FOLDED, when=_has_several_loops, last_resort=True),
 )

@@ -108,6 +108,7 @@ class Made:
     ``actions``: how many straight folds a person makes, through one layer or more. ``first_folds``: lines across all of
     the sheet, ``(2, 2)`` mm each, that are folded before all else. ``regions``: where the molecules lie, as a tree.
     ``told``: how the pattern was made, in words, a line each; ``numbers``: the same for programs, by name.
+    ``min_crease_mm``: the shortest crease that the pattern may have unless told otherwise, None for the method's.
     ``interrupted``: Ctrl-C ended the search before it was complete. ``detail``: what the method's own stages made.
     """
 
@@ -121,6 +122,7 @@ class Made:
     numbers: Mapping[str, float]
     first_folds: tuple[Floats, ...] = ()
     regions: tuple[Region, ...] = ()
+    min_crease_mm: float | None = None
     interrupted: bool = False
     detail: object = None
 

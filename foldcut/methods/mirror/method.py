@@ -43,6 +43,9 @@ SKELETON_PART = 0.3
 COMPACT_PART = 0.3
 """The part of the effort for the method ``compact`` once there is a pattern."""
 
+FEW = 2.0
+"""With no more folds than this for each corner of the half, ``compact``, which makes more, is not tried any more."""
+
 FINALISTS = 2
 """How many ways to lay the shape are searched further."""
 
@@ -76,7 +79,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
             made.append(_along_skeleton(problem, effort, ways))
         except UnfoldableError as error:
             failed.append(str(error))
-    if not (made and made[0].interrupted):
+    if not (made and (made[0].interrupted or _has_few_folds(problem, made[0]))):
         with stages("searching half"):
             try:
                 made.append(_compact(problem, effort.part(COMPACT_PART) if made else effort, ways))
@@ -91,6 +94,12 @@ def fold(problem: Problem, effort: Effort) -> Made:
     scale = frame_scale(problem.laid)
     best = min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale))
     return replace(best, interrupted=interrupted or any(one.interrupted for one in made))
+
+
+def _has_few_folds(problem: Problem, made: Made) -> bool:
+    key = rank(made.actions, shortest_crease(made.creases) / frame_scale(problem.laid))
+    corners = made.laid.shape.corner_count / 2 ** len(made.first_folds)
+    return not key.unfoldable and key.creases <= FEW * corners
 
 
 def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
@@ -112,7 +121,7 @@ def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> M
             problem.stages.tell(f"half of the sheet: {text}", (before + part) / len(finalists))
 
         try:
-            made.append(_searched(problem, ways[number], seconds / len(finalists), tell))
+            made.append(_searched(problem, ways[number], seconds / len(finalists), tell, retry=bool(ranked)))
         except UnfoldableError as error:
             problems.append(error)
         except KeyboardInterrupt:
@@ -132,8 +141,11 @@ def _rank(half: Half, found: Skeletal) -> Rank:
     return rank(len(half.axes) + crease_numbers(found.part).lines, shortest_crease(found.creases))
 
 
-def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress) -> Made:
-    """Return the best pattern that a search along the straight skeleton finds for one way to lay the shape."""
+def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress, *, retry: bool) -> Made:
+    """Return the best pattern that a search along the straight skeleton finds for one way to lay the shape.
+
+    With ``retry``, larger frames are tried, too, where there is none (see ``in_frame``).
+    """
     wishes, laid = problem.wishes, way.laid
 
     def in_this(frame: Frame) -> Made:
@@ -149,7 +161,7 @@ def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress) -> Ma
         found = replace(found, creases=creases, folded=folded, shape=on.shape, moved_mm=moved)
         return made_of_half(way.axes, found, on, ribbon=wishes.free_ribbon)
 
-    return in_frame(laid, in_this)
+    return in_frame(laid, in_this, retry=retry)
 
 
 def _compact(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:

@@ -17,6 +17,7 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, Shape, Sheet
 from foldcut.drawing.laying import Laid
 from foldcut.geometry.mirror_axes import symmetric
+from foldcut.methods import METHODS
 from foldcut.methods.base import Made
 from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half, axis_lines
@@ -96,6 +97,7 @@ def made_of_half(axes: tuple[int, ...], found: Skeletal, laid: Laid, *, ribbon: 
         told=(f"mirror: the straight skeleton of {_named(axes)}, {count} perpendicular{'s' * (count != 1)}",),
         numbers={"perpendiculars": count, "moved_mm": found.moved_mm},
         first_folds=axis_lines(laid.sheet, axes),
+        min_crease_mm=METHODS["skeleton"].min_crease_mm,
         interrupted=found.interrupted,
         detail=found,
     )
