@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
@@ -20,6 +19,9 @@ __all__ = ["curves_of", "similarity"]
 
 SAME = 1e-6
 """How far corners may be from those that were drawn, relative to the size of the drawing."""
+
+SAME_AREA = 1e-9
+"""By how much the area of a loop may differ from that of the drawn one, relative to the square of that size."""
 
 _MIRROR = np.array([(-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
 
@@ -65,8 +67,10 @@ def _box(loop: Floats) -> Floats:
 
 def _is_same(loop: Floats, drawn: Floats, size: float) -> bool:
     """Whether a loop is a drawn one, perhaps without collinear corners and the other way around."""
+    from scipy.spatial import KDTree  # a tenth of a second to import
+
     off, _ = KDTree(drawn).query(loop)
     if np.max(off) > SAME * size:
         return False
     middle = loop.mean(axis=0)
-    return abs(abs(signed_area(loop - middle)) - abs(signed_area(drawn - middle))) <= SAME * size**2
+    return abs(abs(signed_area(loop - middle)) - abs(signed_area(drawn - middle))) <= SAME_AREA * size**2

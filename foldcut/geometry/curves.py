@@ -42,6 +42,9 @@ MOST_ROUNDS = 60
 ROUND = 1e-6
 """By how much, relative to its radius, the two half axes of an arc of a circle may differ."""
 
+MOST_OF_CUBIC = 2.2
+"""A cubic Bézier that turns more than this, in radians, stands for no arc."""
+
 Box = tuple[Floats, Floats]
 
 
@@ -242,6 +245,25 @@ class Arc(Segment):
         """Return an arc of a circle; ``start`` and ``sweep`` in radians, counter-clockwise."""
         first = radius * np.array([math.cos(start), math.sin(start)])
         return cls(np.asarray(centre, dtype=np.float64), first, left_normal(first), sweep)
+
+    @classmethod
+    def of_cubic(cls, control: Floats) -> Arc | None:
+        """Return the arc of a circle that a cubic Bézier, ``(4, 2)``, stands for, if programs would draw it so.
+
+        It has the same ends and tangents there, and its middle is on the Bézier; so the two are within 0.00028 of the
+        radius for a quarter turn. None for any other Bézier, and for more than about a third of a turn.
+        """
+        ahead, behind = control[1] - control[0], control[3] - control[2]
+        length, other = math.hypot(*ahead), math.hypot(*behind)
+        if not length > 0 or abs(length - other) > ROUND * length:
+            return None
+        sweep = math.atan2(ahead[0] * behind[1] - ahead[1] * behind[0], float(ahead @ behind))
+        if not 1e-3 < abs(sweep) < MOST_OF_CUBIC:
+            return None
+        radius = length / (4 / 3 * math.tan(sweep / 4))  # below 0 for an arc to the right
+        centre = control[0] + left_normal(ahead) * (radius / length)
+        arc = cls(centre, control[0] - centre, left_normal(control[0] - centre), sweep)
+        return arc if np.hypot(*(arc.points([1.0])[0] - control[3])) <= ROUND * abs(radius) else None
 
     @property
     def radius(self) -> float | None:

@@ -18,8 +18,11 @@ from foldcut.geometry.curves import CurvedLoop, Line, Segment
 
 __all__ = ["CutCurves"]
 
-ON_CURVE = 1e-7
-"""How far corners of a flattened curve may be from it, relative to its size."""
+ON_CURVE = 2e-4
+"""How far corners may be from a curve, relative to its size: of arcs of a DXF, Béziers were flattened."""
+
+SAME = 1e-9
+"""How far an end of a segment may be from the corner that it is, relative to its size."""
 
 MOST_CORNERS = 50_000
 """With more corners than this, loops stay polygons."""
@@ -66,7 +69,8 @@ class CutCurves:
                 segments += [Line(loop[k], loop[(k + 1) % len(loop)]) for k in sides]
             else:
                 segments += self._part(key[0], key[1], int(self.index[at[sides[0]]]), len(sides))
-        curve = CurvedLoop(tuple(segments))
+        around = zip([segments[-1], *segments[:-1]], segments, [*segments[1:], segments[0]], strict=True)
+        curve = CurvedLoop(tuple(_between(*three) for three in around))
         return None if curve.is_straight else curve
 
     def _part(self, number: int, step: int, first: int, sides: int) -> list[Segment]:
@@ -74,6 +78,14 @@ class CutCurves:
         places, curve = self.places[number], self.curves[number]
         turns, last = divmod(first + step * sides, len(places))
         return curve.part(float(places[first]), float(places[last]) + turns * len(curve))
+
+
+def _between(before: Segment, segment: Segment, after: Segment) -> Segment:
+    """Return a segment; if it is a line, from where the curve before ends to where the curve after begins."""
+    if not isinstance(segment, Line):
+        return segment
+    first = segment.first if isinstance(before, Line) else before.end
+    return Line(first, segment.last if isinstance(after, Line) else after.start)
 
 
 def _places(polygon: Floats, curve: CurvedLoop) -> Floats | None:
@@ -85,17 +97,18 @@ def _places(polygon: Floats, curve: CurvedLoop) -> Floats | None:
     places = np.full(len(polygon), np.nan)
     corner = 0
     for number, segment in enumerate(curve.segments):
-        ends = np.hypot(*(polygon[corner:] - segment.end).T) <= ON_CURVE * size
+        ends = np.hypot(*(polygon[corner:] - segment.end).T) <= SAME * size
         following = corner + 1 + int(ends[1:].argmax()) if ends[1:].any() else len(polygon)
         inner = np.arange(corner + 1, following)
         t = np.concatenate([[0.0], (inner - corner) / (following - corner)])
         for _ in range(20):
-            away = polygon[corner:following] - segment.points(t)
-            if np.hypot(*away.T).max() <= ON_CURVE * size:
-                break
             move = segment.derivatives(t)
-            t = (t + (away * move).sum(axis=1) / np.maximum((move**2).sum(axis=1), 1e-300)).clip(0, 1)
-        else:
+            away = polygon[corner:following] - segment.points(t)
+            step = (away * move).sum(axis=1) / np.maximum((move**2).sum(axis=1), 1e-300)
+            t = (t + step).clip(0, 1)
+            if np.abs(step).max() < 1e-12:
+                break
+        if np.hypot(*(polygon[corner:following] - segment.points(t)).T).max() > ON_CURVE * size:
             return None
         places[corner:following] = number + t
         corner = following

@@ -23,7 +23,7 @@ from ezdxf.units import conversion_factor
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
 from foldcut.drawing.limits import Limits
-from foldcut.geometry.curves import Bezier, Line, Segment
+from foldcut.geometry.curves import Arc, Bezier, Line, Segment
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
 from foldcut.readers.join_outlines import Outline, loops_of
 
@@ -112,7 +112,8 @@ def _curve(outline: paths.Path) -> list[Segment]:
         else:
             nodes = [at, command.end]
         points = np.array([(node.x, node.y) for node in nodes], dtype=np.float64)
-        segments.append(Line(*points) if len(points) == 2 else Bezier(points))
+        arc = Arc.of_cubic(points) if len(points) == 4 else None  # ezdxf makes Béziers of arcs
+        segments.append(arc or (Line(*points) if len(points) == 2 else Bezier(points)))
         at = command.end
     return segments
 

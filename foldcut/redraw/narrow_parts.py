@@ -33,8 +33,14 @@ TIP = 0.65
 ROOM = 0.01
 """What is made larger is made a little larger than asked for, relative to its width."""
 
-ROUNDING_MM = 1e-6
+OVERLAP_MM = 1e-5
 """By how much areas are made to overlap before they are united, in mm of the frame."""
+
+FLAT_MM = 3e-3
+"""How far loops that were changed may be off for having fewer corners, in mm of the frame."""
+
+MOST_ROUNDS = 4
+"""How often small parts are looked for in what is left without others."""
 
 _MITRE = {"join_style": "mitre", "mitre_limit": 3.0}
 
@@ -101,12 +107,19 @@ def treated(target: Target, tolerance: float, treatment: str) -> tuple[Target, l
     parts = small_parts(target, tolerance)
     if treatment == "enlarge":
         return enlarged(target, parts, 2 * tolerance)[0], parts
-    if treatment == "keep" or not parts:
+    if treatment == "keep":
         return target, parts
-    outer = {number for number, parent in enumerate(target.parent) if parent < 0}
-    if outer <= {part.loop for part in parts}:
-        parts.remove(max((part for part in parts if part.loop in outer), key=lambda part: part.width))
-    return without(target, parts), parts
+    found: list[SmallPart] = []
+    for _ in range(MOST_ROUNDS):  # what is left when a neck has gone may be small
+        outer = {number for number, parent in enumerate(target.parent) if parent < 0}
+        if outer <= {part.loop for part in parts}:
+            parts.remove(max((part for part in parts if part.loop in outer), key=lambda part: part.width))
+        if not parts:
+            break
+        found += parts
+        target = without(target, parts)
+        parts = small_parts(target, tolerance)
+    return target, found
 
 
 def without(target: Target, parts: Sequence[SmallPart]) -> Target:
@@ -147,14 +160,21 @@ def enlarged(target: Target, parts: Sequence[SmallPart], width: float) -> tuple[
 def _target(target: Target, area: shapely.Geometry) -> Target:
     """Return the target for an area made from that of another one."""
     polygons = [part for part in shapely.get_parts(area) if isinstance(part, shapely.Polygon) and part.area > 0]
-    shape = make_shape(polygon_loops(polygons))
+    corners = np.concatenate(target.loops) @ (1, 1j)
+    loops = []
+    for loop in polygon_loops(polygons):
+        if not np.isin(loop @ (1, 1j), corners).all():  # it was changed, and may have corners very near to each other
+            loop = shapely.get_coordinates(shapely.simplify(shapely.Polygon(loop), FLAT_MM))[:-1]
+        if len(loop) > 2:
+            loops.append(loop)
+    shape = make_shape(loops)
     return Target.of(shape, curves_of(shape, target.loops, target.curves))
 
 
 def _with_change(area: shapely.Geometry, part: SmallPart, grow: float, *, keep: bool = False) -> shapely.Geometry:
     """Return an area without a small part or, to ``keep`` it, with the part wider by ``grow`` on both sides."""
     is_paper = part.kind in ("part", "neck", "tail")
-    reach = part.area.buffer(grow + ROUNDING_MM, **_MITRE)
+    reach = part.area.buffer(grow + OVERLAP_MM, **_MITRE)
     return area.union(reach) if is_paper == keep else area.difference(reach)
 
 

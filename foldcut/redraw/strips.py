@@ -153,11 +153,11 @@ class _Discs:
         radius, partner = np.full(len(points), np.inf), np.zeros(len(points), dtype=np.intp)
         for start in range(0, len(points), 256):
             some = slice(start, start + 256)
-            away = points[None, :, :] - points[some, None, :]
-            square = (away**2).sum(axis=2)
-            height = (away * towards[some, None, :]).sum(axis=2)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                size = np.where(height > 1e-9 * np.sqrt(square) + 1e-12, square / (2 * height), np.inf)
+            across, up = points[:, 0] - points[some, :1], points[:, 1] - points[some, 1:]
+            square = across * across + up * up
+            height = 2 * (across * towards[some, :1] + up * towards[some, 1:])
+            size = np.full(square.shape, np.inf)
+            np.divide(square, height, out=size, where=height > 1e-10 * square + 1e-12)
             size[np.arange(len(size))[:, None], beside[some]] = np.inf  # chords of flattened curves turn all at once
             partner[some] = size.argmin(axis=1)
             radius[some] = size.min(axis=1)

@@ -71,6 +71,21 @@ def test_cubics_are_the_segment(segment: Segment) -> None:
     assert shapely.distance(line, shapely.points(points)).max() < 1e-6
 
 
+@pytest.mark.parametrize("sweep", [-90.0, -20.0, 45.0, 90.0, 120.0])
+def test_cubics_that_stand_for_arcs(sweep: float) -> None:
+    angle = math.radians(sweep)
+    pull = 4 / 3 * math.tan(angle / 4)
+    cosine, sine = math.cos(angle), math.sin(angle)
+    unit = np.array([(1, 0), (1, pull), (cosine + pull * sine, sine - pull * cosine), (cosine, sine)])
+    control = 7 * unit @ np.array([(0.6, 0.8), (-0.8, 0.6)]) + (3.0, 4.0)
+    arc = Arc.of_cubic(control)
+    assert arc is not None
+    assert (arc.radius, *arc.centre, arc.sweep) == pytest.approx((7.0, 3.0, 4.0, angle))
+    assert arc.points([0.0, 1.0]) == pytest.approx(control[[0, 3]])
+    assert Arc.of_cubic(control + np.array([(0, 0), (0.01, 0), (0, 0), (0, 0)])) is None
+    assert Arc.of_cubic(control * (1.0, 1.01)) is None
+
+
 def test_a_tangent_where_control_points_coincide() -> None:
     cusp = Bezier(np.array([(0.0, 0.0), (0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]))
     assert cusp.tangents([0.0])[0] == pytest.approx((1.0, 0.0), abs=1e-3)

@@ -150,7 +150,23 @@ def test_curves_of_dxf_are_found_again_in_what_was_cut() -> None:
     drawing = dxf(draw)
     assert faults(drawing) == []
     assert len(drawing.curves) == 1
-    assert sum(isinstance(one, Bezier) for one in drawing.curves[0].segments) >= 4
+    assert {type(one) for one in drawing.curves[0].segments} == {Arc, Bezier, Line}
+
+
+@pytest.mark.parametrize(("start", "sweep"), [(0, 360), (30, 80), (200, 300)])
+def test_arcs_of_a_dxf_are_arcs_of_circles(start: float, sweep: float) -> None:
+    def draw(space: Any) -> None:
+        if sweep == 360:
+            space.add_circle((5, 7), 30)
+        else:
+            arc = space.add_arc((5, 7), 30, start, start + sweep)
+            space.add_line(arc.start_point, arc.end_point)
+
+    drawing = dxf(draw)
+    arcs = [one for one in drawing.curves[0].segments if isinstance(one, Arc)]
+    assert [one.radius for one in arcs] == pytest.approx([30.0] * len(arcs))
+    assert np.array([one.centre for one in arcs]) == pytest.approx(np.array([(5.0, 7.0)] * len(arcs)))
+    assert abs(sum(one.sweep for one in arcs)) == pytest.approx(math.radians(sweep))
 
 
 def test_a_drawing_of_lines_has_no_curves() -> None:
@@ -186,7 +202,7 @@ def arcs_and_lines(space: Any) -> None:
 def test_curves_of_dxf(draw: Callable[[Any], object]) -> None:
     drawing = dxf(draw)
     assert faults(drawing) == []
-    assert "Bezier" in kinds(drawing.curves[0])
+    assert kinds(drawing.curves[0]) & {"Arc", "Bezier"}
 
 
 def test_curves_of_pdf() -> None:
