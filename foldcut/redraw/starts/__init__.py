@@ -25,12 +25,13 @@ from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
 from foldcut.redraw.starts import pieces
 from foldcut.redraw.starts.arcs import fit_bends
+from foldcut.redraw.starts.bends import lead_in_bends
 from foldcut.redraw.starts.chains import Axis, Chain, Chains, Line, chains_of
 from foldcut.redraw.starts.circles import circles_of, regular_lines
 from foldcut.redraw.starts.directions import direction_set, straight_directions
 from foldcut.redraw.starts.disks import fit_disks
 from foldcut.redraw.starts.fitting import ANY, End, Sides, fit, straight_as_far_as
-from foldcut.redraw.starts.following import follow
+from foldcut.redraw.starts.following import follow, lead_of
 from foldcut.redraw.starts.near import Near
 from foldcut.redraw.starts.strips import Pairs, Strip, find_strips, recut_chains
 
@@ -101,6 +102,7 @@ BEST = (
 
 KINDS = (
     Kind("in", 0.0, 0.95, best=True),
+    *(Kind("in", 0.0, part, arcs=True, lead=3) for part in (0.95, 0.8, 0.65, 0.5)),
     Kind("in", 0.0, 0.95, disks=True),
     Kind("in", 0.0, 0.95, lead=2),
     Kind("in", 0.0, 0.95, lead=1),
@@ -282,19 +284,19 @@ class _Fitter:
         self, rows: Floats, along: Floats, tolerance: float, kind: Kind, first: End, last: End
     ) -> Sides | None:
         """Return the lines of a strip of which one edge leads."""
+        if kind.lead == 3:
+            known = lead_in_bends(rows, tolerance, FOLLOWED * self.tolerance, kind.weight, first=first, last=last)
+            if known is None:
+                return None
+            return follow(rows, along, known, FOLLOWING * self.tolerance, first=first, last=last)
         longer = np.hypot(*np.diff(rows, axis=1).transpose(2, 0, 1)).sum(axis=1)
-        second = bool(longer[1] < longer[0]) == (kind.lead == 1)
-        if second:
-            rows, along = rows[::-1], along * (1.0, 1.0, -1.0)
+        edge = int(bool(longer[1] < longer[0]) == (kind.lead == 1))
         fitted = fit_bends if kind.arcs else fit
-        reach = straight_as_far_as(rows[1], FOLLOWED * self.tolerance)
-        lead = fitted(rows[:1], tolerance, kind.weight, reach=reach, first=first, last=last)
+        reach = straight_as_far_as(rows[1 - edge], FOLLOWED * self.tolerance)
+        lead = fitted(rows[edge : edge + 1], tolerance, kind.weight, reach=reach, first=first, last=last)
         if lead is None:
             return None
-        sides = follow(rows, along, lead, FOLLOWING * self.tolerance, first=first, last=last)
-        if sides is None or not second:
-            return sides
-        return Sides(sides.cuts, sides.normals[::-1], sides.offsets[::-1], sides.cost)
+        return follow(rows, along, lead_of(lead, edge), FOLLOWING * self.tolerance, first=first, last=last)
 
 
 def _across(axis: Axis, ahead: Floats) -> End:

@@ -14,7 +14,7 @@ from foldcut.core.compiled import compiled_copy, is_installed
 from foldcut.redraw.starts import arcs_code, pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
 
-__all__ = ["fit_bends"]
+__all__ = ["directions_along", "fit_bends"]
 
 MOST_PLACES = 70
 """The largest number of places whose tangents are anchors."""
@@ -34,22 +34,25 @@ def fit_bends(
     shift: Floats | None = None,
     breaks: Bools | None = None,
     reach: Indices | None = None,
+    half: Indices | None = None,
     first: End = ANY,
     last: End = ANY,
 ) -> Sides | None:
     """Return few lines for rows of ``points`` ``(k, m, 2)``, in each bend tangents of one circle, or None.
 
-    Parameters as for ``fitting.fit``.
+    Parameters as for ``fitting.fit``. ``half`` ``(m,)``: where that part of an anchor's piece ends at the latest that is
+    beside one bend.
     """
     rows, m = points.shape[:2]
     shift = np.zeros(rows) if shift is None else np.asarray(shift, dtype=np.float64)
     stops = [0, *(np.flatnonzero(breaks[1:-1]) + 1).tolist(), m - 1] if breaks is not None else [0, m - 1]
     bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
+    part_bound = bound if half is None else half
     cuts, normals, offsets, total = [0], [], [], 0.0
     for a, b in pairwise(stops):
         ends = first if a == 0 else ANY, last if b == m - 1 else ANY
         row = np.ascontiguousarray(points[:, a : b + 1])
-        part = _fit(row, shift, bound[a : b + 1] - a, tolerance, weight, *ends)
+        part = _fit(row, shift, bound[a : b + 1] - a, part_bound[a : b + 1] - a, tolerance, weight, *ends)
         if part is None:
             return None
         some, angles, middle, cost = part
@@ -63,17 +66,17 @@ def fit_bends(
 
 
 def _fit(
-    points: Floats, shift: Floats, reach: Indices, tolerance: float, weight: float, first: End, last: End
+    points: Floats, shift: Floats, reach: Indices, half: Indices, tolerance: float, weight: float, first: End, last: End
 ) -> tuple[list[int], list[float], list[float], float] | None:
     """Return cuts, directions and middle offsets of the fewest lines for a smooth row."""
     m = points.shape[1]
-    theta = _directions(points)
+    theta = directions_along(points)
     anchors, price = _anchors(points, shift, theta, tolerance, first, last)
     count = len(anchors)
     cost, along = np.empty(count), np.empty(count)
     previous, between = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     end = _code().fit_arcs(
-        points, shift, theta, reach, tolerance, weight, anchors, price, cost, previous, between, along
+        points, shift, theta, reach, half, tolerance, weight, anchors, price, cost, previous, between, along
     )
     if end < 0:
         return None
@@ -107,7 +110,7 @@ def _normal(angle: float) -> Floats:
     return np.array([-math.sin(angle), math.cos(angle)])
 
 
-def _directions(points: Floats) -> Floats:
+def directions_along(points: Floats) -> Floats:
     """Return the direction of the rows at each place, in radians, without jumps."""
     steps = np.zeros((points.shape[1] + 1, 2))
     for row in points:

@@ -42,7 +42,7 @@ def _range(points, shift, i, j, x, y):
 
 
 @compiled
-def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
+def _bend(points, shift, theta, reach, half, tolerance, i, j, a, b, c, d):
     """Return how many sides at least lie between two lines, where on the bisector their circle is, and how far off.
 
     The lines have the directions a and b, in radians, and the offsets c and d, and are near the row up to place i, from
@@ -50,8 +50,8 @@ def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
     """
     turn = b - a
     sign = 1.0 if turn > 0 else -1.0
-    half = abs(turn) / 2
-    if half < LEAST_TURN / 2 or half > pi * 0.98:
+    wide = abs(turn) / 2
+    if wide < LEAST_TURN / 2 or wide > pi * 0.98:
         return -1, 0.0, 0.0
     ax, ay, bx, by = -sin(a), cos(a), -sin(b), cos(b)
     mid = (a + b) / 2
@@ -60,7 +60,7 @@ def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
     qx, qy = wx * (c - d) / w, wy * (c - d) / w
     base = ax * qx + ay * qy - c
     for count in range(MOST + 1):
-        step = 2 * half / (count + 1)
+        step = 2 * wide / (count + 1)
         if step > LARGEST_STEP:
             continue
         low, high = -INFINITE, INFINITE
@@ -78,7 +78,7 @@ def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
                 there = j
             angle = a + sign * s * step
             x, y = -sin(angle), cos(angle)
-            if there > reach[here]:
+            if there > (half[here] if s == 0 or s == count + 1 else reach[here]):
                 possible = False
                 break
             least, most = _range(points, shift, here, there, x, y)
@@ -94,7 +94,7 @@ def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
                     possible = False
                     break
             else:
-                slope = cos(mid - angle) - cos(half)
+                slope = cos(mid - angle) - cos(wide)
                 start = x * qx + y * qy - base
                 if slope < 1e-9:
                     possible = False
@@ -110,7 +110,7 @@ def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
         if count == 0:
             return 0, 0.0, worst
         along = (low + high) / 2
-        radius = base + along * cos(half)
+        radius = base + along * cos(wide)
         fits = True
         for k in range(points.shape[0]):
             if sign * (radius - shift[k]) < 0.2:
@@ -121,11 +121,11 @@ def _bend(points, shift, theta, reach, tolerance, i, j, a, b, c, d):
 
 
 @compiled
-def fit_arcs(points, shift, theta, reach, tolerance, weight, anchors, price, cost, previous, between, along):
+def fit_arcs(points, shift, theta, reach, half, tolerance, weight, anchors, price, cost, previous, between, along):
     """Find the fewest sides for rows: which anchors to take, and how many sides lie between two of them.
 
     ``theta`` ``(m,)``: the row's direction at each place, in radians, without jumps. ``reach`` ``(m,)``: where a piece that
-    begins at each place ends at the latest. ``anchors`` ``(n, 4)``, in order:
+    begins at each place ends at the latest, and ``half``, where half the piece of an anchor does. ``anchors`` ``(n, 4)``, in order:
     the first and last place where the row is on the anchor's line, the line's direction (near ``theta`` there), its
     offset. ``price`` ``(n,)``. Results for each anchor: ``cost``, the ``previous`` anchor (-1: it is the first), the
     number of sides ``between``, and where ``along`` the bisector the circle's middle is.
@@ -150,7 +150,18 @@ def fit_arcs(points, shift, theta, reach, tolerance, weight, anchors, price, cos
             if abs(anchors[n, 2] - anchors[b, 2]) > 6.2:
                 continue
             sides, place, off = _bend(
-                points, shift, theta, reach, tolerance, h, i, anchors[b, 2], anchors[n, 2], anchors[b, 3], anchors[n, 3]
+                points,
+                shift,
+                theta,
+                reach,
+                half,
+                tolerance,
+                h,
+                i,
+                anchors[b, 2],
+                anchors[n, 2],
+                anchors[b, 3],
+                anchors[n, 3],
             )
             if sides >= 0:
                 total = cost[b] + price[n] + sides + weight * (off / tolerance) ** 2

@@ -1,10 +1,14 @@
 """Fit one edge of a strip so that it follows the other: bends at the same places, tangents of common disks.
 
-The sides of the leading edge are known. The middles of the disks then lie on its bisectors, and each has only its
-radius to choose: a small dynamic program over a few radii for each bend.
+Of each side the line of one edge is known, that of the leading edge; which edge leads may change from side to side. The
+middles of the disks then lie on bisectors of the leading edge, and each has only its radius to choose: a small dynamic
+program over a few radii for each bend. Where the leading edge changes, the lines of both edges are known for one side,
+and the radii at its ends follow from that.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +16,7 @@ from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.redraw.starts import pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
 
-__all__ = ["follow"]
+__all__ = ["Lead", "follow", "lead_of"]
 
 RADII = np.linspace(-1.6, 1.6, 17)
 """By how much the radii that are tried differ from the one found, as parts of the tolerance."""
@@ -20,33 +24,66 @@ RADII = np.linspace(-1.6, 1.6, 17)
 STEEPEST = 0.7
 """How fast a radius may change along a strip."""
 
+Disks = tuple[Floats, Floats]
+"""Middles ``(r, 2)`` and radii ``(r,)``, negative for disks on the right of the first edge."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lead:
+    """The lines that are known of a strip: side s goes from column ``cuts[s]`` to ``cuts[s + 1]``.
+
+    ``normals`` ``(2, s, 2)`` and ``offsets`` ``(2, s)`` as in ``Sides``, where ``known`` ``(2, s)`` says so.
+    """
+
+    cuts: Indices
+    normals: Floats
+    offsets: Floats
+    known: Bools
+
+
+def lead_of(sides: Sides, edge: int) -> Lead:
+    """Return what is known if one edge, 0 or 1, leads all the way: its lines, the only row of ``sides``."""
+    count = len(sides.normals[0])
+    known = np.zeros((2, count), dtype=bool)
+    known[edge] = True
+    return Lead(sides.cuts, np.repeat(sides.normals[:1], 2, axis=0), np.repeat(sides.offsets[:1], 2, axis=0), known)
+
 
 def follow(
-    points: Floats, along: Floats, lead: Sides, tolerance: float, *, first: End = ANY, last: End = ANY
+    points: Floats, along: Floats, lead: Lead, tolerance: float, *, first: End = ANY, last: End = ANY
 ) -> Sides | None:
-    """Return the lines of both rows of ``points`` ``(2, m, 2)``, the first row's as in ``lead``, or None.
+    """Return the lines of both rows of ``points`` ``(2, m, 2)``, with those that are known, or None.
 
     ``along`` ``(m, 3)`` mm: middle and radius of disks that touch both rows; the radius is negative on the right of the
-    first. ``first``, ``last``: only those of an axis matter. The second row's lines are within ``tolerance`` of it.
+    first. ``first``, ``last``: only those of an axis matter. The other lines are within ``tolerance`` mm of their rows.
     """
-    normals, offsets, cuts = lead.normals[0], lead.offsets[0], lead.cuts
-    count = len(normals)
-    nodes = [_node(points[0], along, normals, offsets, cuts, k, tolerance) for k in range(count + 1)]
-    if any(node is None for node in nodes):
-        return None
-    sure = [node for node in nodes if node is not None]
-    cost = np.zeros(len(RADII))
+    count = lead.known.shape[1]
+    nodes: list[Disks] = []
+    for k in range(count + 1):
+        node = _node(points, along, lead, k, tolerance)
+        if node is None:
+            return None
+        nodes.append(node)
+    cost = np.zeros(len(nodes[0][1]))
     behind: list[Indices] = []
     lines: list[tuple[Floats, Floats]] = []
     for s in range(count):
-        across = (s == 0 and first.kind == pieces.DIRECTED) or (s == count - 1 and last.kind == pieces.DIRECTED)
-        near = sure[s + 1] if s == 0 and count > 1 else sure[s]
-        normal, offset, possible = (
-            _parallel(near, normals[s], s == 0 and count > 1) if across else _lines(sure[s], sure[s + 1], normals[s])
-        )
-        piece = points[1, cuts[s] : cuts[s + 1] + 1]
-        off = np.abs(normal @ piece.T - offset[..., None]).max(axis=2)
-        price = np.where(possible & (off <= tolerance), (off / tolerance) ** 2, np.inf)
+        edge = int(lead.known[0, s])  # the edge that follows
+        if lead.known[:, s].all():
+            shape = len(nodes[s][1]), len(nodes[s + 1][1])
+            normal = np.broadcast_to(lead.normals[1, s], (*shape, 2))
+            offset, price = np.full(shape, lead.offsets[1, s]), np.zeros(shape)
+        else:
+            across = (s == 0 and first.kind == pieces.DIRECTED) or (s == count - 1 and last.kind == pieces.DIRECTED)
+            known = lead.normals[1 - edge, s]
+            if across:
+                before = s == 0 and count > 1
+                normal, offset, possible = _parallel(nodes[s], nodes[s + 1], known, edge, before=before)
+            else:
+                normal, offset, possible = _tangents(nodes[s], nodes[s + 1], known, edge)
+            piece = points[edge, lead.cuts[s] : lead.cuts[s + 1] + 1]
+            off = np.abs(normal @ piece.T - offset[..., None]).max(axis=2)
+            price = np.where(possible & (off <= tolerance), (off / tolerance) ** 2, np.inf)
         total = cost[:, None] + price
         behind.append(total.argmin(axis=0))
         cost = total.min(axis=0)
@@ -54,33 +91,50 @@ def follow(
     if not np.isfinite(cost).any():
         return None
     b = int(cost.argmin())
-    other, across_offsets = np.empty_like(normals), np.empty(count)
+    normals, offsets = lead.normals.copy(), lead.offsets.copy()
     for s in range(count - 1, -1, -1):
         a = int(behind[s][b])
-        other[s], across_offsets[s] = lines[s][0][a, b], lines[s][1][a, b]
+        edge = int(lead.known[0, s])
+        normals[edge, s], offsets[edge, s] = lines[s][0][a, b], lines[s][1][a, b]
         b = a
-    return Sides(cuts, np.stack([normals, other]), np.stack([offsets, across_offsets]), lead.cost)
+    return Sides(lead.cuts, normals, offsets, float(count))
 
 
-def _node(
-    row: Floats, along: Floats, normals: Floats, offsets: Floats, cuts: Indices, k: int, tolerance: float
-) -> tuple[Floats, Floats] | None:
-    """Return middles ``(r, 2)`` and radii ``(r,)`` of the disks that may lie between sides k - 1 and k."""
-    radii = along[cuts[k], 2] + tolerance * RADII
-    if 0 < k < len(normals):
-        a, b = normals[k - 1], normals[k]
-        sine = float(a[0] * b[1] - a[1] * b[0])
+def _node(points: Floats, along: Floats, lead: Lead, k: int, tolerance: float) -> Disks | None:
+    """Return the disks that may lie between sides k - 1 and k, or at an end."""
+    column, count = int(lead.cuts[k]), lead.known.shape[1]
+    sides = [s for s in (k - 1, k) if 0 <= s < count]
+    rows, values = [], []
+    for edge in (0, 1):
+        for s in sides:
+            if lead.known[edge, s]:
+                rows.append([*lead.normals[edge, s], -1.0 if edge == 0 else 1.0])
+                values.append(lead.offsets[edge, s])
+    if len(sides) == 1:  # at an end: beside the sample there
+        x, y = lead.normals[int(not lead.known[0, sides[0]]), sides[0]]
+        place = points[int(not lead.known[0, sides[0]]), column]
+        rows.append([y, -x, 0.0])
+        values.append(float(y * place[0] - x * place[1]))
+    system, value = np.array(rows), np.array(values)
+    if len(rows) < 2:
+        return None
+    if len(rows) == 2:
+        radii = along[column, 2] + tolerance * RADII
+        sine = float(system[0, 0] * system[1, 1] - system[0, 1] * system[1, 0])
         if abs(sine) < 0.03:
             return None
-        inverse = np.array([(b[1], -a[1]), (-b[0], a[0])]) / sine
-        return (offsets[k - 1 : k + 1] + radii[:, None]) @ inverse.T, radii
-    s = min(k, len(normals) - 1)
-    place = row[cuts[k]]
-    return place + (offsets[s] + radii - normals[s] @ place)[:, None] * normals[s], radii
+        inverse = np.array([(system[1, 1], -system[0, 1]), (-system[1, 0], system[0, 0])]) / sine
+        return (value - radii[:, None] * system[:, 2]) @ inverse.T, radii
+    found = np.linalg.lstsq(system, value, rcond=None)[0]
+    if len(rows) > 3 and np.abs(system @ found - value).max() > 1e-9 * np.abs(value).max():
+        return None
+    if abs(float(found[2]) - along[column, 2]) > 3 * tolerance:
+        return None
+    return found[None, :2], found[2:]
 
 
-def _lines(one: tuple[Floats, Floats], two: tuple[Floats, Floats], lead: Floats) -> tuple[Floats, Floats, Bools]:
-    """Return normals, offsets, and which are possible, of the other tangents between disks of two nodes."""
+def _tangents(one: Disks, two: Disks, lead: Floats, edge: int) -> tuple[Floats, Floats, Bools]:
+    """Return normals, offsets, and which are possible, of an edge's tangents between the disks of two nodes."""
     (p, r), (q, w) = one, two
     away = q[None] - p[:, None]
     length = np.maximum(np.hypot(away[..., 0], away[..., 1]), 1e-12)
@@ -88,19 +142,20 @@ def _lines(one: tuple[Floats, Floats], two: tuple[Floats, Floats], lead: Floats)
     slope = (w[None] - r[:, None]) / length
     left = np.stack([-ahead[..., 1], ahead[..., 0]], axis=-1)
     level = np.sqrt(np.maximum(1 - slope**2, 0.0))
-    normal = -slope[..., None] * ahead + level[..., None] * left
+    sign = 1.0 if edge == 0 else -1.0
+    normal = sign * slope[..., None] * ahead + level[..., None] * left
     possible = (np.abs(slope) < STEEPEST) & (ahead @ np.array([lead[1], -lead[0]]) > 0)
-    offset = (normal * p[:, None]).sum(axis=-1) + r[:, None]
+    offset = (normal * p[:, None]).sum(axis=-1) - sign * r[:, None]
     return normal, offset, possible
 
 
-def _parallel(node: tuple[Floats, Floats], lead: Floats, before: bool) -> tuple[Floats, Floats, Bools]:
-    """Return what ``_lines`` does for a side across an axis: parallel to the leading one, touching the disk of a node.
+def _parallel(one: Disks, two: Disks, lead: Floats, edge: int, *, before: bool) -> tuple[Floats, Floats, Bools]:
+    """Return what ``_tangents`` does for a side across an axis: parallel to the leading one, touching one disk.
 
-    ``before``: the side lies before that node; there is none at its other end.
+    ``before``: the side lies before the second node, and there is none at its other end.
     """
-    middles, radii = node
-    count = len(radii)
-    offset = middles @ lead + radii
-    offsets = np.tile(offset, (count, 1)) if before else np.tile(offset[:, None], (1, count))
-    return np.broadcast_to(lead, (count, count, 2)), offsets, np.ones((count, count), dtype=bool)
+    middles, radii = two if before else one
+    shape = len(one[1]), len(two[1])
+    offset = middles @ lead - (1.0 if edge == 0 else -1.0) * radii
+    offsets = np.broadcast_to(offset[None] if before else offset[:, None], shape)
+    return np.broadcast_to(lead, (*shape, 2)), offsets, np.ones(shape, dtype=bool)
