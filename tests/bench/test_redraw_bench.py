@@ -57,8 +57,8 @@ def test_an_outline_that_is_too_far_off_is_found_both_ways(bench: ModuleType, mo
     ("outline", "fault"),
     [
         ([SQUARE], "1 loops were 2"),
-        ([SQUARE, HOLE + (100, 0)], "loops lie in each other in another way"),
-        ([SQUARE, HOLE + (30, 0)], "two loops touch"),
+        ([SQUARE, HOLE + np.array([100, 0])], "loops lie in each other in another way"),
+        ([SQUARE, HOLE + np.array([30, 0])], "two loops touch"),
         ([SQUARE[[0, 2, 1, 3]], HOLE], "loop 1 crosses itself"),
     ],
     ids=["lost", "outside", "touching", "crossing"],
@@ -70,7 +70,7 @@ def test_another_topology_is_found(bench: ModuleType, outline: list[np.ndarray],
 @pytest.mark.parametrize("corner", [0, 1, 3])
 def test_lost_symmetry_is_found(bench: ModuleType, corner: int) -> None:
     kite = np.array([[50.0, 0], [100, 60], [50, 100], [0, 60]])
-    assert bench.faults([kite + (0, 1)], [kite], 2.0, symmetric=True) == []
+    assert bench.faults([kite + np.array([0, 1])], [kite], 2.0, symmetric=True) == []
     bent = kite.copy()
     bent[corner] += (0.3, 0.4)
     assert bench.faults([bent], [kite], 2.0, symmetric=True) == ["the drawing is symmetric, the outline is not"]
@@ -139,5 +139,5 @@ def test_icons_are_chosen_by_their_names(bench: ModuleType) -> None:
 
 def test_every_share_is_taken_once(bench: ModuleType) -> None:
     shares = [list(bench.shared(iter(range(10)), bench.share_of(f"{k}/3"))) for k in (1, 2, 3)]
-    assert sorted(sum(shares, [])) == list(range(10))
+    assert sorted(number for share in shares for number in share) == list(range(10))
     assert [share[0] for share in shares] == [0, 1, 2]
