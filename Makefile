@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
 
 ## Fold three samples out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -60,6 +60,12 @@ sweep-skeleton: $(VENV)/installed-test
 ## Fold 200 silhouettes out of icon sets with at most 60 corners each; takes about four minutes.
 sweep-icons: $(VENV)/installed-test tools
 	$(BIN)/python tests/bench/icons.py
+
+## Icons and letters as people bring them, by the default command: how many are for two hands, and how soon; a prototype's
+## table beaten; samples and the shapes in SHAPES never worse than before: out/redraw.md, .json. SHARE=1/4 takes a fourth.
+bench-redraw: $(VENV)/installed-test
+	$(BIN)/foldcut compile
+	$(BIN)/python tests/bench/redraw.py --out out $(if $(SHAPES),--shapes $(SHAPES)) $(if $(SHARE),--share $(SHARE))
 
 ## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz.
 READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold

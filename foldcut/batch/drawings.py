@@ -1,6 +1,7 @@
 """The drawings of a batch: which files its inputs name, and what the files made of them are called.
 
-Folders, glob patterns and files -> an ``Item`` for each drawing, sorted, no two with the same stem.
+Folders, glob patterns and files -> an ``Item`` for each drawing, sorted, no two with the same stem. A text -> an
+``Item`` for each letter.
 """
 
 from __future__ import annotations
@@ -23,22 +24,38 @@ from foldcut.readers import READERS
 
 @dataclass(frozen=True)
 class Item:
-    """A drawing: its file, and its ``stem``, the name of the files made of it without an ending."""
+    """A drawing: its file, and its ``stem``, the name of the files made of it without an ending.
+
+    ``data``: the bytes of a drawing that is in no file; ``path`` then only names it and its format.
+    """
 
     path: Path
     stem: str
+    data: bytes | None = None
 
     def read(self, most: int) -> tuple[Task | None, str, str]:
         """Return the drawing's task and the hash of its bytes, or None and what went wrong.
 
         No more is read than it takes to see that the file has more than ``most`` bytes.
         """
+        if self.data is not None:
+            return Task(str(self.path), self.stem, self.data), hashlib.sha256(self.data).hexdigest(), ""
         try:
             with self.path.open("rb") as file:
                 data = file.read(most + 1)
         except OSError as error:
             return None, "", f"{self.path}: {error.strerror}; check the path and its permissions"
         return Task(str(self.path), self.stem, data), hashlib.sha256(data).hexdigest(), ""
+
+
+def letters_of(text: str, font: str) -> list[Item]:
+    """Return a drawing for each letter of a text, once, in the order of the text.
+
+    Raises BadInputError: the text has no letters, or the font lacks one. Raises FileFormatError: there is no such font.
+    """
+    from foldcut.readers.typed_text import letter_svgs
+
+    return [Item(Path(f"{name}.svg"), name, drawn.encode()) for name, drawn in letter_svgs(text, font).items()]
 
 
 def find_drawings(inputs: Sequence[str | Path], out: Path) -> list[Item]:

@@ -65,6 +65,7 @@ def run_batch(
     out: Path,
     recipe: Recipe,
     *,
+    letters: Sequence[Item] = (),
     jobs: int | None = None,
     timeout: float = TIMEOUT_S,
     cluster: str | None = None,
@@ -77,6 +78,7 @@ def run_batch(
     """Fold every drawing that ``inputs`` name and write its files into the folder ``out``.
 
     ``inputs``: folders, which are searched with their subfolders, glob patterns such as ``"icons/*.svg"``, and files.
+    ``letters``: drawings that are in no file, of ``batch.drawings.letters_of``, instead of ``inputs``.
     ``jobs``: the number of processes, by default one for each core; ``cluster``: the address of a dask scheduler, whose
     workers then do the work instead. ``timeout``: seconds for a drawing.
 
@@ -99,7 +101,7 @@ def run_batch(
         raise BadInputError(f"a contact sheet cannot be {sheet}; choose .svg or .png")
     arrow = _extra("pyarrow") if parquet else None
     dask = _extra("distributed") if cluster else None
-    items = find_drawings(inputs, out)
+    items = list(letters) or find_drawings(inputs, out)
     if out.exists() and not out.is_dir():
         raise OutputError(f"{out} is a file, and a batch is written into a folder; give another name")
     out.mkdir(parents=True, exist_ok=True)

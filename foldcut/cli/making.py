@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from foldcut.cli.console import Console
-from foldcut.cli.options import FoldRequest, Machine, OpenRequest, Request
-from foldcut.core.errors import BadInputError, FileFormatError, ShapeError
+from foldcut.cli.options import FoldRequest, Machine, OpenRequest, Request, Source
+from foldcut.core.errors import BadInputError, FileFormatError, ShapeError, UnfoldableError
 
 if TYPE_CHECKING:
     from foldcut.foldfile.reopen import Reopened
@@ -39,6 +40,16 @@ def folded(request: FoldRequest, console: Console) -> Result:
             if request.source.text is not None:
                 raise
             raise ShapeError(f"{request.source.path}: {error}") from error
+        except UnfoldableError as error:
+            if request.source.is_word:
+                error.args = (f"{error}; or fold the letters one by one: {one_by_one(request.source)}",)
+            raise
+
+
+def one_by_one(source: Source) -> str:
+    """Return the command that folds each letter of a text on a sheet of its own."""
+    font = "" if source.font == "sans" else f" --font {shlex.quote(source.font)}"
+    return f"foldcut batch --text {shlex.quote(source.text or '')}{font} -o letters"
 
 
 def opened(request: OpenRequest) -> Reopened:

@@ -70,12 +70,19 @@ def add_timeout(command: ArgumentParser) -> None:
 class Source:
     """What is folded: a drawing's file, a ``text`` in a ``font``, or a pattern that foldcut wrote.
 
-    ``path`` is the file's, or "-" for standard input; a text has one only to name outputs after.
+    ``path`` is the file's, or "-" for standard input; a text has one only to name outputs after. ``joined``: how the
+    letters of a text are joined, None if they are not.
     """
 
     path: Path
     text: str | None = None
     font: str = ""
+    joined: str | None = None
+
+    @property
+    def is_word(self) -> bool:
+        """Whether this is a text of several letters."""
+        return self.text is not None and len("".join(self.text.split())) > 1
 
     @property
     def is_pattern(self) -> bool:
@@ -96,7 +103,7 @@ class Source:
             return read_shape(self.path, options)
         from foldcut.readers.typed_text import draw_text
 
-        return draw_text(self.text, self.font, options)
+        return draw_text(self.text, self.font, options, self.joined)
 
 
 def add_source(command: ArgumentParser) -> None:
@@ -108,11 +115,24 @@ def add_source(command: ArgumentParser) -> None:
         help="a drawing (.svg, .dxf, .pdf, .png, .jpg, .json, .geojson, .wkt, .wkb, .csv), the name of a sample, a "
         "pattern that foldcut wrote (.fold), or - for standard input",
     )
-    command.add_argument("--text", help="draw this text instead of a SHAPE")
+    add_text(command, "draw this text instead of a SHAPE, all letters on one sheet")
+    command.add_argument(
+        "--joined",
+        choices=("bar", "baseline"),
+        help="make one piece of the letters of --text; bar: they stand on a bar; baseline: a bar as high as a stroke "
+        "goes through their feet. Dots and accents stay apart (default: every letter is a piece of its own)",
+    )
+
+
+def add_text(command: ArgumentParser, what: str) -> None:
+    """Add a text and its font; ``what`` the text is for."""
+    command.add_argument("--text", help=what)
     command.add_argument(
         "--font",
         default="sans",
-        help="the font of --text: the path of a font file, or the name of a family (default: %(default)s)",
+        help="the font of --text: the path of a font file, the name of a family, or foldcut, a font of capitals and "
+        "digits made for folding: at most 25 folds a letter, small letters are drawn as capitals (default: "
+        "%(default)s)",
     )
 
 
@@ -121,9 +141,11 @@ def source(args: Namespace) -> Source:
     if (args.text is None) == (not args.shape):
         raise BadInputError(f"give a SHAPE or a --text{'' if args.text is None else ', not both'}")
     if args.text is None:
+        if args.joined is not None:
+            raise BadInputError("--joined joins the letters of a --text; give one")
         return named_source(args.shape)
     stem = "".join(letter for letter in args.text if letter.isalnum())[:LONGEST_STEM]
-    return Source(Path(stem or "text"), args.text, args.font)
+    return Source(Path(stem or "text"), args.text, args.font, args.joined)
 
 
 def named_source(shape: str) -> Source:

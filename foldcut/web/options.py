@@ -16,6 +16,7 @@ from foldcut.drawing.placement import parse_sheet
 from foldcut.exporters import JOB_EXPORTERS
 from foldcut.jobs.marks import MARKS
 from foldcut.profiles import Treatment, load_profile, profile_names
+from foldcut.readers.folding_font import NAME as FOLDING_FONT
 from foldcut.readers.typed_text import font_families
 from foldcut.samples import sample_names
 from foldcut.web.errors import RefusedError
@@ -110,6 +111,6 @@ def machines() -> tuple[str, ...]:
 
 @cache
 def fonts() -> tuple[str, ...]:
-    """Return the fonts that a text may have; none where the system cannot list its fonts."""
+    """Return the fonts that a text may have; only foldcut's own where the system cannot list its fonts."""
     families = font_families()
-    return ("sans", "serif", "monospace", *families) if families else ()
+    return ("sans", "serif", "monospace", FOLDING_FONT, *families) if families else (FOLDING_FONT,)

@@ -81,6 +81,41 @@ def here(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 # --- what is made
 
 
+def test_the_letters_of_a_text_are_folded_once_each_and_not_again(
+    tmp_path: Path, here: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["batch", "--text", "Ill LI", "--font", "foldcut", "--format", "fold", "--effort", "fast", "--jobs", "1"]
+    assert main([*words, "-o", str(tmp_path / "out")]) == 0
+    assert sorted(made(tmp_path / "out")) == ["I.fold", "L.fold"]
+    assert sorted(here) == ["I", "L"]
+    assert "print      I 2 times, L 3 times" in capsys.readouterr().out
+    assert main([*words, "-o", str(tmp_path / "out"), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["letters"], report["resumed"]) == (["I", "L", "L", "L", "I"], 2)
+    assert sorted(here) == ["I", "L"]
+    words[2] = "LT"
+    assert main([*words, "-o", str(tmp_path / "out"), "--quiet"]) == 0
+    assert here[2:] == ["T"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "give FOLDER|GLOB or a --text\n"),
+        (["box.json", "--text", "A"], "give FOLDER|GLOB or a --text, not both"),
+        (["--text", "A&B", "--font", "foldcut"], "the font foldcut has no letter '&'"),
+        (["--text", " "], "give 1 to 1000"),
+    ],
+)
+def test_a_text_that_cannot_be_drawn_is_told_before_any_work(
+    tmp_path: Path, words: list[str], message: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["batch", *words, "-o", "out"]) == 2
+    assert message in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_row_and_files_for_every_drawing_bad_ones_too(tmp_path: Path) -> None:
     icons = draw(tmp_path / "icons", "a.json", "sub/b.json")
     (icons / "empty.svg").write_text("")

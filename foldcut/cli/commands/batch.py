@@ -1,8 +1,9 @@
-"""``foldcut batch``: fold many drawings into one folder, on all cores or on a cluster."""
+"""``foldcut batch``: fold many drawings, or the letters of a text, into one folder, on all cores or on a cluster."""
 
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from foldcut.cli.commands import Command
 from foldcut.cli.console import DONE, FAILED
 from foldcut.cli.outputs import Outputs
 from foldcut.cli.signals import Terminated
+from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
     from foldcut.batch.run import Batch
@@ -27,7 +29,9 @@ examples:
   foldcut batch icons -o out --profile laser-dxf --effort fast
   foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --simplify 0.3mm
   foldcut batch icons -o out --dask tcp://scheduler:8786 --parquet
+  foldcut batch --text HELLO --font foldcut -o out --profile printer-a4
 
+With --text each letter gets a sheet of its own, named after it: H, E, L and O; the report says to print L twice.
 OUT gets the files of each drawing under its name, results.csv with a row for each, contact-sheet.svg, and
 foldcut-batch.jsonl, a journal of what is done: after an interruption, the same command goes on from there.
 """
@@ -38,9 +42,10 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument(
         "drawings",
         metavar="FOLDER|GLOB",
-        nargs="+",
+        nargs="*",
         help="a folder, with all its subfolders, a pattern of names, or a drawing",
     )
+    options.add_text(command, "fold the letters of this text instead, each once and on a sheet of its own")
     command.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
     command.add_argument(
         "--format",
@@ -71,10 +76,16 @@ def add_options(command: ArgumentParser) -> None:
 
 def batch(args: Namespace) -> int:
     """Fold many drawings."""
+    from foldcut.batch.drawings import letters_of
     from foldcut.batch.run import run_batch
     from foldcut.batch.worker import Recipe
     from foldcut.cli.progress import ProgressBar
+    from foldcut.readers.typed_text import letter_names
 
+    if (args.text is None) == (not args.drawings):
+        raise BadInputError(f"give FOLDER|GLOB or a --text{'' if args.text is None else ', not both'}")
+    names = [] if args.text is None else letter_names(args.text, args.font)
+    letters = [] if args.text is None else letters_of(args.text, args.font)
     console, machine, folding = options.console(args), options.machine(args), options.folding(args)
     formats = endings(args.formats, machine.profile)
     Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", machine).check_formats(folding.sheet)
@@ -93,6 +104,7 @@ def batch(args: Namespace) -> int:
                 args.drawings,
                 out,
                 recipe,
+                letters=letters,
                 jobs=args.jobs,
                 timeout=args.drawing_timeout,
                 cluster=args.dask,
@@ -113,8 +125,17 @@ def batch(args: Namespace) -> int:
         "files": list(map(str, made.written)),
         "rows": made.rows,
     }
-    console.report(report, lines(made, out))
+    if names:
+        report["letters"] = names
+    console.report(report, [*lines(made, out), *repeated(names)])
     return FAILED if failed else DONE
+
+
+def repeated(letters: Sequence[str]) -> list[str]:
+    """Return a line that says how often to print the letters that a text has more than once, if there are any."""
+    counts = {name: count for name, count in Counter(letters).items() if count > 1}
+    often = ", ".join(f"{name} {count} times" for name, count in counts.items())
+    return [f"  print      {often}"] if counts else []
 
 
 def endings(names: str | None, profile: Profile | None) -> tuple[str, ...]:
