@@ -20,6 +20,7 @@ FLOORS = (
     ("drawing", "pattern"),
     ("readers", "proof", "jobs"),
     ("methods", "foldfile", "folding_steps"),
+    ("redraw",),
     ("exporters",),
     ("output", "web"),
     ("pipeline",),

@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING, TextIO
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from foldcut.redraw.ladder import Level
+
 PATIENCE_S = 1.0
 """Work that is done sooner shows no bar."""
 BETWEEN_LINES_S = 0.1
@@ -38,6 +40,17 @@ def progress_lines(out: TextIO) -> Callable[[str, float], None]:
     return tell
 
 
+def pattern_lines(out: TextIO) -> Callable[[Level], None]:
+    """Return a callback that writes a line for each pattern that is found, with its numbers as in the report."""
+
+    def found(level: Level) -> None:
+        from foldcut.cli.report import level_report
+
+        print(json.dumps({"pattern": level_report(level, quick=True)}), file=out, flush=True)
+
+    return found
+
+
 class ProgressBar:
     """A callback ``bar(stage, fraction)`` that draws a bar; use it in a ``with`` statement."""
 
@@ -46,6 +59,7 @@ class ProgressBar:
         self._started = time.monotonic()
         self._open = ExitStack()
         self._progress: Progress | None = None
+        self._found = ""
 
     def __enter__(self) -> ProgressBar:
         return self
@@ -54,6 +68,11 @@ class ProgressBar:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._open.close()
+
+    def found(self, level: Level) -> None:
+        """Keep showing which pattern there is already: Ctrl-C would take it."""
+        off = f"{level.off_by_mm:.2g} mm off" if level.tolerance_mm else "as drawn"
+        self._found = f" ({level.folds} folds so far, {off})"
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Show that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
@@ -65,4 +84,4 @@ class ProgressBar:
 
             self._progress = self._open.enter_context(Progress(console=Console(stderr=True), transient=True))
             self._progress.add_task(stage, total=1.0)
-        self._progress.update(self._progress.task_ids[0], description=stage, completed=fraction)
+        self._progress.update(self._progress.task_ids[0], description=stage + self._found, completed=fraction)
