@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
 from typing import TYPE_CHECKING, TextIO
@@ -23,32 +22,33 @@ BETWEEN_LINES_S = 0.1
 """A stage writes no more than one line in this time."""
 
 
-def progress_lines(out: TextIO) -> Callable[[str, float], None]:
-    """Return a callback that writes ``{"stage": "searching: 8 creases", "fraction": 0.5}`` as a line.
+class ProgressLines:
+    """A callback ``lines(stage, fraction)`` that writes ``{"stage": "searching: 8 creases", "fraction": 0.5}``.
 
     A stage, which is named by the text before the colon, writes no more than one line every ``BETWEEN_LINES_S``.
     """
-    last, told = "", 0.0
 
-    def tell(stage: str, fraction: float) -> None:
-        nonlocal last, told
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+        self._last, self._told, self._fraction = "", 0.0, 0.0
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        """Write that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
         name, now = stage.partition(":")[0], time.monotonic()
-        if name != last or now - told >= BETWEEN_LINES_S:
-            last, told = name, now
-            print(json.dumps({"stage": stage, "fraction": round(fraction, 4)}), file=out, flush=True)
+        self._fraction = round(fraction, 4)
+        if name != self._last or now - self._told >= BETWEEN_LINES_S:
+            self._last, self._told = name, now
+            self._write({"stage": stage, "fraction": self._fraction})
 
-    return tell
-
-
-def pattern_lines(out: TextIO) -> Callable[[Level], None]:
-    """Return a callback that writes a line for each pattern that is found, with its numbers as in the report."""
-
-    def found(level: Level) -> None:
+    def found(self, level: Level) -> None:
+        """Write that there is a verified pattern, at once, with its numbers as in the report: the best so far."""
         from foldcut.cli.report import level_report
 
-        print(json.dumps({"pattern": level_report(level, quick=True)}), file=out, flush=True)
+        self._last = "found"
+        self._write({"stage": "found", "fraction": self._fraction, "pattern": level_report(level, quick=True)})
 
-    return found
+    def _write(self, line: dict[str, object]) -> None:
+        print(json.dumps(line), file=self._out, flush=True)
 
 
 class ProgressBar:

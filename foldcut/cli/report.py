@@ -110,15 +110,15 @@ def _ladder_report(ladder: Ladder | None) -> Report | None:
         "taken": ladder.taken,
         "folds_allowed": ladder.folds,
         "interrupted": ladder.interrupted,
-        "levels": [level_report(level) for level in ladder.levels],
+        "levels": [level_report(level, quick=len(ladder.levels) == 1) for level in ladder.levels],
     }
 
 
 def level_report(level: Level, *, quick: bool = False) -> Report:
-    """Return the numbers of one tolerance; ``quick``: without those that take time to count."""
+    """Return the numbers of one tolerance; ``quick``: without what takes time to count."""
     numbers = ("tolerance_mm", "off_by_mm", "corners", "folds", "shortest_mm", "layers", "for_hands", "failure")
     report = {name: getattr(level, name) for name in numbers} | {"seconds": round(level.seconds, 3)}
-    return report if quick else report | {"simple_folds": level.simple_folds}
+    return report | {"simple_folds": None if quick else level.simple_folds}
 
 
 LADDER_HEAD = ("tolerance", "off by", "corners", "folds", "simple", "shortest", "layers")

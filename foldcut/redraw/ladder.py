@@ -254,6 +254,7 @@ class _Search:
         self.deadline = None if self.effort.seconds is None else time.monotonic() + self.effort.seconds
         self.before = self.frame.shape.loops
         self.more = 0
+        self.doing = ""
         self.since = self.until = self.stages.done
 
     def run(self) -> Ladder:
@@ -277,7 +278,10 @@ class _Search:
         if not any(level.tried for level in self.levels) and not alone and not self.interrupted:
             self._keep(self._folded(replace(self.levels.pop(0), failure=""), self.drawn.laying, 0.0, only=LAST_RESORTS))
             self.levels.insert(0, self.levels.pop())
-        return Ladder(tuple(self.levels), self._taken(), self.bounds.folds, self.interrupted)
+        ladder = Ladder(tuple(self.levels), self._taken(), self.bounds.folds, self.interrupted)
+        self.until = 1.0
+        self._progress(self.doing, 1.0)
+        return ladder
 
     # ---- one level ----
 
@@ -473,6 +477,7 @@ class _Search:
         self.since, self.until = self.until, 1.0 if last else (self.until + 1.0) / 2
 
     def _progress(self, text: str, fraction: float) -> None:
+        self.doing = text
         self.stages.start, self.stages.until = self.since, self.until
         self.stages.tell(text, fraction)
 
