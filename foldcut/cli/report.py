@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 from foldcut.core.model import CreasePattern, Finding, Sheet
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing
     from foldcut.redraw.ladder import Ladder, Level
+
+MOST_LETTERS = 60
+"""How much of the reason why an outline has no pattern is in the table; the report for programs has all."""
 
 Report = dict[str, Any]
 """What JSON can hold: the names and numbers that programs read."""
@@ -138,9 +142,8 @@ def _ladder_rows(report: Report) -> list[tuple[str, str]]:
     widths = [max(map(len, column)) for column in zip(*(row for row in cells if len(row) > 1), strict=True)]
     marks = ["  ", *("> " if number == taken else "  " for number in range(len(levels)))]
     texts = [mark + "  ".join(map(str.rjust, row, widths)) for mark, row in zip(marks, cells, strict=True)]
-    texts = [
-        f"{text}  {level['failure']}".rstrip() for text, level in zip(texts, [{"failure": ""}, *levels], strict=True)
-    ]
+    reasons = ["", *(shorten(level["failure"], MOST_LETTERS, placeholder=" ...") for level in levels)]
+    texts = [f"{text}  {reason}".rstrip() for text, reason in zip(texts, reasons, strict=True)]
     rows = [("outline" if number == 0 else "", text) for number, text in enumerate(texts)]
     return [*rows, ("taken", _taken_text(ladder)), *[("next", text) for text in _next_text(ladder)]]
 

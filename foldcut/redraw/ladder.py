@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -20,7 +21,7 @@ import numpy as np
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
-from foldcut.drawing.laying import Laying
+from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
 from foldcut.methods.base import Effort, Made, Wishes
@@ -100,8 +101,9 @@ Raises ``UnfoldableError`` where there is no pattern, or one with too short a cr
 class Level:
     """What one tolerance costs; lengths in mm on the sheet.
 
-    ``tolerance_mm``: how far the outline was allowed to be from the drawing; ``off_by_mm``: how far it is. ``shape``:
-    the outline on its sheet, and ``made`` its pattern, both None where there is none; then ``failure`` says why.
+    ``tolerance_mm``: how far the outline was allowed to be from the drawing; ``off_by_mm``: how far it is. ``laid``:
+    the outline on its sheet, None where none was found; ``tried``: its pattern, None where there is none. ``failure``
+    says why.
     ``folds``: straight folds that a person makes; ``layers``: how many the cut goes through. ``seconds``: how long it
     took. ``for_hands``: it has few enough folds and no crease that is too short. ``drawn``: the drawing on the same
     sheet, if the outline is another. ``notes``: what was done to the drawing. ``scale``: mm for each mm of the frame.
@@ -110,7 +112,7 @@ class Level:
     tolerance_mm: float
     scale: float
     off_by_mm: float = 0.0
-    shape: Shape | None = None
+    laid: Laid | None = None
     tried: Tried | None = None
     corners: int = 0
     folds: int | None = None
@@ -122,6 +124,11 @@ class Level:
     drawn: tuple[Floats, ...] = ()
     notes: tuple[str, ...] = ()
     title: str = ""
+
+    @property
+    def shape(self) -> Shape | None:
+        """The outline on its sheet."""
+        return None if self.laid is None else self.laid.shape
 
     @property
     def made(self) -> Made | None:
@@ -292,9 +299,8 @@ class _Search:
         start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
         if not alone:
             if corners > CORNERS_FOR_A_FOLD * self.bounds.folds:
-                return replace(
-                    start, failure=f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
-                )
+                failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
+                return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
                 look = self._folded(start, laying, 0.0, effort=Effort("fast"))
                 if look.folds is None or look.folds > PROMISING * self.bounds.folds:
@@ -363,6 +369,9 @@ class _Search:
                 raise
             if isinstance(error, UnfoldableError) and (self.error is None or not level.tolerance_mm):
                 self.error = error
+            with suppress(ShapeError):
+                laid = laying.lay()
+                level = replace(level, laid=laid, drawn=self._drawn(level, laying, laid, level.off_by_mm))
             return replace(level, failure=str(error), seconds=time.perf_counter() - started)
         finally:
             for name, seconds in within.seconds.items():
@@ -381,7 +390,6 @@ class _Search:
         off = 0.0 if off < NOT_MOVED * self.scale else off
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
-        is_other = bool(level.tolerance_mm) or bool(laying.simplify)
         failure = f"not verified: {tried.findings[0]}" if tried.findings else ""
         notes = level.notes
         if level.tolerance_mm:
@@ -390,7 +398,7 @@ class _Search:
         return replace(
             level,
             off_by_mm=off,
-            shape=on.shape,
+            laid=on,
             tried=tried,
             corners=on.shape.corner_count,
             folds=made.actions,
@@ -400,8 +408,13 @@ class _Search:
             failure=failure,
             seconds=seconds,
             notes=notes,
-            drawn=before if is_other and off > SEEN_MM else (),
+            drawn=self._drawn(level, laying, on, off),
         )
+
+    def _drawn(self, level: Level, laying: Laying, on: Laid, off: float) -> tuple[Floats, ...]:
+        """Return the drawing on the sheet, if the outline is another."""
+        is_other = level.tolerance_mm > 0 or laying.simplify > 0
+        return laying.on_sheet(self.drawn.whole.loops, on) if is_other and off > SEEN_MM else ()
 
     def _wishes(self, level: Level, left: float) -> Wishes:
         """Return what a method may do to an outline that may still be moved by ``left`` mm of the frame."""
