@@ -1,14 +1,15 @@
-"""From a drawing to a verified crease pattern: read, lay on the sheet, fold by a method, verify.
+"""From a drawing to a verified crease pattern: read, draw it anew, lay on the sheet, fold by a method, verify.
 
-The way of a drawing: ``readers`` -> ``drawing`` (mend, make a shape, lay it on the sheet) -> ``methods`` (fold it) ->
-``proof`` (verify the pattern). Nothing else happens here.
+The way of a drawing: ``readers`` -> ``drawing`` (mend, make a shape) -> ``redraw`` (outlines near to it, one tolerance
+after another) -> ``drawing`` (lay it on the sheet) -> ``methods`` (fold it) -> ``proof`` (verify the pattern). Nothing
+else happens here.
 """
 
 from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -21,7 +22,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import points_array
-from foldcut.core.errors import CreaseTooShortError, FoldcutError, UnfoldableError, VerificationError
+from foldcut.core.errors import BadInputError, CreaseTooShortError, FoldcutError, UnfoldableError, VerificationError
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
 from foldcut.drawing.laying import Laying
 from foldcut.drawing.limits import Limits
@@ -36,14 +37,13 @@ from foldcut.methods.progress import Progress, Stages
 from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.proof.verify import verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
+from foldcut.redraw.bounds import HANDS_FOLDS, Bounds
+from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
 
 if TYPE_CHECKING:
     from foldcut.methods.disks.method import DiskStages
 
 __all__ = ["Progress", "Result", "fold"]
-
-MANY_FOLDS = 60
-"""With more folds than this, a pattern is hard to fold by hand."""
 
 READ = 0.02
 """The part of the whole progress, from 0 to 1, that is reached once the drawing is read and laid on its sheet."""
@@ -75,6 +75,7 @@ class Result:
     prepared: Prepared | None = None
     told: tuple[str, ...] = ()
     numbers: Mapping[str, float] = field(default_factory=dict)
+    ladder: Ladder | None = None
 
     @cached_property
     def foldability(self) -> Foldability:
@@ -125,6 +126,11 @@ def fold(
     rotation: str | float | None = None,
     width: float | None = None,
     height: float | None = None,
+    tolerance: float | None = None,
+    level: str = "",
+    exact: bool | None = None,
+    folds: int | None = None,
+    small_parts: str = "drop",
     method: str = DEFAULT_METHOD,
     ribbon: float | None = None,
     min_crease: float | None = None,
@@ -137,6 +143,8 @@ def fold(
     limits: Limits | None = None,
     preparation: Preparation | None = None,
     progress: Progress | None = None,
+    on_pattern: Callable[[Level], None] | None = None,
+    next_level: bool = True,
 ) -> Result:
     """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
 
@@ -148,6 +156,16 @@ def fold(
     "best" is the angle at which the drawing is largest; None gives it a quarter turn if it then fits larger, and lets a
     method turn it so that its mirror axes are parallel to the sheet's sides.
 
+    How near the outline stays to the drawing: the drawing is tried as it is, and if that is not for two hands (more
+    than 60 folds, or a crease under 3 mm on A4), outlines that are at most 0.25, 0.5, 1, 2 and 4 mm off on A4, in
+    proportion on other sheets. The most exact one for two hands is taken, or the one that is easiest to fold if there
+    is none; ``Result.ladder`` has them all. ``tolerance`` is how far an outline may be off at most, ``level`` a name
+    for that: "exact" (not at all), "fine" (0.5 on A4), "normal" (2), "easy" (4, and the fewest folds are taken, not
+    the most exact outline). ``exact``: no corner moves at all; None: so it is for the methods "paper" and "gate", whose
+    patterns are never for two hands, unless one of the others is given. ``folds``: how many folds are allowed instead
+    of 60. ``small_parts`` that are narrower than the tolerance: "drop", "keep" or "enlarge" them. ``next_level``: also
+    try the tolerance after the one that is taken, to say what it would cost.
+
     How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
     the rest through two or four layers; "compact" makes few creases; "skeleton" is the method of Demaine, Demaine and
     Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and "gate" the same for several loops. "auto" takes the
@@ -156,13 +174,18 @@ def fold(
     method's default, which for "paper" and "gate" is a narrow one, since without it creases fold onto the cut line.
     ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "compact" and where "mirror" folds
     the half like that, else 0).
-    ``simplify`` leaves out corners if that moves the outline by no more than this; ``symmetry`` is how far corners may
-    be off in a drawing that is taken as symmetric, and made so; ``adjust`` is how far "skeleton" may move corners so
-    that creases meet, None a part of the drawing's size (about 1/500). ``effort`` ("fast", "normal", "best") or
+
+    These are bounds within the same search: ``adjust`` is how far "skeleton" may move corners so that creases meet,
+    None a part of the drawing's size (about 1/500); ``symmetry`` is how far corners may be off in a drawing that is
+    taken as symmetric, and made so, by default only rounding errors in the drawing as it is; neither exceeds
+    ``tolerance``. ``simplify`` leaves out corners of the drawing first if that moves the outline by no more than this,
+    and without a ``tolerance`` no outline is farther off than this, either. ``effort`` ("fast", "normal", "best") or
     ``seconds`` bounds the search.
 
     ``limits`` bound how large a file may be. ``preparation`` says how the drawing is mended and simplified; None: it
-    must be a valid shape as it is. ``progress`` is called with a stage's name and how much is done, from 0 to 1.
+    must be a valid shape as it is. ``progress`` is called with a stage's name and how much is done, from 0 to 1;
+    ``on_pattern`` with each verified pattern that is better than the ones before, the first at once. Ctrl-C ends the
+    search with the best one.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, an ``UnfoldableError``, for a verified pattern with too short a crease. A pattern that
@@ -173,73 +196,81 @@ def fold(
     wishes = Wishes(ribbon, min_crease, symmetry, adjust)
     stages = Stages(progress)
     stages.up_to(READ)
+    if exact and (simplify or symmetry or adjust):
+        raise BadInputError("exact forbids to move corners; leave out simplify, symmetry and adjust, or exact")
+    if tolerance is None and simplify > 0 and not level:
+        tolerance = simplify
+    if exact is None:
+        exact = method != AUTO and METHODS[method].needs_ribbon and tolerance is None and not level
+    corners = None if preparation is None else preparation.corners
+    bounds = Bounds(tolerance, level, exact, HANDS_FOLDS if folds is None else folds, corners, small_parts, next_level)
     with stages("reading"):
         paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
         layout = Layout(paper, margin, scale, offset, rotation, width, height)
         read = _read(shape, limits, layout, preparation)
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
-        laid = laying.lay()
+        drawn = Drawn(read.whole or read.outline, laying, title or read.title)
+        laying.lay()
     may_turn = rotation is None and offset is None
-    problem = Problem(laid, laying.lay, wishes, may_turn, stages)
-    made, attempts, findings, cut = _on_less_paper(method, problem, exertion, laying)
-    stages.seconds["build"] = sum(stages.seconds.values()) - stages.seconds["verify"]
-    on = made.laid
-    pattern = FoldedPattern(
-        made.creases,
-        made.folded,
-        on.sheet,
-        on.shape,
-        on.placement,
-        title or read.title,
-        made.first_folds,
-        made.regions,
-    )
+    stages.up_to(READ)
+
+    def fold_outline(laying: Laying, wishes: Wishes, effort: Effort, stages: Stages, only: str) -> Tried:
+        problem = Problem(laying.lay(), laying.lay, wishes, may_turn, stages)
+        return _on_less_paper(method, problem, effort, laying, only)
+
+    ladder = redraw_and_fold(drawn, bounds, wishes, fold_outline, exertion, stages, on_pattern=on_pattern)
+    stages.seconds["build"] = sum(stages.seconds.values()) - stages.seconds.get("verify", 0.0)
+    taken = ladder.level
+    tried, pattern = taken.tried, taken.pattern
+    assert tried is not None
+    assert pattern is not None
+    made = tried.made
     return Result(
         pattern,
-        tuple(findings),
+        tried.findings,
         made.detail,
         made.method,
         made.actions,
-        attempts,
+        tried.attempts,
         made.ribbon,
         stages.seconds,
-        (*cut, *read.notes, *on.notes),
+        (*tried.notes, *read.notes, *taken.notes, *made.laid.notes),
         read.drawing,
         read.prepared,
         made.told,
         made.numbers,
+        ladder,
     )
 
 
-def _on_less_paper(
-    method: str, problem: Problem, effort: Effort, laying: Laying
-) -> tuple[Made, tuple[Attempt, ...], Sequence[Finding], list[str]]:
+def _on_less_paper(method: str, problem: Problem, effort: Effort, laying: Laying, only: str) -> Tried:
     """Do as ``_folded``, on the sheet cut down if it does not fold otherwise, or takes more folds than hands like.
 
-    The last that is returned is a note that says so. A drawing that is to lie at a certain place stays there.
+    A note says so. A drawing that is to lie at a certain place stays there.
     """
     smaller = cut_down(problem.laid) if laying.layout.offset is None else None
-    whole: tuple[Made, tuple[Attempt, ...], Sequence[Finding]] | UnfoldableError
+    whole: Tried | UnfoldableError
     try:
-        whole = _folded(method, problem, effort)
-        made = whole[0]
+        whole = _folded(method, problem, effort, only)
+        made = whole.made
         may_help = method == AUTO or METHODS[made.method].cuts_down
-        if not may_help or _folds(made) <= MANY_FOLDS or made.interrupted:
+        if not may_help or _folds(made) <= HANDS_FOLDS or made.interrupted:
             smaller = None
     except UnfoldableError as error:
         whole = error
     if smaller is not None:
         ends_the_search = () if isinstance(whole, UnfoldableError) else (KeyboardInterrupt,)
         with suppress(FoldcutError, *ends_the_search):
-            part = _folded(method, _laid_on(problem, laying, *smaller), effort)
-            if isinstance(whole, UnfoldableError) or (not part[2] and _folds(part[0]) < _folds(whole[0])):
+            part = _folded(method, _laid_on(problem, laying, *smaller), effort, only)
+            if isinstance(whole, UnfoldableError) or (not part.findings and _folds(part.made) < _folds(whole.made)):
                 sheet = smaller[0]
                 why = "the whole sheet has no pattern" if isinstance(whole, UnfoldableError) else "it takes fewer folds"
-                return *part, [f"cut the sheet down to {sheet.width:g} by {sheet.height:g} mm first: {why}"]
+                note = f"cut the sheet down to {sheet.width:g} by {sheet.height:g} mm first: {why}"
+                return replace(part, notes=(note,))
     if isinstance(whole, UnfoldableError):
         raise whole
-    return *whole, []
+    return whole
 
 
 def _folds(made: Made) -> int:
@@ -253,10 +284,10 @@ def _laid_on(problem: Problem, laying: Laying, sheet: Sheet, margin: float) -> P
     return replace(problem, laid=laying.lay(), lay=laying.lay)
 
 
-def _folded(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...], Sequence[Finding]]:
-    """Fold by a method and verify; return what was made, what was tried, and what verification found."""
+def _folded(method: str, problem: Problem, effort: Effort, only: str) -> Tried:
+    """Fold by a method and verify; ``only`` is that of ``auto.run``."""
     stages, wishes = problem.stages, problem.wishes
-    made, attempts = auto.run(method, problem, effort)
+    made, attempts = auto.run(method, problem, effort, only)
     stages.up_to(FOLDED)
     stages.up_to(1.0)
     with stages("verify"):
@@ -265,12 +296,15 @@ def _folded(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[
         least = METHODS[made.method].min_crease_mm if made.min_crease_mm is None else made.min_crease_mm
         least = least if wishes.min_crease is None else wishes.min_crease
         _require_length(made, least, {attempt.method for attempt in attempts})
-    return made, attempts, findings
+    return Tried(made, attempts, tuple(findings))
 
 
 @dataclass(frozen=True, eq=False)
 class _Read:
-    """A drawing that has become a shape, and how it is to be laid, in its own units."""
+    """A drawing that has become a shape, and how it is to be laid, in its own units.
+
+    ``whole``: the shape with all of its corners, if some were left out to keep to a number.
+    """
 
     outline: Shape
     layout: Layout
@@ -279,6 +313,7 @@ class _Read:
     notes: tuple[str, ...] = ()
     drawing: Drawing | None = None
     prepared: Prepared | None = None
+    whole: Shape | None = None
 
 
 def _read(
@@ -301,16 +336,17 @@ def _read(
             refuse_changes(drawing.repairs)
         if not isinstance(layout.scale, str):
             layout = replace(layout, scale=layout.scale * (drawing.unit_mm or 1.0))
-    prepared = None
+    prepared = whole = None
     if preparation is not None:
         unit = layout.place(_hull(loops))[2].scale
         prepared = prepare([points_array(loop) * unit for loop in loops], preparation)
         notes = (*notes, *prepared.changes)
         loops = [loop / unit for loop in prepared.loops] if prepared.changes else loops
+        whole = None if prepared.whole is None else make_shape([loop / unit for loop in prepared.whole])
     outline = make_shape(loops)
     if drawing is None:
-        return _Read(outline, layout, notes=notes, prepared=prepared)
-    return _Read(outline, layout, drawing.title, drawing.y_down, notes, drawing, prepared)
+        return _Read(outline, layout, notes=notes, prepared=prepared, whole=whole)
+    return _Read(outline, layout, drawing.title, drawing.y_down, notes, drawing, prepared, whole)
 
 
 def _hull(loops: Sequence[ArrayLike]) -> Shape:

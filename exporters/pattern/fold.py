@@ -6,8 +6,9 @@ layer solvers fail on lines that nearly coincide.
 
 Our own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
 drawing's coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:shape``, the loops on the sheet that the
-cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:faceOrders`` = "adjacent" if
-only faces that share a crease are ordered (see ``face_orders``).
+cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:drawn``, the drawing's loops
+on the sheet, if the shape is another outline near to them; ``foldcut:faceOrders`` = "adjacent" if only faces that share
+a crease are ordered (see ``face_orders``).
 """
 
 from __future__ import annotations
@@ -75,6 +76,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
         "foldcut:shape": list(pattern.shape.loops),
         "foldcut:firstFolds": list(pattern.first_folds),
     }
+    if pattern.drawn:
+        fold["foldcut:drawn"] = list(pattern.drawn)
     if adjacent_only:
         fold["foldcut:faceOrders"] = "adjacent"
     return _to_json(fold)

@@ -32,6 +32,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
         "shape": [loop.round(DIGITS).tolist() for loop in pattern.shape.loops],
         "first": [line.round(DIGITS).tolist() for line in pattern.first_folds],
     }
+    if pattern.drawn:
+        data["drawn"] = [loop.round(DIGITS).tolist() for loop in pattern.drawn]
     # "<" would end the script element, whatever the title is
     text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     page = files(__package__).joinpath("page.html").read_text("utf-8")

@@ -2,7 +2,8 @@
 
 ``thumbnail``: a ``FoldedPattern`` -> a few hundred numbers, small enough for a batch to keep until all patterns are
 made. ``contact_sheet``: names and thumbnails -> SVG 1.1, one user unit is 1 mm. Mountains are dash-dotted and red,
-valleys dashed and blue, the shape is yellow, as in ``pictures``; a line at the bottom says so.
+valleys dashed and blue, the shape is yellow, as in ``pictures``; where the outline was drawn anew it is black, over the
+drawing in grey. A line at the bottom says so.
 """
 
 from __future__ import annotations
@@ -52,19 +53,29 @@ SAMPLE_MM = 5.0
 KEY_MM = 20.0
 """The room for a sample line and its word."""
 
+DRAWN = {"stroke": "#8a8a8a"}
+"""The attributes of the drawing, where the outline that is cut out is another."""
+
+CUT_OUT = {"stroke": "#000000"}
+"""The attributes of that outline."""
+
 TEXT = {"font_size": number(CAPTION_MM), "font_family": "sans-serif", "fill": "#222222"}
 """The attributes of words."""
 
 
 @dataclass(frozen=True)
 class Thumbnail:
-    """A pattern on a grid of whole numbers, y down: ``width`` and ``height`` of its sheet, and path data."""
+    """A pattern on a grid of whole numbers, y down: ``width`` and ``height`` of its sheet, and path data.
+
+    ``drawn``: the drawing, if the shape is another outline.
+    """
 
     width: int
     height: int
     shape: str
     mountains: str
     valleys: str
+    drawn: str = ""
 
 
 def thumbnail(pattern: FoldedPattern) -> Thumbnail:
@@ -85,9 +96,12 @@ def thumbnail(pattern: FoldedPattern) -> Thumbnail:
         some = longest[creases.edges_assignment[longest] == letter]
         return "".join(path_data(placed(line), closed=False) for line in ends[some])
 
-    step = math.ceil(pattern.shape.corner_count / MOST_POINTS)
-    loops = (path_data(placed(loop[::step]), closed=True) for loop in pattern.shape.loops)
-    return Thumbnail(round(sheet.width * scale), round(sheet.height * scale), "".join(loops), lines("M"), lines("V"))
+    def outlines(loops: Sequence[Floats]) -> str:
+        step = max(1, math.ceil(sum(map(len, loops)) / MOST_POINTS))
+        return "".join(path_data(placed(loop[::step]), closed=True) for loop in loops)
+
+    size = round(sheet.width * scale), round(sheet.height * scale)
+    return Thumbnail(*size, outlines(pattern.shape.loops), lines("M"), lines("V"), outlines(pattern.drawn))
 
 
 def contact_sheet(
@@ -121,13 +135,18 @@ def contact_sheet(
             (picture.shape, {"fill": "#ffe08a", "fill_rule": "evenodd"}),
             (picture.valleys, valley),
             (picture.mountains, mountain),
+            (picture.drawn, DRAWN),
+            (picture.shape if picture.drawn else "", CUT_OUT),
         ):
             if data:
                 group.add(drawing.path(d=data, **style))
         caption = shortened(printable(name), THUMBNAIL_MM / CAPTION_MM)
         below = (number(x), number(y + picture.height * scale + 1.4 * CAPTION_MM))
         drawing.add(drawing.text(caption, insert=below, **TEXT))
-    for count, (word, style) in enumerate(zip(("mountain", "valley"), _styles(look, 1.0), strict=True)):
+    redrawn = any(picture.drawn for _, picture in thumbnails)
+    keys = list(zip(("mountain", "valley"), _styles(look, 1.0), strict=True))
+    keys += [("drawing", DRAWN), ("cut out", CUT_OUT)] * redrawn
+    for count, (word, style) in enumerate(keys):
         x, y = gap + count * KEY_MM, legend + 0.5 * CAPTION_MM
         sample = path_data([(x, y), (x + SAMPLE_MM, y)], closed=False)
         drawing.add(drawing.path(d=sample, fill="none", stroke_width=number(STROKE_MM), **style))

@@ -149,9 +149,11 @@ class Text:
     centred: bool
 
 
-def laid_out(panels: Sequence[tuple[str, Panel]], title: str) -> tuple[bytes, tuple[float, float]]:
-    """Return named panels in rows of two, as SVG, and its width and height in mm."""
-    columns = min(2, len(panels))
+def laid_out(
+    panels: Sequence[tuple[str, Panel]], title: str, most_columns: int = 2
+) -> tuple[bytes, tuple[float, float]]:
+    """Return named panels in rows of two, or as many as ``most_columns``, as SVG, and its width and height in mm."""
+    columns = min(most_columns, len(panels))
     width = columns * (PANEL_MM + GAP_MM) + GAP_MM
     places, y = [], GAP_MM
     for first in range(0, len(panels), columns):

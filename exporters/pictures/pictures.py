@@ -1,19 +1,20 @@
 """Pictures of a pattern: the creases, the sheet folded flat, its layers drawn apart, and what the cut leaves.
 
 Input: a ``FoldedPattern`` and the names of panels; output: SVG (see ``panels``). Mountains are dash-dotted and red,
-valleys dashed and blue; the inside of the shape is yellow.
+valleys dashed and blue; the inside of the shape is yellow. Where the outline is not the drawing, the latter is grey.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
-from foldcut.core.model import FoldedPattern
+from foldcut.core.model import FoldedPattern, Shape, Sheet
 from foldcut.geometry.vectors import signed_area
 from foldcut.profiles import LineStyle, Profile
 
@@ -22,6 +23,7 @@ from .panels import BOLD, EDGE, EDGE_COLOUR, Item, Key, Panel, faces, fine, laid
 
 if TYPE_CHECKING:
     from foldcut.methods.disks.method import DiskStages
+    from foldcut.redraw.ladder import Ladder, Level
 
 INSIDE = "#ffe08a"
 """The colour of the shape's front."""
@@ -38,6 +40,27 @@ OUTSIDE_BACK = "#cfd8e3"
 CUT = "#c00000"
 """The colour of the cut."""
 
+DRAWN = "#8a8a8a"
+"""The colour of the drawing where the outline is another."""
+
+CUT_OUT = "#000000"
+"""The colour of the outline that the cut cuts out, beside the drawing's."""
+
+LADDER = "ladder"
+"""The name of the pictures of all tolerances that were tried, side by side."""
+
+LADDER_COLUMNS = 3
+"""How many of these are in a row."""
+
+THIN = 0.2
+"""The width of the drawing's line, in mm."""
+
+WORDS = 60
+"""The letters in a line of words under a picture."""
+
+LINES = 3
+"""The lines of words under a picture of an outline that has no pattern."""
+
 SIDEWAYS = 0.45
 """How much layers drawn apart are foreshortened along the cut line, since they are seen from the side."""
 
@@ -47,30 +70,40 @@ UPWARD = 0.2
 
 def check(show: Sequence[str], *, construction: bool = False) -> None:
     """Raise BadInputError unless these are names of panels; those of ``CONSTRUCTION`` need a construction."""
+    known = [*PANELS, LADDER, *CONSTRUCTION]
     for name in show:
-        if name not in {**PANELS, **CONSTRUCTION}:
-            raise BadInputError(f"there is no picture {name!r}; choose from {', '.join([*PANELS, *CONSTRUCTION])}")
+        if name not in known:
+            raise BadInputError(f"there is no picture {name!r}; choose from {', '.join(known)}")
         if name in CONSTRUCTION and not construction:
             raise BadInputError(f"the picture {name} is of the paper's construction: it goes with --method paper")
 
 
 def draw(
-    pattern: FoldedPattern, show: Sequence[str], profile: Profile, stages: DiskStages | None = None
+    pattern: FoldedPattern,
+    show: Sequence[str],
+    profile: Profile,
+    stages: DiskStages | None = None,
+    ladder: Ladder | None = None,
 ) -> tuple[bytes, tuple[float, float]]:
     """Return an SVG with a panel for each name in ``show``, and its width and height in mm.
 
-    ``stages``: those of the disk method, if it made the pattern. Raises BadInputError for a name that is neither in
-    ``PANELS`` nor, given ``stages``, in ``CONSTRUCTION``.
+    ``stages``: those of the disk method, if it made the pattern; ``ladder``: all tolerances that were tried, of which
+    each gets a panel. Raises BadInputError for a name that is neither in ``PANELS`` nor, given ``stages``, in
+    ``CONSTRUCTION``, nor, given ``ladder``, is ``LADDER``.
     """
     check(show, construction=stages is not None)
     panels = []
     for name in show:
-        if name in PANELS:
+        if name == LADDER:
+            if ladder is None:
+                raise BadInputError("a pattern that was folded before has no ladder; give the drawing")
+            panels += [(f"{LADDER}-{n}", panel) for n, panel in enumerate(_levels(ladder, profile.drawing), start=1)]
+        elif name in PANELS:
             panels.append((name, PANELS[name](pattern, profile.drawing)))
         else:
             assert stages is not None
             panels.append((name, CONSTRUCTION[name](stages, profile.drawing)))
-    return laid_out(panels, pattern.title)
+    return laid_out(panels, pattern.title, LADDER_COLUMNS if LADDER in show else 2)
 
 
 def _pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]]:
@@ -99,6 +132,57 @@ def _colour(inside: bool, folded: Floats) -> str:
     return (INSIDE if front else INSIDE_BACK) if inside else (OUTSIDE if front else OUTSIDE_BACK)
 
 
+def outlines(pattern: FoldedPattern, look: LineStyle) -> Panel:
+    """Draw the outline that is cut out, and over it the drawing, if that is another."""
+    keys = [Key("the outline that is cut out", stroke=CUT_OUT, width=BOLD)]
+    keys += [Key("the drawing", stroke=DRAWN)] if pattern.drawn else []
+    lines = _outlines(pattern.shape, pattern.drawn)
+    return Panel([faces([pattern.sheet.corners], OUTSIDE), *_filled(pattern.shape), *lines], keys)
+
+
+def _filled(shape: Shape) -> list[Item]:
+    """Return the shape, yellow, with its holes."""
+    loops = sorted(enumerate(shape.loops), key=lambda row: shape.depth(row[0]))
+    return [faces([loop], INSIDE if shape.depth(n) % 2 == 0 else OUTSIDE) for n, loop in loops]
+
+
+def _outlines(shape: Shape, drawn: Sequence[Floats]) -> list[Item]:
+    """Return the lines of the outline, and over them those of the drawing, if that is another."""
+    before = [Item(drawn, stroke=DRAWN, width=THIN, closed=True)] if drawn else []
+    return [Item(list(shape.loops), stroke=CUT_OUT, width=BOLD, closed=True), *before]
+
+
+def _levels(ladder: Ladder, look: LineStyle) -> list[Panel]:
+    """Draw each tolerance that was tried: outlines, creases, and below what it costs."""
+    return [_level(level, look, taken=number == ladder.taken) for number, level in enumerate(ladder.levels)]
+
+
+def _level(level: Level, look: LineStyle, *, taken: bool) -> Panel:
+    """Draw one tolerance; without a pattern, only say why there is none."""
+    name = f"within {level.tolerance_mm:.3g} mm" if level.tolerance_mm else "as drawn"
+    pattern = level.pattern
+    if pattern is None or level.folds is None or level.shortest_mm is None:
+        words = wrap(level.failure, WORDS, max_lines=LINES, placeholder=" ...")
+        keys = [Key(f"{name}: no pattern"), *map(Key, words)]
+        if level.laid is None:
+            return Panel([faces([Sheet(1.0, 1.0).corners], OUTSIDE)], keys)
+        shape = level.laid.shape
+        sheet = faces([level.laid.sheet.corners], OUTSIDE)
+        return Panel([sheet, *_filled(shape), *_outlines(shape, level.drawn)], keys)
+    lines = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
+    kinds = pattern.creases.edges_assignment
+    drawn = [
+        Item(list(lines[kinds == letter]), stroke=colour, width=EDGE)
+        for letter, colour in (("M", look.mountain_colour), ("V", look.valley_colour))
+        if (kinds == letter).any()
+    ]
+    hands = "for two hands" if level.for_hands else "not for two hands"
+    cost = f"{level.off_by_mm:.2g} mm off, {level.folds} folds, shortest {level.shortest_mm:.3g} mm"
+    keys = [Key(f"{name}{': taken' if taken else ''}"), Key(cost), Key(f"{level.layers} layers at the cut, {hands}")]
+    outline = _outlines(pattern.shape, pattern.drawn)
+    return Panel([faces([pattern.sheet.corners], OUTSIDE), *_filled(pattern.shape), *drawn, *outline], keys)
+
+
 def creases(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the crease pattern."""
     kinds = pattern.creases.edges_assignment
@@ -106,8 +190,8 @@ def creases(pattern: FoldedPattern, look: LineStyle) -> Panel:
     folded = np.isin(kinds, ("M", "V"))
     width = fine(lines[folded], max(pattern.sheet.width, pattern.sheet.height))
     sheet = faces([pattern.sheet.corners], OUTSIDE)
-    loops = sorted(enumerate(pattern.shape.loops), key=lambda row: pattern.shape.depth(row[0]))
-    shape = [faces([loop], INSIDE if pattern.shape.depth(n) % 2 == 0 else OUTSIDE) for n, loop in loops]
+    shape = _filled(pattern.shape)
+    before = [Item(pattern.drawn, stroke=DRAWN, width=THIN, closed=True)] if pattern.drawn else []
     styles = (
         ("M", look.mountain_colour, mountain(look), "mountain: fold away from you"),
         ("V", look.valley_colour, valley(look), "valley: fold toward you"),
@@ -118,7 +202,8 @@ def creases(pattern: FoldedPattern, look: LineStyle) -> Panel:
         if (kinds == letter).any()
     ]
     keys = [Key(text, stroke=colour, dash=dash) for _, colour, dash, text in styles]
-    return Panel([sheet, *shape, *drawn], [*keys, Key("the shape", fill=INSIDE)])
+    drawing = [Key("the drawing", stroke=DRAWN)] if pattern.drawn else []
+    return Panel([sheet, *shape, *before, *drawn], [*keys, Key("the shape", fill=INSIDE), *drawing])
 
 
 SIDES = [
@@ -180,6 +265,7 @@ def after(pattern: FoldedPattern, look: LineStyle) -> Panel:
 
 PANELS: dict[str, Callable[[FoldedPattern, LineStyle], Panel]] = {
     "pattern": creases,
+    "outline": outlines,
     "folded": front,
     "layers": apart,
     "pieces": after,

@@ -17,6 +17,7 @@ from foldcut.cli.console import Console
 from foldcut.cli.parser import Parser, nearest
 from foldcut.core.errors import BadInputError
 from foldcut.methods import AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
+from foldcut.redraw.bounds import FEWEST, HANDS_CREASE_MM, HANDS_FOLDS, LEVELS, SMALL_PARTS, TOLERANCES
 
 if TYPE_CHECKING:
     from foldcut.core.model import Sheet
@@ -240,6 +241,11 @@ class FoldOptions:
     method: str
     ribbon: float | None
     min_crease: float | None
+    tolerance: float | None
+    level: str
+    exact: bool | None
+    folds: int | None
+    small_parts: str
     simplify: float
     symmetry: float
     adjust: float | None
@@ -315,29 +321,10 @@ def add_folding(command: ArgumentParser) -> None:
         metavar="LENGTH",
         help=f"refuse patterns with a shorter crease (default: {_shortest_creases()})",
     )
-    command.add_argument(
-        "--simplify",
-        metavar="LENGTH",
-        default="0mm",
-        help="leave out corners if that moves the outline by no more than this on the sheet (default: none)",
-    )
-    command.add_argument(
-        "--symmetry",
-        metavar="LENGTH",
-        default="0mm",
-        help="treat the drawing as mirror-symmetric if its corners are off by no more than this on the sheet, and make "
-        "it exactly so (default: only rounding errors)",
-    )
-    command.add_argument(
-        "--adjust",
-        metavar="LENGTH",
-        help="how far a method may move the drawing's corners to make creases meet (default: about 1/500 of the "
-        "drawing's size)",
-    )
+    add_nearness(command)
     add_reading(command)
     mend = command.add_argument_group("the drawing; every change is reported")
     mend.add_argument("--strict", action="store_true", help="refuse a drawing that has to be mended, and say why")
-    mend.add_argument("--corners", metavar="N", type=int, help="leave out corners until at most N are left")
     mend.add_argument(
         "--min-feature",
         metavar="LENGTH",
@@ -351,6 +338,75 @@ def add_folding(command: ArgumentParser) -> None:
         help="if loops touch, move all edges inward until they are this far apart",
     )
     mend.add_argument("--mirror", action="store_true", help="turn the drawing over, left to right")
+
+
+def add_nearness(command: ArgumentParser) -> None:
+    """Add how near the outline stays to the drawing, and what is asked of the pattern in return."""
+    hands = f"at most {HANDS_FOLDS} folds, no crease under {HANDS_CREASE_MM:g} mm"
+    steps = ", ".join(f"{tolerance:g}" for tolerance in TOLERANCES[:-1])
+    near = command.add_argument_group(
+        "how near the outline stays to the drawing",
+        f"The drawing is tried as it is. If that is not for two hands ({hands} on A4), outlines are drawn anew that "
+        f"are at most {steps} and {TOLERANCES[-1]:g} mm off on A4, on other sheets in proportion, and the most exact "
+        "one for two hands is taken; if there is none, the one that is easiest to fold. The report has them all. "
+        "--tolerance bounds all moves together; --simplify, --symmetry and --adjust bound one kind of move each, and "
+        "--corners the number of corners, within the same search.",
+    )
+    near.add_argument(
+        "--tolerance",
+        metavar="LENGTH",
+        help="how far the outline may be from the drawing at most, and the drawing from it, in mm on the sheet, all "
+        f"moves together (default: {TOLERANCES[-1]:g} mm on A4)",
+    )
+    near.add_argument(
+        "--exact", action="store_true", help="move no corner at all: the outline is the drawing (as --tolerance 0mm)"
+    )
+    near.add_argument(
+        "--level",
+        choices=LEVELS,
+        help="a name for a tolerance on A4: exact: no moves; "
+        + "; ".join(f"{name}: at most {most:g} mm" for name, most in LEVELS.items() if most)
+        + f"; and {FEWEST} takes the fewest folds, not the most exact outline (default: none)",
+    )
+    near.add_argument(
+        "--folds",
+        metavar="N",
+        type=int,
+        help=f"take the most exact outline with at most N folds (default: {HANDS_FOLDS})",
+    )
+    near.add_argument(
+        "--small-parts",
+        choices=SMALL_PARTS,
+        default=SMALL_PARTS[0],
+        help="what becomes of parts that are narrower than the tolerance, such as an eye: they are named, and left "
+        "out, kept as they are, or enlarged to the tolerance (default: %(default)s)",
+    )
+    near.add_argument(
+        "--simplify",
+        metavar="LENGTH",
+        default="0mm",
+        help="leave out corners of the drawing first, if that moves the outline by no more than this on the sheet; "
+        "unless --tolerance or --level is given, this is the tolerance, too (default: none)",
+    )
+    near.add_argument(
+        "--symmetry",
+        metavar="LENGTH",
+        default="0mm",
+        help="how far corners may be off in a drawing that is taken as mirror-symmetric, and made exactly so (default: "
+        "in the drawing as it is only rounding errors, in an outline drawn anew as far as the tolerance goes)",
+    )
+    near.add_argument(
+        "--adjust",
+        metavar="LENGTH",
+        help="how far a method may move corners at last, to make creases meet (default: about 1/500 of the drawing's "
+        "size, within the tolerance)",
+    )
+    near.add_argument(
+        "--corners",
+        metavar="N",
+        type=int,
+        help="at most this many corners: they are left out of the drawing until N are left, and no outline has more",
+    )
 
 
 def _method_help() -> str:
@@ -394,6 +450,11 @@ def folding(args: Namespace) -> FoldOptions:
         method=args.method,
         ribbon=length(args.ribbon),
         min_crease=length(args.min_crease),
+        tolerance=length(args.tolerance),
+        level=args.level or "",
+        exact=args.exact or None,
+        folds=args.folds,
+        small_parts=args.small_parts,
         simplify=parse_length(args.simplify),
         symmetry=parse_length(args.symmetry),
         adjust=length(args.adjust),

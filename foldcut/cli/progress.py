@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
 from contextlib import ExitStack
 from types import TracebackType
 from typing import TYPE_CHECKING, TextIO
@@ -15,27 +14,41 @@ from typing import TYPE_CHECKING, TextIO
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from foldcut.redraw.ladder import Level
+
 PATIENCE_S = 1.0
 """Work that is done sooner shows no bar."""
 BETWEEN_LINES_S = 0.1
 """A stage writes no more than one line in this time."""
 
 
-def progress_lines(out: TextIO) -> Callable[[str, float], None]:
-    """Return a callback that writes ``{"stage": "searching: 8 creases", "fraction": 0.5}`` as a line.
+class ProgressLines:
+    """A callback ``lines(stage, fraction)`` that writes ``{"stage": "searching: 8 creases", "fraction": 0.5}``.
 
     A stage, which is named by the text before the colon, writes no more than one line every ``BETWEEN_LINES_S``.
     """
-    last, told = "", 0.0
 
-    def tell(stage: str, fraction: float) -> None:
-        nonlocal last, told
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+        self._last, self._told, self._fraction = "", 0.0, 0.0
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        """Write that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
         name, now = stage.partition(":")[0], time.monotonic()
-        if name != last or now - told >= BETWEEN_LINES_S:
-            last, told = name, now
-            print(json.dumps({"stage": stage, "fraction": round(fraction, 4)}), file=out, flush=True)
+        self._fraction = round(fraction, 4)
+        if name != self._last or now - self._told >= BETWEEN_LINES_S:
+            self._last, self._told = name, now
+            self._write({"stage": stage, "fraction": self._fraction})
 
-    return tell
+    def found(self, level: Level) -> None:
+        """Write that there is a verified pattern, at once, with its numbers as in the report: the best so far."""
+        from foldcut.cli.report import level_report
+
+        self._last = "found"
+        self._write({"stage": "found", "fraction": self._fraction, "pattern": level_report(level, quick=True)})
+
+    def _write(self, line: dict[str, object]) -> None:
+        print(json.dumps(line), file=self._out, flush=True)
 
 
 class ProgressBar:
@@ -46,6 +59,7 @@ class ProgressBar:
         self._started = time.monotonic()
         self._open = ExitStack()
         self._progress: Progress | None = None
+        self._found = ""
 
     def __enter__(self) -> ProgressBar:
         return self
@@ -54,6 +68,11 @@ class ProgressBar:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self._open.close()
+
+    def found(self, level: Level) -> None:
+        """Keep showing which pattern there is already: Ctrl-C would take it."""
+        off = f"{level.off_by_mm:.2g} mm off" if level.tolerance_mm else "as drawn"
+        self._found = f" ({level.folds} folds so far, {off})"
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Show that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
@@ -65,4 +84,4 @@ class ProgressBar:
 
             self._progress = self._open.enter_context(Progress(console=Console(stderr=True), transient=True))
             self._progress.add_task(stage, total=1.0)
-        self._progress.update(self._progress.task_ids[0], description=stage, completed=fraction)
+        self._progress.update(self._progress.task_ids[0], description=stage + self._found, completed=fraction)

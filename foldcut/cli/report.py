@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 from foldcut.core.model import CreasePattern, Finding, Sheet
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing
+    from foldcut.redraw.ladder import Ladder, Level
+
+MOST_LETTERS = 60
+"""How much of the reason why an outline has no pattern is in the table; the report for programs has all."""
 
 Report = dict[str, Any]
 """What JSON can hold: the names and numbers that programs read."""
@@ -51,6 +56,7 @@ def make_report(
         "drawing": _drawing_report(result.drawing),
         "scale_mm_per_unit": pattern.placement.scale,
         "corners": pattern.shape.corner_count,
+        "ladder": _ladder_report(result.ladder),
         "method": result.method,
         **result.numbers,
         "told": list(result.told),
@@ -100,6 +106,100 @@ def _drawing_rows(report: Report) -> list[tuple[str, str]]:
     return [*rows, ("ignored", ", ".join(drawing["ignored"]))] if drawing["ignored"] else rows
 
 
+def _ladder_report(ladder: Ladder | None) -> Report | None:
+    """Return what each tolerance costs, and which was taken."""
+    if ladder is None:
+        return None
+    return {
+        "taken": ladder.taken,
+        "folds_allowed": ladder.folds,
+        "interrupted": ladder.interrupted,
+        "levels": [level_report(level, quick=len(ladder.levels) == 1) for level in ladder.levels],
+    }
+
+
+def level_report(level: Level, *, quick: bool = False) -> Report:
+    """Return the numbers of one tolerance; ``quick``: without what takes time to count."""
+    numbers = ("tolerance_mm", "off_by_mm", "corners", "folds", "shortest_mm", "layers", "for_hands", "failure")
+    report = {name: getattr(level, name) for name in numbers} | {"seconds": round(level.seconds, 3)}
+    return report | {"simple_folds": None if quick else level.simple_folds}
+
+
+LADDER_HEAD = ("tolerance", "off by", "corners", "folds", "simple", "shortest", "layers")
+"""The columns of the ladder."""
+
+
+def _ladder_rows(report: Report) -> list[tuple[str, str]]:
+    """Return the lines about the tolerances that were tried: a table, what was taken, and what the next would cost."""
+    ladder = report["ladder"]
+    if ladder is None:
+        return []
+    taken, levels = ladder["taken"], ladder["levels"]
+    if len(levels) == 1 and not levels[0]["tolerance_mm"]:
+        hands = "for two hands" if levels[0]["for_hands"] else f"not for two hands ({_why_not(levels[0], ladder)})"
+        return [("outline", f"as drawn; {hands}")]
+    cells = [LADDER_HEAD, *map(_ladder_cells, levels)]
+    widths = [max(map(len, column)) for column in zip(*(row for row in cells if len(row) > 1), strict=True)]
+    marks = ["  ", *("> " if number == taken else "  " for number in range(len(levels)))]
+    texts = [mark + "  ".join(map(str.rjust, row, widths)) for mark, row in zip(marks, cells, strict=True)]
+    reasons = ["", *(shorten(level["failure"], MOST_LETTERS, placeholder=" ...") for level in levels)]
+    texts = [f"{text}  {reason}".rstrip() for text, reason in zip(texts, reasons, strict=True)]
+    rows = [("outline" if number == 0 else "", text) for number, text in enumerate(texts)]
+    return [*rows, ("taken", _taken_text(ladder)), *[("next", text) for text in _next_text(ladder)]]
+
+
+def _ladder_cells(level: Report) -> tuple[str, ...]:
+    """Return a row of the ladder."""
+    tolerance = f"{level['tolerance_mm']:.3g} mm" if level["tolerance_mm"] else "as drawn"
+    if level["folds"] is None:
+        return (tolerance, "", str(level["corners"] or ""), "-", "-", "-", "-")
+    simple = "?" if level["simple_folds"] is None else str(level["simple_folds"])
+    return (
+        tolerance,
+        f"{level['off_by_mm']:.2f} mm",
+        str(level["corners"]),
+        str(level["folds"]),
+        simple,
+        f"{level['shortest_mm']:.3g} mm",
+        str(level["layers"]),
+    )
+
+
+def _taken_text(ladder: Report) -> str:
+    """Say which outline was taken, and why."""
+    level = ladder["levels"][ladder["taken"]]
+    what = _outline_text(level)
+    if level["for_hands"]:
+        return f"{what}: it is for two hands, with at most {ladder['folds_allowed']} folds and no crease too short"
+    return f"{what}: the easiest to fold of these, but it is not for two hands ({_why_not(level, ladder)})"
+
+
+def _outline_text(level: Report) -> str:
+    """Name the outline of a level."""
+    if not level["tolerance_mm"]:
+        return "the drawing as it is"
+    return f"the outline {level['off_by_mm']:.2g} mm off the drawing"
+
+
+def _why_not(level: Report, ladder: Report) -> str:
+    """Say why a pattern is not for two hands."""
+    many = level["folds"] is not None and level["folds"] > ladder["folds_allowed"]
+    return f"more than {ladder['folds_allowed']} folds" if many else "its shortest crease is too short"
+
+
+def _next_text(ladder: Report) -> list[str]:
+    """Say what the tolerance after the one that was taken would cost."""
+    taken = ladder["levels"][ladder["taken"]]
+    for level in ladder["levels"][ladder["taken"] + 1 :][:1]:
+        if level["folds"] is None:
+            return [f"{level['tolerance_mm']:.3g} mm has no pattern"]
+        return [
+            f"{_outline_text(level)} would take {level['folds']} folds instead of {taken['folds']}, "
+            f"the shortest crease {level['shortest_mm']:.3g} mm long (--tolerance, --level easy)"
+        ]
+    return []
+
+
 def _paper(profile: Profile | None, material: str | None) -> tuple[str, float]:
     """Return what the sheet is made of, and its thickness in mm."""
     if profile is None or not profile.materials:
@@ -124,6 +224,7 @@ def make_lines(report: Report) -> list[str]:
         *_drawing_rows(report),
         ("sheet", f"{sheet}; 1 unit of the drawing is {report['scale_mm_per_unit']:.4g} mm"),
         ("", f"{report['sheet_used']:.0%} of it is the shape"),
+        *_ladder_rows(report),
         *_method_rows(report),
         *_fold_rows(report),
         *_pattern_rows(report),

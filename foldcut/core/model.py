@@ -138,7 +138,8 @@ class FoldedPattern:
     """All that an exporter needs: the creases, how they fold, the sheet, the shape on it, and its name.
 
     ``first_folds``: straight lines across the whole sheet, each ``(2, 2)`` mm, to be folded away from you one after
-    another before anything else. ``regions``: where the molecules lie, as a tree, if that is known.
+    another before anything else. ``regions``: where the molecules lie, as a tree, if that is known. ``drawn``: the
+    loops of the drawing, ``(n, 2)`` mm on the sheet, if ``shape`` is another outline that was drawn near to them.
     """
 
     creases: CreasePattern
@@ -149,6 +150,7 @@ class FoldedPattern:
     title: str
     first_folds: tuple[Floats, ...] = ()
     regions: tuple[Region, ...] = ()
+    drawn: tuple[Floats, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from foldcut.core.arrays import Floats
 from foldcut.core.model import Placement, Shape, Sheet
 from foldcut.drawing.placement import Layout
 from foldcut.drawing.simplify import simplify
@@ -42,7 +44,8 @@ class Laying:
     """What is needed to lay a shape, ``outline``, on its sheet.
 
     ``simplify``: the tolerance, in mm, within which corners are left out. ``mirrored``: left and right of the drawing
-    were swapped. ``y_down``: its y axis points down. The last two only affect the placement.
+    were swapped. ``y_down``: its y axis points down. The last two only affect the placement. ``redrawn``: an outline,
+    in the drawing's units, that is laid in place of the drawing, where the drawing would lie.
     """
 
     outline: Shape
@@ -50,6 +53,7 @@ class Laying:
     simplify: float = 0.0
     mirrored: bool = False
     y_down: bool = False
+    redrawn: Shape | None = None
 
     def lay(self, turn: float = 0.0) -> Laid:
         """Lay the shape on the sheet, turned by ``turn`` degrees in addition to what the layout says.
@@ -57,8 +61,9 @@ class Laying:
         Raises ``SheetError`` for numbers that make no sense, and ``ShapeError`` for a shape that does not fit or that
         is not valid once it is simplified.
         """
-        sheet, shape, placement, quarter = self.layout.place(self.outline, turn)
-        drawn, similarity = self.outline, placement
+        drawn = self.outline if self.redrawn is None else self.redrawn
+        sheet, shape, placement, quarter = self.layout.place(drawn, turn, self.outline)
+        similarity = placement
         notes = [f"turned by {turn:.4g} degrees, so that a mirror axis lies along the sheet"] if turn else []
         notes += ["turned by a quarter, so that it has more room on the sheet"] * quarter
         if self.simplify:
@@ -66,6 +71,14 @@ class Laying:
             shape = drawn = simplified.shape
             similarity = AS_IT_IS
             notes.append(str(simplified))
+        return Laid(sheet, shape, self._flipped(placement), tuple(notes), quarter, drawn, similarity)
+
+    def on_sheet(self, loops: Sequence[Floats], laid: Laid) -> tuple[Floats, ...]:
+        """Return loops in the units and directions of ``outline`` where they lie on the sheet, in mm."""
+        placement = self._flipped(laid.placement)
+        return tuple(placement.apply(loop) for loop in loops)
+
+    def _flipped(self, placement: Placement) -> Placement:
+        """Return a placement of ``outline`` as one of the file's own coordinates, or the other way around."""
         placement = Placement(placement.matrix * (-1.0, 1.0, 1.0)) if self.mirrored else placement
-        placement = placement.from_y_down() if self.y_down else placement
-        return Laid(sheet, shape, placement, tuple(notes), quarter, drawn, similarity)
+        return placement.from_y_down() if self.y_down else placement

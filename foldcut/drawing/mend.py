@@ -66,11 +66,15 @@ class Preparation:
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """Loops in mm, as ``drawn`` and as prepared, and one line of text for each change."""
+    """Loops in mm, as ``drawn`` and as prepared, and one line of text for each change.
+
+    ``whole``: the prepared loops with all of their corners, if some were left out to keep to a number.
+    """
 
     drawn: tuple[Floats, ...]
     loops: tuple[Floats, ...]
     changes: tuple[str, ...]
+    whole: tuple[Floats, ...] | None = None
 
 
 def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
@@ -97,12 +101,14 @@ def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
         mended = _noted(changes, *_without_narrow_parts(mended, preparation.min_feature))
     if preparation.separate:
         mended = _noted(changes, *_set_apart(mended, preparation.separate))
+    whole = mended
     if preparation.corners is not None:
         mended = _noted(changes, *_within_budget(mended, preparation.corners))
+    fewer = mended is not whole
     if preparation.mirror:
-        mended = tuple(points_array(loop * (-1.0, 1.0)) for loop in mended)
+        mended, whole = (tuple(points_array(loop * (-1.0, 1.0)) for loop in loops) for loops in (mended, whole))
         changes.append("mirrored, left to right")
-    return Prepared(drawn, mended, tuple(changes))
+    return Prepared(drawn, mended, tuple(changes), whole if fewer else None)
 
 
 def refuse_changes(changes: Sequence[str]) -> None:

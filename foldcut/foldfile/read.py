@@ -46,7 +46,8 @@ class FoldFile:
     """What a FOLD file says, in mm; whatever it does not say is None.
 
     ``layers`` ``(f,)`` are face numbers from bottom to top. ``folded`` ``(v, 2)`` are the places of the vertices in the
-    first folded frame. ``placement``, ``loops`` (the shape on the sheet) and ``first_folds`` are foldcut's own entries.
+    first folded frame. ``placement``, ``loops`` (the shape on the sheet), ``first_folds`` and ``drawn`` (the drawing
+    there) are foldcut's own entries.
     ``unit_mm`` is the length that was assumed for the unit of the file. ``notes`` say what was left out or assumed.
     """
 
@@ -59,6 +60,7 @@ class FoldFile:
     folded: Floats | None = None
     loops: tuple[Floats, ...] | None = None
     first_folds: tuple[Floats, ...] | None = None
+    drawn: tuple[Floats, ...] | None = None
 
 
 def read_fold(path: Path | str) -> FoldFile:
@@ -134,6 +136,7 @@ class _Reader:
             self.folded(len(coords), unit_mm),
             self.point_lists("foldcut:shape", unit_mm, least=3),
             self.point_lists("foldcut:firstFolds", unit_mm, least=2),
+            self.point_lists("foldcut:drawn", unit_mm, least=3),
         )
 
     def fail(self, place: str, problem: str) -> NoReturn:

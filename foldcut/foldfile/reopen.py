@@ -60,7 +60,8 @@ def reopen(file: FoldFile) -> Reopened:
     sheet, shape = _sheet(creases), make_shape(file.loops)
     findings = verify(creases, file.layers, shape) or _check_folded(creases, file.folded, shape, sheet)
     folded = FoldedState(file.folded, file.layers)
-    pattern = FoldedPattern(creases, folded, sheet, shape, file.placement, file.title, file.first_folds or ())
+    first, drawn = file.first_folds or (), file.drawn or ()
+    pattern = FoldedPattern(creases, folded, sheet, shape, file.placement, file.title, first, drawn=drawn)
     return Reopened(pattern, tuple(findings), file.notes)
 
 

@@ -15,7 +15,13 @@ from foldcut.methods.fewest_folds import fewest_folds
 from foldcut.methods.frame import ADJUST, frame_scale
 from foldcut.pattern.ranking import rank, shortest_crease
 
-__all__ = ["FOLDED", "Attempt", "run"]
+__all__ = ["FOLDED", "HANDS", "LAST_RESORTS", "Attempt", "run"]
+
+HANDS = "for hands"
+"""The methods whose patterns people may fold."""
+
+LAST_RESORTS = "last resorts"
+"""The methods that are tried where the others make no pattern; theirs have thousands of creases."""
 
 FOLDED = 0.98
 """The part of the whole progress, from 0 to 1, that is reached once there is a pattern; the rest is verification."""
@@ -42,25 +48,28 @@ class Attempt:
     failure: str
 
 
-def run(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
+def run(method: str, problem: Problem, effort: Effort, only: str = "") -> tuple[Made, tuple[Attempt, ...]]:
     """Return what a method makes, or with ``auto`` the best of what several make, and what came of each.
 
-    Raises ``UnfoldableError`` with the reason of each that was tried where none makes a pattern.
+    ``only``: ``HANDS`` or ``LAST_RESORTS`` if ``auto`` is to try no other methods. Raises ``UnfoldableError`` with the
+    reason of each that was tried where none makes a pattern.
     """
     if method == AUTO:
-        return _best(problem, effort)
+        return _best(problem, effort, only)
     problem.stages.up_to(FOLDED)
     made = METHODS[method].fold(problem, effort)
     return made, (_attempt(made),)
 
 
-def _best(problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
+def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Attempt, ...]]:
     """Go through the table of tries."""
     made: list[Made] = []
     attempts: list[Attempt] = []
     interrupted = False
     for row in TRIES:
-        if not row.when(problem) or (made and (row.last_resort or row.unless(problem, made))):
+        if not row.when(problem) or only == (HANDS if row.last_resort else LAST_RESORTS):
+            continue
+        if made and (row.last_resort or row.unless(problem, made)):
             continue
         problem.stages.up_to(row.until)
         try:

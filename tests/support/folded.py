@@ -26,7 +26,7 @@ def folded_sample(name: str, sheet: str = "a4", method: str = "auto") -> FoldedP
 
 
 def fold_sample(name: str, sheet: str = "a4", method: str = "auto") -> Result:
-    """Fold a sample with little effort and creases of any length, or return what was folded before."""
+    """Fold a sample as it is, with little effort and creases of any length, or return what was folded before."""
     return _fold_once(name, sheet, method)
 
 
@@ -38,7 +38,7 @@ def _fold_once(name: str, sheet: str, method: str) -> Result:
         if kept.exists():
             found: Result = pickle.loads(kept.read_bytes())
             return found
-        result = fold(sample_path(name), sheet, method=method, effort="fast", min_crease=0)
+        result = fold(sample_path(name), sheet, method=method, effort="fast", min_crease=0, exact=True)
         kept.write_bytes(_pickled(result))
     return result
 

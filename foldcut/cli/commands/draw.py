@@ -21,6 +21,7 @@ examples:
   foldcut draw fish                        fish-pictures.svg
   foldcut draw triangle --method paper --show packing,molecules,trees,ribbon --ribbon 1mm
   foldcut draw logo.svg --show folded,layers -o folded.png
+  foldcut draw logo.svg --show ladder      what each tolerance makes of the outline, and what it costs to fold
 """
 
 
@@ -33,7 +34,8 @@ def add_options(command: ArgumentParser) -> None:
         metavar="NAME,...",
         default="pattern,folded,layers,pieces",
         help="pattern; folded: flat, from the front, with the cut; layers: drawn apart, from the side; pieces: "
-        f"unfolded after the cut (default: these); and with --method {constructed} also packing, molecules, "
+        "unfolded after the cut (default: these); outline: what is cut out, over the drawing; ladder: the tolerances "
+        f"that were tried, side by side; and with --method {constructed} also packing, molecules, "
         "rabbit-ear, gusset, inset, trees, matching, ribbon",
     )
     options.add_request(command)
@@ -52,11 +54,13 @@ def draw(args: Namespace) -> int:
     if output.suffix.lower() not in (".svg", ".png"):
         raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
     show = tuple(name.strip() for name in args.show.split(","))
+    if pictures.LADDER in show and request.source.is_pattern:
+        raise BadInputError("a pattern that was folded before has no ladder; give the drawing")
     pictures.check(show, construction=args.method in METHODS and METHODS[args.method].construction)
 
     def drawn(result: Result | Reopened) -> bytes:
-        stages = None if isinstance(result, Reopened) else result.construction
-        svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages)
+        stages, ladder = (None, None) if isinstance(result, Reopened) else (result.construction, result.ladder)
+        svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages, ladder)
         return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
 
     return fold_and_write(request, output, drawn, options.console(args), replace=args.force)

@@ -62,7 +62,9 @@ def add_options(command: ArgumentParser) -> None:
         "README.txt (repeatable)",
     )
     command.add_argument(
-        "--preview", metavar="FILE.svg", help="also draw the drawing before (red) and after (black) mending"
+        "--preview",
+        metavar="FILE.svg",
+        help="also draw the drawing before (red) and after (black) it was mended and drawn anew",
     )
     options.add_request(command)
     options.add_machine(command)
@@ -94,7 +96,12 @@ def make(args: Namespace) -> int:
     if result.verified:
         contents, jobs = outputs.contents(result.folded_pattern)
         if preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
-            contents[preview_path] = preview(result.prepared.drawn, result.prepared.loops)
+            pattern, drawing = result.folded_pattern, result.drawing
+            before, after = result.prepared.drawn, result.prepared.loops
+            if pattern.drawn and drawing is not None:  # both as they lie on the sheet
+                before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
+                after = pattern.shape.loops
+            contents[preview_path] = preview(before, after)
     return write_and_report(result, contents, console, replace=args.force, jobs=jobs, machine=machine)
 
 

@@ -234,7 +234,7 @@ def _no_axis(shape: Shape, symmetry: float) -> str:
         return "no mirror axis of the drawing lies along the sheet; leave out --offset and --rotate"
     near = mirror_axes(shape, NEARLY * float(np.ptp(np.concatenate(shape.loops), axis=0).max()))
     if not near:
-        return f"the drawing is not mirror-symmetric{f' within {symmetry:g} mm' if symmetry else ''}"
+        return f"the drawing is not mirror-symmetric{f' within {symmetry:.3g} mm' if symmetry else ''}"
     off = min(axis.deviation for axis in near)
     return (
         f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; "

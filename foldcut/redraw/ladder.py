@@ -1,0 +1,508 @@
+"""The ladder: one tolerance after another, what each costs to fold, and which of them is taken.
+
+A drawing, how it is laid, ``Bounds``, and what folds an outline -> ``Ladder``: a ``Level`` for each tolerance that was
+tried. Taken is the most exact level for two hands: with few folds and no crease that is too short. If there is none,
+the one that is easiest to fold is taken.
+
+The search ends with the best level so far at Ctrl-C and when a limit in seconds has passed. Without such a limit all
+work is counted, so that the result is the same on every machine.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+
+from foldcut.core.arrays import Floats, points_array
+from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
+from foldcut.core.model import Finding, FoldedPattern, Shape
+from foldcut.drawing.laying import Laid, Laying
+from foldcut.drawing.placement import Layout, parse_sheet
+from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
+from foldcut.methods.base import Effort, Made, Wishes
+from foldcut.methods.frame import ADJUST
+from foldcut.methods.progress import Stages
+from foldcut.pattern.foldability import layers_at_cut
+from foldcut.pattern.ranking import Rank, rank, shortest_crease
+from foldcut.redraw.bounds import HANDS_CREASE_MM, Bounds
+from foldcut.redraw.distance import apart
+from foldcut.redraw.outlines import WORK, redrawn
+from foldcut.redraw.small_parts import Parts, treated
+
+__all__ = ["Drawn", "Fold", "Ladder", "Level", "Tried", "redraw_and_fold"]
+
+CORNERS_FOR_A_FOLD = 2
+"""A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands."""
+
+LOOK_FIRST = 30
+"""A drawing with more corners than this gets a short look first, and is folded in earnest only if that is promising."""
+
+PROMISING = 2.0
+"""A short look is promising if it finds no more than this many times the folds that are allowed."""
+
+PATIENCE = 1 / 3
+"""A search for an outline ends when it has not become better for this part of the work it may do."""
+
+MOST_FOLDED = 3
+"""At each tolerance, this many of the best outlines are folded at most, until one has a pattern."""
+
+SHARE_OF_SECONDS = 0.4
+"""The part of the seconds left that the methods get for each outline, where the time is limited by the clock."""
+
+LATER = {"best": "normal", "normal": "fast", "fast": "fast"}
+"""The effort of the methods for outlines that were drawn anew, by the effort for the drawing as it is."""
+
+NOT_MOVED = 1e-6
+"""An outline that is no farther than this from the drawing, in mm of the frame, has not moved."""
+
+SEEN_MM = 0.05
+"""What moved by less than this, in mm on the sheet, is not drawn as it was before."""
+
+MOST_STEPS = 300
+"""Folds that can be made one after another are counted in patterns with at most this many creases."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """A drawing and how it is laid.
+
+    ``whole``: the drawing before anything in it was moved, in the units of ``laying.outline``, which may have fewer
+    corners already; ``title``: its name.
+    """
+
+    whole: Shape
+    laying: Laying
+    title: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """What folding an outline came to: the pattern, what came of each method, what verification found, and notes."""
+
+    made: Made
+    attempts: tuple[Attempt, ...]
+    findings: tuple[Finding, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+Fold = Callable[[Laying, Wishes, Effort, Stages, str], Tried]
+"""Folds an outline as it is laid, and verifies the pattern; the last argument is ``only`` of ``methods.auto.run``.
+
+Raises ``UnfoldableError`` where there is no pattern, or one with too short a crease.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """What one tolerance costs; lengths in mm on the sheet.
+
+    ``tolerance_mm``: how far the outline was allowed to be from the drawing; ``off_by_mm``: how far it is. ``laid``:
+    the outline on its sheet, None where none was found; ``tried``: its pattern, None where there is none. ``failure``
+    says why.
+    ``folds``: straight folds that a person makes; ``layers``: how many the cut goes through. ``seconds``: how long it
+    took. ``for_hands``: it has few enough folds and no crease that is too short. ``drawn``: the drawing on the same
+    sheet, if the outline is another. ``notes``: what was done to the drawing. ``scale``: mm for each mm of the frame.
+    """
+
+    tolerance_mm: float
+    scale: float
+    off_by_mm: float = 0.0
+    laid: Laid | None = None
+    tried: Tried | None = None
+    corners: int = 0
+    folds: int | None = None
+    shortest_mm: float | None = None
+    layers: int | None = None
+    for_hands: bool = False
+    failure: str = ""
+    seconds: float = 0.0
+    drawn: tuple[Floats, ...] = ()
+    notes: tuple[str, ...] = ()
+    title: str = ""
+
+    @property
+    def shape(self) -> Shape | None:
+        """The outline on its sheet."""
+        return None if self.laid is None else self.laid.shape
+
+    @property
+    def made(self) -> Made | None:
+        """The pattern and how it was found."""
+        return None if self.tried is None else self.tried.made
+
+    @property
+    def verified(self) -> bool:
+        """Whether there is a pattern and verification found nothing wrong with it."""
+        return self.tried is not None and not self.tried.findings
+
+    @property
+    def rank(self) -> Rank:
+        """How hard the pattern is to fold, for an outline that has one."""
+        assert self.folds is not None
+        assert self.shortest_mm is not None
+        return rank(self.folds, self.shortest_mm / self.scale)
+
+    @cached_property
+    def pattern(self) -> FoldedPattern | None:
+        """The pattern as exporters take it."""
+        return None if self.made is None else pattern_of(self.made, self.title, self.drawn)
+
+    @cached_property
+    def simple_folds(self) -> int | None:
+        """How many of the folds are straight folds that are made one after another, flat sheet to flat sheet.
+
+        None where there is no pattern, and where it has so many creases that nobody has counted them.
+        """
+        pattern = self.pattern
+        if pattern is None or pattern.creases.crease_count > MOST_STEPS:
+            return None
+        from foldcut.folding_steps.steps import folding_steps
+
+        return sum(step.line is not None for step in folding_steps(pattern))
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """The levels that were tried, the most exact first, and which one was ``taken``.
+
+    ``folds``: how many folds were allowed; ``interrupted``: Ctrl-C or a limit in seconds ended the search early.
+    """
+
+    levels: tuple[Level, ...]
+    taken: int
+    folds: int
+    interrupted: bool = False
+
+    @property
+    def level(self) -> Level:
+        """The level that was taken."""
+        return self.levels[self.taken]
+
+    @property
+    def after(self) -> Level | None:
+        """The level after the one that was taken, which says what a larger tolerance would cost; None: not tried."""
+        return self.levels[self.taken + 1] if self.taken + 1 < len(self.levels) else None
+
+
+def pattern_of(made: Made, title: str, drawn: tuple[Floats, ...] = ()) -> FoldedPattern:
+    """Return what a method made as exporters take it; ``drawn``: the drawing on the sheet, if it was drawn anew."""
+    on = made.laid
+    return FoldedPattern(
+        made.creases,
+        made.folded,
+        on.sheet,
+        on.shape,
+        on.placement,
+        title,
+        made.first_folds,
+        made.regions,
+        drawn,
+    )
+
+
+def redraw_and_fold(
+    drawn: Drawn,
+    bounds: Bounds,
+    wishes: Wishes,
+    fold: Fold,
+    effort: Effort,
+    stages: Stages,
+    *,
+    on_pattern: Callable[[Level], None] | None = None,
+) -> Ladder:
+    """Fold a drawing at one tolerance after another and return what each costs.
+
+    If no tolerance has a pattern, the drawing as it is is folded by the methods that are not for hands. ``on_pattern``
+    is called with each verified pattern that is easier to fold, or nearer to the drawing, than those before: the first
+    one at once. Raises the error of the drawing as it is where there is no pattern at all.
+    """
+    return _Search(drawn, bounds, wishes, fold, effort, stages, on_pattern).run()
+
+
+class _Frame:
+    """The drawing as large as fits on A4, where outlines are searched, and the way there and back.
+
+    ``unit``: mm of the frame for each unit of the drawing.
+    """
+
+    def __init__(self, whole: Shape) -> None:
+        _, self.shape, placement, _ = Layout(parse_sheet("a4"), rotation=0.0).place(whole)
+        self.unit, self._origin = placement.scale, placement.matrix[:, 2]
+
+    def back(self, outline: Shape) -> Shape:
+        """Return an outline of the frame in the drawing's units."""
+        return Shape(tuple(points_array((loop - self._origin) / self.unit) for loop in outline.loops), outline.parent)
+
+
+@dataclass(eq=False)
+class _Search:
+    """The search over tolerances: ``levels`` are those tried so far."""
+
+    drawn: Drawn
+    bounds: Bounds
+    wishes: Wishes
+    fold: Fold
+    effort: Effort
+    stages: Stages
+    on_pattern: Callable[[Level], None] | None
+    levels: list[Level] = field(default_factory=list)
+    interrupted: bool = False
+    error: UnfoldableError | None = None
+    told: Level | None = None
+
+    def __post_init__(self) -> None:
+        self.frame = _Frame(self.drawn.whole)
+        self.scale = self.drawn.laying.lay().placement.scale / self.frame.unit
+        self.deadline = None if self.effort.seconds is None else time.monotonic() + self.effort.seconds
+        self.before = self.frame.shape.loops
+        self.more = 0
+        self.doing = ""
+        self.since = self.until = self.stages.done
+
+    def run(self) -> Ladder:
+        """Try the tolerances, and decide."""
+        tolerances = self.bounds.tolerances(self.scale)
+        alone = len(tolerances) == 1
+        for number, tolerance in enumerate(tolerances):
+            self.more += any(level.for_hands for level in self.levels)
+            self._progress_to(last=number == len(tolerances) - 1)
+            try:
+                level = self._as_it_is(alone=alone) if not tolerance else self._redrawn(tolerance)
+            except KeyboardInterrupt:
+                if not any(level.verified for level in self.levels):
+                    raise
+                self.interrupted = True
+                break
+            if level is not None:
+                self._keep(level)
+            if self._is_enough():
+                break
+        if not any(level.tried for level in self.levels) and not alone and not self.interrupted:
+            self._keep(self._folded(replace(self.levels.pop(0), failure=""), self.drawn.laying, 0.0, only=LAST_RESORTS))
+            self.levels.insert(0, self.levels.pop())
+        ladder = Ladder(tuple(self.levels), self._taken(), self.bounds.folds, self.interrupted)
+        self.until = 1.0
+        self._progress(self.doing, 1.0)
+        return ladder
+
+    # ---- one level ----
+
+    def _as_it_is(self, *, alone: bool) -> Level:
+        """Fold the drawing as it is; if it may be drawn anew, only where that has a chance to be one for hands."""
+        laying = self.drawn.laying
+        corners = laying.outline.corner_count
+        start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
+        if not alone:
+            if corners > CORNERS_FOR_A_FOLD * self.bounds.folds:
+                failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
+                return replace(start, laid=laying.lay(), failure=failure)
+            if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
+                look = self._folded(start, laying, 0.0, effort=Effort("fast"))
+                if look.folds is None or look.folds > PROMISING * self.bounds.folds:
+                    return look
+                self._tell(look)
+        return self._folded(start, laying, 0.0, only="" if alone else HANDS)
+
+    def _redrawn(self, tolerance: float) -> Level | None:
+        """Draw the outline anew within a tolerance in mm of the frame, and fold it; None where it is as before."""
+        started = time.perf_counter()
+        parts = treated(self.frame.shape, tolerance, self.bounds.small_parts)
+        found = [outline for outline in self._outlines(parts, tolerance) if self._has_few_corners(outline)]
+        start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(parts, self))
+        if not found:
+            return replace(start, failure="no outline was found", seconds=time.perf_counter() - started)
+        if self._is_as_before(found[-1]):
+            return None
+        level = start
+        for outline in reversed(found[-MOST_FOLDED:]):
+            moved = apart(outline.loops, [self.frame.shape.loops[loop] for loop in parts.kept])
+            laying = replace(self.drawn.laying, redrawn=self.frame.back(outline), simplify=0.0)
+            begun = replace(start, corners=outline.corner_count, off_by_mm=moved * self.scale)
+            effort = replace(self.effort, name=LATER[self.effort.name])
+            left = max(0.0, tolerance - moved)
+            level = self._folded(begun, laying, left, effort=effort, kept=parts.kept)
+            if level.verified or self.interrupted:
+                break
+        return replace(level, seconds=time.perf_counter() - started)
+
+    def _outlines(self, parts: Parts, tolerance: float) -> Iterator[Shape]:
+        """Yield better and better outlines, until they have not become better for a third of the work."""
+        work = WORK[self.effort.name]
+        since = 0
+        for outline in redrawn(parts.shape, tolerance, work):
+            since = 0 if outline is not None else since + 1
+            if outline is not None:
+                yield outline
+            if since > PATIENCE * work or self._is_late():
+                return
+
+    def _has_few_corners(self, outline: Shape) -> bool:
+        return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
+
+    def _is_as_before(self, outline: Shape) -> bool:
+        """Whether an outline of the frame is the one of the last level."""
+        loops, self.before = self.before, outline.loops
+        return len(loops) == len(outline.loops) and all(map(np.array_equal, loops, outline.loops))
+
+    def _folded(
+        self,
+        level: Level,
+        laying: Laying,
+        left: float,
+        *,
+        effort: Effort | None = None,
+        only: str = HANDS,
+        kept: Sequence[int] | None = None,
+    ) -> Level:
+        """Fold an outline; ``left``: how far it may still be moved, in mm of the frame."""
+        started = time.perf_counter()
+        within = Stages(self._progress)
+        try:
+            tried = self.fold(laying, self._wishes(level, left), self._part(effort or self.effort), within, only)
+        except (UnfoldableError, ShapeError) as error:
+            if isinstance(error, ShapeError) and not level.tolerance_mm:
+                raise
+            if isinstance(error, UnfoldableError) and (self.error is None or not level.tolerance_mm):
+                self.error = error
+            with suppress(ShapeError):
+                laid = laying.lay()
+                level = replace(level, laid=laid, drawn=self._drawn(level, laying, laid, level.off_by_mm))
+            return replace(level, failure=str(error), seconds=time.perf_counter() - started)
+        finally:
+            for name, seconds in within.seconds.items():
+                self.stages.seconds[name] = self.stages.seconds.get(name, 0.0) + seconds
+        self.interrupted |= tried.made.interrupted
+        return self._measured(level, laying, tried, time.perf_counter() - started, kept)
+
+    def _measured(
+        self, level: Level, laying: Laying, tried: Tried, seconds: float, kept: Sequence[int] | None
+    ) -> Level:
+        """Return a level with what is known of its pattern."""
+        made, on = tried.made, tried.made.laid
+        whole = self.drawn.whole.loops
+        before = laying.on_sheet(whole, on)
+        off = apart(on.shape.loops, [before[loop] for loop in (kept if kept is not None else range(len(whole)))])
+        off = 0.0 if off < NOT_MOVED * self.scale else off
+        shortest = shortest_crease(made.creases)
+        few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
+        failure = f"not verified: {tried.findings[0]}" if tried.findings else ""
+        notes = level.notes
+        if level.tolerance_mm:
+            corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
+            notes = (f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *notes)
+        return replace(
+            level,
+            off_by_mm=off,
+            laid=on,
+            tried=tried,
+            corners=on.shape.corner_count,
+            folds=made.actions,
+            shortest_mm=shortest,
+            layers=layers_at_cut(made.creases.faces_vertices, made.folded),
+            for_hands=few and long and not tried.findings,
+            failure=failure,
+            seconds=seconds,
+            notes=notes,
+            drawn=self._drawn(level, laying, on, off),
+        )
+
+    def _drawn(self, level: Level, laying: Laying, on: Laid, off: float) -> tuple[Floats, ...]:
+        """Return the drawing on the sheet, if the outline is another."""
+        is_other = level.tolerance_mm > 0 or laying.simplify > 0
+        return laying.on_sheet(self.drawn.whole.loops, on) if is_other and off > SEEN_MM else ()
+
+    def _wishes(self, level: Level, left: float) -> Wishes:
+        """Return what a method may do to an outline that may still be moved by ``left`` mm of the frame."""
+        wishes, bounds = self.wishes, self.bounds
+        if bounds.is_exact:
+            return replace(wishes, adjust=0.0, symmetry=0.0)
+        if not level.tolerance_mm:  # the drawing as it is: methods move corners by hairs, as far as that is allowed
+            most = bounds.most(self.scale)
+            if most >= ADJUST:
+                return wishes
+            adjust = most * self.scale if wishes.adjust is None else min(wishes.adjust, most * self.scale)
+            return replace(wishes, adjust=adjust, symmetry=min(wishes.symmetry, most * self.scale))
+        most = min(ADJUST, left) * self.scale
+        symmetry = min(wishes.symmetry, left * self.scale) if wishes.symmetry else left * self.scale
+        return replace(wishes, adjust=most if wishes.adjust is None else min(most, wishes.adjust), symmetry=symmetry)
+
+    # ---- all levels ----
+
+    def _keep(self, level: Level) -> None:
+        self.levels.append(level)
+        self._tell(level)
+
+    def _tell(self, level: Level) -> None:
+        """Hand a pattern to whoever waits for one, if it is better than the one before."""
+        if self.on_pattern is None or not level.verified:
+            return
+        if self.told is None or self._key(level) < self._key(self.told):
+            self.told = level
+            self.on_pattern(level)
+
+    def _key(self, level: Level) -> tuple[bool, bool, float, Rank]:
+        """Return by what levels with patterns are compared: the least is taken."""
+        exact_first = level.for_hands and not self.bounds.takes_fewest
+        return (not level.verified, not level.for_hands, level.tolerance_mm if exact_first else 0.0, level.rank)
+
+    def _is_enough(self) -> bool:
+        """Whether no more tolerances need be tried."""
+        if self.interrupted or self._is_late():
+            self.interrupted = True
+            return True
+        if self.bounds.takes_fewest:
+            return False
+        hands = any(level.for_hands for level in self.levels)
+        return hands and self.more >= self.bounds.next_level
+
+    def _is_late(self) -> bool:
+        return self.deadline is not None and time.monotonic() > self.deadline
+
+    def _taken(self) -> int:
+        """Return the level that is taken; raises ``UnfoldableError`` where none has a pattern."""
+        found = [(self._key(level), number) for number, level in enumerate(self.levels) if level.tried is not None]
+        if found:
+            return min(found)[1]
+        error = self.error or UnfoldableError(self.levels[-1].failure)
+        if len(self.levels) == 1:
+            raise error
+        text = f"{error}; an outline within {self.levels[-1].tolerance_mm:.3g} mm of the drawing has no pattern, either"
+        if isinstance(error, CreaseTooShortError):
+            raise CreaseTooShortError(text, error.length, error.place)
+        raise UnfoldableError(text)
+
+    # ---- time ----
+
+    def _part(self, effort: Effort) -> Effort:
+        """Return the effort for the next outline, from what is left of a limit in seconds."""
+        if self.deadline is None or self.bounds.is_exact:
+            return effort
+        left = max(0.05, self.deadline - time.monotonic())
+        return replace(effort, seconds=SHARE_OF_SECONDS * left)
+
+    def _progress_to(self, *, last: bool) -> None:
+        """Say which part of the whole progress the next level takes: half of what is left, and the last one all."""
+        self.since, self.until = self.until, 1.0 if last else (self.until + 1.0) / 2
+
+    def _progress(self, text: str, fraction: float) -> None:
+        self.doing = text
+        self.stages.start, self.stages.until = self.since, self.until
+        self.stages.tell(text, fraction)
+
+
+def _named(parts: Parts, search: _Search) -> tuple[str, ...]:
+    """Return a note for each small part: what and where it is, and what became of it."""
+    done = {"drop": "left out", "keep": "kept", "enlarge": "enlarged"}[search.bounds.small_parts]
+    notes = []
+    for part in parts.small:
+        what = "hole" if part.hole else "part"
+        notes.append(
+            f"{done}: the {what} {part.width * search.scale:.2g} mm wide, loop {part.loop + 1}; "
+            f"it is smaller than the tolerance (--small-parts)"
+        )
+    return tuple(notes)
