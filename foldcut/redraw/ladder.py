@@ -23,6 +23,7 @@ from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
+from foldcut.geometry.curves import CurvedLoop
 from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
 from foldcut.methods.base import Effort, Made, Wishes
 from foldcut.methods.frame import ADJUST
@@ -31,8 +32,9 @@ from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.redraw.bounds import HANDS_CREASE_MM, Bounds
 from foldcut.redraw.distance import apart
-from foldcut.redraw.outlines import WORK, redrawn
-from foldcut.redraw.small_parts import Parts, treated
+from foldcut.redraw.narrow_parts import SmallPart
+from foldcut.redraw.plans import Drawing
+from foldcut.redraw.redrawing import WORK, Redrawn, redraw
 
 __all__ = ["Drawn", "Fold", "Ladder", "Level", "Tried", "redraw_and_fold"]
 
@@ -78,6 +80,8 @@ class Drawn:
     whole: Shape
     laying: Laying
     title: str = ""
+    curves: tuple[CurvedLoop, ...] = ()
+    may_turn: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,43 +315,65 @@ class _Search:
     def _redrawn(self, tolerance: float) -> Level | None:
         """Draw the outline anew within a tolerance in mm of the frame, and fold it; None where it is as before."""
         started = time.perf_counter()
-        parts = treated(self.frame.shape, tolerance, self.bounds.small_parts)
-        found = [outline for outline in self._outlines(parts, tolerance) if self._has_few_corners(outline)]
-        start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(parts, self))
-        if not found:
-            return replace(start, failure="no outline was found", seconds=time.perf_counter() - started)
-        if self._is_as_before(found[-1]):
-            return None
-        level = start
-        for outline in reversed(found[-MOST_FOLDED:]):
-            moved = apart(outline.loops, [self.frame.shape.loops[loop] for loop in parts.kept])
-            laying = replace(self.drawn.laying, redrawn=self.frame.back(outline), simplify=0.0)
-            begun = replace(start, corners=outline.corner_count, off_by_mm=moved * self.scale)
-            effort = replace(self.effort, name=LATER[self.effort.name])
-            left = max(0.0, tolerance - moved)
-            level = self._folded(begun, laying, left, effort=effort, kept=parts.kept)
-            if level.verified or self.interrupted:
-                break
-        return replace(level, seconds=time.perf_counter() - started)
+        drawing = self._drawing(tolerance)
+        start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(drawing, self))
+        best: Level | None = None
 
-    def _outlines(self, parts: Parts, tolerance: float) -> Iterator[Shape]:
-        """Yield better and better outlines, until they have not become better for a third of the work."""
-        work = WORK[self.effort.name]
-        since = 0
-        for outline in redrawn(parts.shape, tolerance, work):
-            since = 0 if outline is not None else since + 1
-            if outline is not None:
-                yield outline
-            if since > PATIENCE * work or self._is_late():
-                return
+        def found(one: Redrawn) -> None:
+            nonlocal best
+            if self._has_few_corners(one.made.laid.shape):
+                best = self._of_redrawn(start, drawing, one, time.perf_counter() - started)
+                self._tell(best)
+
+        try:
+            redraw(
+                drawing,
+                tolerance,
+                work=WORK[self.effort.name],
+                found=found,
+                is_late=self._is_late,
+                progress=self._progress,
+            )
+        except KeyboardInterrupt:
+            if best is None:
+                raise
+            self.interrupted = True
+        if best is None:
+            return replace(start, failure="no outline with a pattern was found", seconds=time.perf_counter() - started)
+        return replace(best, seconds=time.perf_counter() - started)
+
+    def _drawing(self, tolerance: float) -> Drawing:
+        """Return the drawing as the search for outlines takes it."""
+        laying = replace(self.drawn.laying, simplify=0.0, redrawn=None)
+        if self.drawn.whole is not laying.outline:
+            laying = replace(laying, outline=self.drawn.whole)
+        return Drawing.of(laying, self.drawn.curves, tolerance, self.bounds.small_parts, may_turn=self.drawn.may_turn)
+
+    def _of_redrawn(self, level: Level, drawing: Drawing, one: Redrawn, seconds: float) -> Level:
+        """Return a level with the pattern of a redrawn outline."""
+        made, on = one.made, one.made.laid
+        off = one.off * self.scale
+        shortest = shortest_crease(made.creases)
+        few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
+        corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
+        attempt = Attempt(made.method, made.creases.crease_count, made.actions, shortest, "")
+        return replace(
+            level,
+            off_by_mm=off,
+            laid=on,
+            tried=Tried(made, (attempt,), (), made.laid.notes),
+            corners=on.shape.corner_count,
+            folds=made.actions,
+            shortest_mm=shortest,
+            layers=layers_at_cut(made.creases.faces_vertices, made.folded),
+            for_hands=few and long,
+            seconds=seconds,
+            notes=(f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *level.notes),
+            drawn=drawing.on_sheet(one.plan) if off > SEEN_MM else (),
+        )
 
     def _has_few_corners(self, outline: Shape) -> bool:
         return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
-
-    def _is_as_before(self, outline: Shape) -> bool:
-        """Whether an outline of the frame is the one of the last level."""
-        loops, self.before = self.before, outline.loops
-        return len(loops) == len(outline.loops) and all(map(np.array_equal, loops, outline.loops))
 
     def _folded(
         self,
@@ -495,14 +521,11 @@ class _Search:
         self.stages.tell(text, fraction)
 
 
-def _named(parts: Parts, search: _Search) -> tuple[str, ...]:
+def _named(drawing: Drawing, search: _Search) -> tuple[str, ...]:
     """Return a note for each small part: what and where it is, and what became of it."""
     done = {"drop": "left out", "keep": "kept", "enlarge": "enlarged"}[search.bounds.small_parts]
-    notes = []
-    for part in parts.small:
-        what = "hole" if part.hole else "part"
-        notes.append(
-            f"{done}: the {what} {part.width * search.scale:.2g} mm wide, loop {part.loop + 1}; "
-            f"it is smaller than the tolerance (--small-parts)"
-        )
-    return tuple(notes)
+    return tuple(
+        f"{done}: {part.named(drawing.place(part.place), drawing.frame.scale)}; it is smaller than the tolerance "
+        "(--small-parts)"
+        for part in drawing.small_parts
+    )

@@ -1,6 +1,6 @@
 """In which ways a drawing may be folded that is redrawn within a tolerance: as a whole, or along its mirror axes first.
 
-``Problem``, its curves and a tolerance -> ``Plan``s: the drawing in a frame, with the axes in the middle of the sheet.
+``Drawing``, with its curves and a tolerance -> ``Plan``s: the drawing in a frame, with the axes in the middle of the sheet.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from functools import cached_property
 import numpy as np
 import shapely
 
-from foldcut.core.arrays import Floats
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import ShapeError
 from foldcut.core.model import Shape, Sheet
-from foldcut.drawing.laying import Laid
+from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.shape import make_shape, polygon_loops
 from foldcut.geometry.curves import CurvedLoop
 from foldcut.geometry.mirror_axes import symmetric
-from foldcut.methods.base import Problem
 from foldcut.methods.frame import Frame, frames
 from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half
+from foldcut.redraw.narrow_parts import SmallPart, treated
 from foldcut.redraw.proxy import Field
 from foldcut.redraw.starts import Axis as StartAxis
 from foldcut.redraw.starts import all_starts
@@ -35,6 +35,15 @@ ALIGNED = 1e-5
 
 SQUARE = 1e-4
 """Two axes are at right angles if the angle between them differs from that by less than this, in radians."""
+
+LEVEL = 1e-3
+"""An axis found anew in a turned drawing may be off by so much, in radians."""
+
+NEAR_MIDDLE = 1.0
+"""So far, in mm of the frame, a drawing is moved at least to have its axis in the middle of the sheet."""
+
+MOST_AXES = 4
+"""How many sets of axes are tried."""
 
 FAR = 1e4
 """More than the size of any sheet of a frame, in mm."""
@@ -119,36 +128,71 @@ class Plan:
         return shape, Half(shape, loops, self.part, self.axes)
 
 
-def plans(problem: Problem, curves: Sequence[CurvedLoop], tolerance: float) -> Iterator[Plan]:
-    """Yield plans for a drawing that may be off by ``tolerance`` mm of the frame: those with most axes come first.
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A drawing, and how it is laid, with what is smaller than the tolerance treated.
 
-    ``curves`` are the loops of ``problem.laid.drawn`` where they are known.
+    ``target`` is in mm of ``frame``; ``small_parts`` are those that were treated, in mm of the frame. ``curves`` are
+    the loops of ``laying.outline`` where they are known.
     """
-    laid = problem.laid
-    frame = next(frames(laid))
-    target = Target.of_frame(frame, curves)
+
+    laying: Laying
+    laid: Laid
+    frame: Frame
+    target: Target
+    curves: tuple[CurvedLoop, ...]
+    small_parts: tuple[SmallPart, ...]
+    treatment: str
+    tolerance: float
+    may_turn: bool
+
+    @classmethod
+    def of(
+        cls, laying: Laying, curves: Sequence[CurvedLoop], tolerance: float, treatment: str = "drop", *, may_turn: bool
+    ) -> Drawing:
+        """Return a drawing for outlines that are at most ``tolerance`` mm of the frame off.
+
+        ``treatment`` of small parts: "drop", "keep" or "enlarge".
+        """
+        laid = laying.lay()
+        frame = next(frames(laid))
+        target, parts = treated(Target.of_frame(frame, curves), tolerance, treatment)
+        return cls(laying, laid, frame, target, tuple(curves), tuple(parts), treatment, tolerance, may_turn)
+
+    def turned(self, turn: float) -> Drawing:
+        """Return the drawing turned by so many degrees more."""
+        laid = self.laying.lay(turn)
+        frame = next(frames(laid))
+        target, parts = treated(Target.of_frame(frame, self.curves), self.tolerance, self.treatment)
+        return replace(self, laid=laid, frame=frame, target=target, small_parts=tuple(parts))
+
+    def place(self, point: Floats) -> Floats:
+        """Return a point of the frame on the sheet, ``(2,)`` mm."""
+        place: Floats = self.frame.points(points_array([point]))[0]
+        return place
+
+    def on_sheet(self, plan: Plan) -> tuple[Floats, ...]:
+        """Return the loops of the drawing where they lie on the sheet if it is folded by a plan, in mm."""
+        return self.laying.on_sheet(self.laying.outline.loops, plan.laid)
+
+
+def plans(drawing: Drawing) -> Iterator[Plan]:
+    """Yield plans for a drawing: those with most axes come first."""
+    laid, frame, target, tolerance = drawing.laid, drawing.frame, drawing.target, drawing.tolerance
     found = symmetry(target, tolerance)
-    sets = [pair for pair in _pairs(found.axes)] + [(axis,) for axis in (*found.axes, *found.others)]
+    sets = [*_pairs(found.axes), *((axis,) for axis in (*found.axes, *found.others))]
     turns: list[tuple[float, tuple[Axis, ...]]] = []
     for axes in sets:
         turn = -math.remainder(axes[0].angle, math.pi / 2)
         turn = 0.0 if abs(turn) < ALIGNED else turn
-        if turn == 0.0 or problem.may_turn:
+        if turn == 0.0 or drawing.may_turn:
             turns.append((turn, axes))
-    for turn, axes in turns[:4]:
-        on = problem.lay(_degrees(turn, frame)) if turn else laid
-        again = next(frames(on)) if turn else frame
-        there = Target.of_frame(again, curves) if turn else target
-        plan = _with_axes_in_the_middle(on, again, there, len(axes), tolerance, axes, turn)
+    for turn, axes in turns[:MOST_AXES]:
+        on = drawing.turned(math.degrees(turn)) if turn else drawing
+        plan = _with_axes_in_the_middle(on, len(axes), axes, turned=turn != 0.0)
         if plan is not None:
             yield plan
     yield Plan(laid, frame, target, ())
-
-
-def _degrees(turn: float, frame: Frame) -> float:
-    """Return a turn in degrees on the sheet; a quarter turn of the frame does not change it."""
-    del frame
-    return math.degrees(turn)
 
 
 def _pairs(axes: Sequence[Axis]) -> Iterator[tuple[Axis, Axis]]:
@@ -159,37 +203,31 @@ def _pairs(axes: Sequence[Axis]) -> Iterator[tuple[Axis, Axis]]:
                 yield one, other
 
 
-def _with_axes_in_the_middle(
-    laid: Laid, frame: Frame, target: Target, count: int, tolerance: float, axes: Sequence[Axis], turn: float
-) -> Plan | None:
-    """Return the plan with the drawing moved so that its axes are in the middle of the frame's sheet, None if not near."""
-    middle = np.array([frame.sheet.width, frame.sheet.height]) / 2
-    if turn:
+def _with_axes_in_the_middle(drawing: Drawing, count: int, axes: Sequence[Axis], *, turned: bool) -> Plan | None:
+    """Return the plan with the drawing moved so that its axes are in the middle of the frame's sheet.
+
+    None if they are not near it. Where the drawing was turned, its axes are looked for once more.
+    """
+    frame, target, tolerance = drawing.frame, drawing.target, drawing.tolerance
+    if turned:
         again = symmetry(target, tolerance)
-        axes = [
-            axis
-            for axis in (*again.axes, *again.others)
-            if abs(math.remainder(axis.angle, math.pi / 2)) < 1e-3
-        ][:2]
-        if len(axes) < count:
-            return None
-        axes = axes if count == 2 else [min(axes, key=lambda axis: axis.off)]
+        level = [one for one in (*again.axes, *again.others) if abs(math.remainder(one.angle, math.pi / 2)) < LEVEL]
+        axes = sorted(level, key=lambda axis: axis.off)[:count]
     numbers = tuple(sorted({0 if abs(math.cos(axis.angle)) < 0.5 else 1 for axis in axes}))
     if len(numbers) != count:
         return None
+    middle = np.array([frame.sheet.width, frame.sheet.height]) / 2
     step = np.zeros(2)
     for axis in axes:
         number = 0 if abs(math.cos(axis.angle)) < 0.5 else 1
-        place = axis.offset / axis.normal[number]
-        step[number] = middle[number] - place
-    if np.abs(step).max() > max(2 * tolerance, 1.0):
+        step[number] = middle[number] - axis.offset / axis.normal[number]
+    if np.abs(step).max() > max(2 * tolerance, NEAR_MIDDLE):
         return None
     matrix = np.column_stack([np.eye(2), step])
     moved = Target.of_curves([one.transformed(matrix) for one in target.curves], target.parent)
-    return Plan(laid, frame, moved, numbers)
+    return Plan(drawing.laid, frame, moved, numbers)
 
 
-def on_the_sheet(plan: Plan, shape: Shape, notes: Sequence[str] = ()) -> Laid:
+def on_the_sheet(plan: Plan, shape: Shape) -> Laid:
     """Return how a redrawn shape of the frame lies on the sheet that is asked for."""
-    laid = plan.laid
-    return replace(laid, shape=plan.frame.on_sheet(shape), notes=(*laid.notes, *notes))
+    return replace(plan.laid, shape=plan.frame.on_sheet(shape))

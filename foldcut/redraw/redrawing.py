@@ -1,26 +1,23 @@
 """Redraw a drawing within one tolerance, and fold it: better and better patterns, all verified.
 
-``Problem``, curves, a tolerance -> ``Redrawn``s. The search judges outlines by a proxy; only those that promise more
+``Drawing``, a tolerance -> ``Redrawn``s. The search judges outlines by a proxy; only those that promise more
 than the best pattern so far are folded, and where the layers of one have no order, its cost is raised.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-
-import numpy as np
 
 from foldcut.core.errors import FoldcutError
 from foldcut.core.model import Shape
-from foldcut.geometry.curves import CurvedLoop
-from foldcut.methods.base import Made, Problem, straight_folds
+from foldcut.methods.base import Made, straight_folds
 from foldcut.methods.mirror.skeletal import made_of_half
 from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.foldability import crease_numbers
 from foldcut.pattern.ranking import shortest_crease
-from foldcut.redraw.plans import Plan, on_the_sheet, plans
+from foldcut.redraw.plans import Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search
 
@@ -33,10 +30,8 @@ TRIES = 9
 REFUSED = 8.0
 """What is added to the cost of an outline whose layers have no order."""
 
-import os
-DEBUG = os.environ.get("RD")
-WORK = 20000
-"""How much work a search is, in assessments of outlines."""
+WORK = {"fast": 6_000, "normal": 20_000, "best": 200_000}
+"""How much work a search by one plan is, by effort, in assessments of outlines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +42,7 @@ class Redrawn:
     crease and ``off``, the distance between outline and drawing, in mm of the frame.
     """
 
+    plan: Plan
     shape: Shape
     made: Made
     folds: int
@@ -61,18 +57,19 @@ class Redrawn:
 
 
 def redraw(
-    problem: Problem,
-    curves: Sequence[CurvedLoop],
+    drawing: Drawing,
     tolerance: float,
     *,
-    work: int = WORK,
+    work: int = WORK["normal"],
     found: Callable[[Redrawn], None] | None = None,
-    enough: int | None = None,
+    is_late: Callable[[], bool] = lambda: False,
+    progress: Callable[[str, float], None] | None = None,
 ) -> Redrawn | None:
     """Return the best pattern that is found for a drawing redrawn within ``tolerance`` mm of the frame, None if there is none.
 
-    ``curves`` are the loops of ``problem.laid.drawn`` where they are known. ``found`` is called with each pattern that
-    is better than those before.
+    ``work`` is how much is done for each plan, in assessments of outlines. ``found`` is called with each pattern that
+    is better than those before. The search ends early when ``is_late``. ``progress`` is called with a text and the part
+    done.
     """
     best: Redrawn | None = None
 
@@ -83,10 +80,15 @@ def redraw(
             if found is not None:
                 found(one)
 
-    for plan in plans(problem, curves, tolerance):
-        if best is not None and not plan.axes and best.made.first_folds:
-            break  # folded in half it is better than as a whole
-        _Redrawing(plan, tolerance, keep).run(work)
+    for number, plan in enumerate(plans(drawing)):
+        if is_late() or (best is not None and not plan.axes):
+            break  # folded in half first, it is easier than as a whole
+
+        def tell(part: float, before: float = number / (number + 1), share: float = 1 / ((number + 1) * (number + 2))) -> None:
+            if progress is not None:
+                progress(f"outlines within {tolerance:g} mm", before + share * part)
+
+        _Redrawing(plan, tolerance, keep).run(work, lambda part: (tell(part), is_late())[1])
     return best
 
 
@@ -102,14 +104,13 @@ class _Redrawing:
         self.reasons: list[str] = []
         self.engine = Engine(plan.field(tolerance))
 
-    def run(self, work: int) -> None:
+    def run(self, work: int, ends: Callable[[float], bool]) -> None:
+        """Search; ``ends`` is called now and then with the part done, and says whether to stop."""
         starts = list(self.plan.starts(self.tolerance))
         if not starts:
             return
-        search = Search(self.engine, work, believe=self.believe)
+        search = Search(self.engine, work, believe=self.believe, ends=ends)
         search.run(starts)
-        if DEBUG:
-            print('   ', self.plan.axes, 'starts', len(starts), 'best', search.best and (search.best.lines, search.best.shortest, search.best.endless), self.reasons[:4], self.engine.assessed, self.engine.solved, search.statistics)
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""
@@ -156,7 +157,7 @@ class _Redrawing:
                 numbers={"perpendiculars": count, "moved_mm": off * frame.scale},
                 detail=found,
             )
-        return Redrawn(shape, made, made.actions, shortest_crease(creases) / frame.scale, off)
+        return Redrawn(plan, shape, made, made.actions, shortest_crease(creases) / frame.scale, off)
 
 
 def _cost_of_shortest(length: float) -> float:

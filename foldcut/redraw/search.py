@@ -48,17 +48,24 @@ class Search:
     """A search in the field of an engine; ``best`` is the best outline so far.
 
     ``most``: how much work may be done. ``believe`` is asked for each outline that seems to be the best: it returns
-    what has to be added to its cost.
+    what has to be added to its cost. ``ends`` is told the part done now and then, and says whether to stop.
     """
 
     def __init__(
-        self, engine: Engine, most: int, seed: int = 0, believe: Callable[[Assessment], float] | None = None
+        self,
+        engine: Engine,
+        most: int,
+        seed: int = 0,
+        believe: Callable[[Assessment], float] | None = None,
+        ends: Callable[[float], bool] = lambda _: False,
     ) -> None:
         self.engine = engine
         self.most = most
         self.random = Random(seed)
         self.deep = 12
         self.believe = believe
+        self.ends = ends
+        self.all = most
         self.best: Assessment | None = None
         self.pool: list[Assessment] = []
         self.last_gain = 0
@@ -73,7 +80,9 @@ class Search:
     @property
     def is_over(self) -> bool:
         """Whether all is spent, or nothing has become better for a third of that."""
-        return self.spent >= self.most or (self.best is not None and self.spent - self.last_gain > self.most / 2)
+        if self.spent >= self.most or (self.best is not None and self.spent - self.last_gain > self.all / 3):
+            return True
+        return self.ends(min(1.0, self.spent / self.all))
 
     def assess(self, points: Floats, loop_sizes: tuple[int, ...]) -> Assessment | None:
         """Assess an outline, with the details that moves need."""
@@ -101,6 +110,8 @@ class Search:
         for number, one in enumerate(begun):
             self.most = first + int(share * (end - first) * (number + 1) / len(begun))
             done.append(self.greedy(one, 400))
+            if self.ends(min(1.0, self.spent / self.all)):
+                break
         self.most = end
         for one in sorted(done, key=lambda one: one.key)[:4]:
             self.keep(one)
