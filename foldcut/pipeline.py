@@ -24,11 +24,13 @@ from numpy.typing import ArrayLike
 from foldcut.core.arrays import points_array
 from foldcut.core.errors import BadInputError, CreaseTooShortError, FoldcutError, UnfoldableError, VerificationError
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
+from foldcut.drawing.curved import curves_of
 from foldcut.drawing.laying import Laying
 from foldcut.drawing.limits import Limits
 from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
+from foldcut.geometry.curves import CurvedLoop
 from foldcut.methods import AUTO, DEFAULT_METHOD, METHODS, auto, check_choice, fewer_creases
 from foldcut.methods.auto import FOLDED, Attempt
 from foldcut.methods.base import Effort, Made, Problem, Wishes
@@ -210,9 +212,9 @@ def fold(
         read = _read(shape, limits, layout, preparation)
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
-        drawn = Drawn(read.whole or read.outline, laying, title or read.title)
+        may_turn = rotation is None and offset is None
+        drawn = Drawn(read.whole or read.outline, laying, title or read.title, read.curves(mirrored=mirrored), may_turn)
         laying.lay()
-    may_turn = rotation is None and offset is None
     stages.up_to(READ)
 
     def fold_outline(laying: Laying, wishes: Wishes, effort: Effort, stages: Stages, only: str) -> Tried:
@@ -314,6 +316,12 @@ class _Read:
     drawing: Drawing | None = None
     prepared: Prepared | None = None
     whole: Shape | None = None
+
+    def curves(self, *, mirrored: bool) -> tuple[CurvedLoop, ...]:
+        """Return the loops of ``whole``, or else ``outline``, as they were drawn, where curves are known."""
+        if self.drawing is None or not self.drawing.curves:
+            return ()
+        return curves_of(self.whole or self.outline, self.drawing.loops, self.drawing.curves, mirrored=mirrored)
 
 
 def _read(

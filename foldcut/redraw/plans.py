@@ -36,6 +36,9 @@ ALIGNED = 1e-5
 SQUARE = 1e-4
 """Two axes are at right angles if the angle between them differs from that by less than this, in radians."""
 
+EXACT_MM = 0.02
+"""A drawing that is less off from symmetric, in mm of the frame, is as good as exact."""
+
 LEVEL = 1e-3
 """An axis found anew in a turned drawing may be off by so much, in radians."""
 
@@ -60,13 +63,14 @@ class Plan:
     """A drawing in a frame, and the axes along which the sheet is folded first: 0 its upright middle line, 1 the level one.
 
     ``laid``: how the drawing lies on the sheet that is asked for, turned perhaps; ``target`` is in mm of the frame, with
-    the axes in the middle of the frame's sheet.
+    the axes in the middle of the frame's sheet, and ``off`` mm from symmetric.
     """
 
     laid: Laid
     frame: Frame
     target: Target
     axes: tuple[int, ...]
+    off: float = 0.0
 
     @cached_property
     def middle(self) -> Floats:
@@ -82,8 +86,11 @@ class Plan:
 
     def field(self, tolerance: float) -> Field:
         """Return what outlines are compared with, within ``tolerance`` mm, on that part of the sheet."""
-        loops = tuple(loop - self.middle for loop in self.target.loops)
-        return Field(loops, self.part.width, self.part.height, tolerance, self.axes)
+        loops = [loop - self.middle for loop in self.target.loops]
+        if self.off > EXACT_MM:  # the outline will be exactly symmetric, so it has to be near to the image, too
+            for axis in self.axes:
+                loops += [points_array(loop * np.where(np.arange(2) == axis, -1.0, 1.0)) for loop in loops]
+        return Field(tuple(loops), self.part.width, self.part.height, tolerance, self.axes)
 
     def starts(self, tolerance: float) -> Iterator[Corners]:
         """Yield outlines to begin a search with, on that part of the sheet."""
@@ -224,8 +231,7 @@ def _with_axes_in_the_middle(drawing: Drawing, count: int, axes: Sequence[Axis],
     if np.abs(step).max() > max(2 * tolerance, NEAR_MIDDLE):
         return None
     matrix = np.column_stack([np.eye(2), step])
-    moved = Target.of_curves([one.transformed(matrix) for one in target.curves], target.parent)
-    return Plan(drawing.laid, frame, moved, numbers)
+    return Plan(drawing.laid, frame, target.transformed(matrix), numbers, max(axis.off for axis in axes))
 
 
 def on_the_sheet(plan: Plan, shape: Shape) -> Laid:
