@@ -66,7 +66,14 @@ def fit_bends(
 
 
 def _fit(
-    points: Floats, shift: Floats, reach: Indices, half: Indices, tolerance: float, weight: float, first: End, last: End
+    points: Floats,
+    shift: Floats,
+    reach: Indices,
+    half: Indices,
+    tolerance: float,
+    weight: float,
+    first: End,
+    last: End,
 ) -> tuple[list[int], list[float], list[float], float] | None:
     """Return cuts, directions and middle offsets of the fewest lines for a smooth row."""
     m = points.shape[1]
