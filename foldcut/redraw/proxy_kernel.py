@@ -26,13 +26,13 @@ inlined = compiled_in(__name__, inline=True)
 RIDGE, BASE, LEVEL = 0, 1, 2
 
 # places in ``counts``
-NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS, EXITS_X, EXITS_Y = range(18)
+NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS, EXITS_X, EXITS_Y, LOOSE = range(19)
 
 # places in ``numbers``
 SHORTEST, PENALTY, COST, LEAST_HEIGHT = range(4)
 
 # places in ``sizes``
-WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST, FOLDED_X, FOLDED_Y = range(11)
+WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST, FOLDED_X, FOLDED_Y, LOOSE_COST = range(12)
 
 MOST_CROSSINGS = 30
 """A perpendicular that crosses more faces is given up."""
@@ -414,6 +414,7 @@ def find_paths(w, corners):
     w.counts[PATHS] = 0
     w.counts[POINTS] = 0
     w.counts[DEGREES] = 0
+    w.counts[LOOSE] = 0
     for node in range(w.counts[NODES]):
         w.node_path[node] = -1
         if w.root[node] != node or node < corners or w.degree[node] == 0 or not on_sheet(w, w.x[node], w.y[node]):
@@ -452,9 +453,11 @@ def find_paths(w, corners):
             w.path_group[k] = -1
             w.path_point[k] = w.counts[POINTS]
             w.path_end[k] = -2
+            w.counts[LOOSE] += 1
             w.path_cost[k] = w.sizes[ENDLESS_COST]
             if walk(w, w.path_half[k], 0, k):
                 w.path_end[k] = w.ints[0]
+                w.counts[LOOSE] -= 1
                 w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1]
                 w.path_last[k] = w.ints[2]
     w.path_point[w.counts[PATHS]] = w.counts[POINTS]
@@ -759,6 +762,7 @@ def measure(w, corners):
         + w.sizes[SHORT_COST] * w.counts[SHORT]
         + w.sizes[SHORTER_COST] * w.numbers[PENALTY]
         + w.sizes[ENDLESS_COST] * w.counts[ENDLESS]
+        + w.sizes[LOOSE_COST] * w.counts[LOOSE]
     )
     return 0
 

@@ -69,6 +69,7 @@ class Search:
         self.best: Assessment | None = None
         self.pool: list[Assessment] = []
         self.last_gain = 0
+        self.refused: dict[str, float] = {}
         self.reach = REACH[0] * engine.field.tolerance + REACH[1]
         self.statistics: dict[str, list[int]] = {}
 
@@ -91,7 +92,14 @@ class Search:
     def keep(self, one: Assessment) -> None:
         """Remember an outline if it is among the best."""
         if self.believe is not None and not one.is_believed and (self.best is None or one.key < self.best.key):
-            one.cost += self.believe(one)
+            structure = str(one.structure)
+            if structure in self.refused:
+                one.cost += self.refused[structure]
+            else:
+                more = self.believe(one)
+                one.cost += more
+                if more > 0:
+                    self.refused[structure] = more
             one.is_believed = True
         if self.best is None or one.key < self.best.key:
             self.best = one
@@ -167,7 +175,7 @@ class Search:
         others = list(starts[1:4])
         moves = (
             self._without_corner, self._with_corner_across, self._shaken, self._slid,
-            self._without_sides, self._without_sides, self._with_bend, self._without_bend,
+            self._without_sides, self._without_sides, self._with_bend, self._without_bend, self._with_side_shifted,
         )  # fmt: skip
         first = self.spent
         while not self.is_over:
@@ -382,6 +390,27 @@ class Search:
         for k in which:
             points[k] += (self.random.gauss(0, size), self.random.gauss(0, size))
         return Outline(points, here.loop_sizes, here.details.ties())
+
+    def _with_side_shifted(self, here: Assessment) -> Outline | None:
+        """Move a side sideways, its corners along the sides beside it; sometimes all that are parallel and nearby."""
+        points, sizes = here.points.copy(), here.loop_sizes
+        edge = self.random.randrange(len(points))
+        before, after = self._beside(sizes, edge, -1), self._beside(sizes, edge, 1)
+        beyond = self._beside(sizes, after, 1)
+        along = points[after] - points[edge]
+        length = math.hypot(*along)
+        shift = self.engine.field.tolerance * self.random.uniform(-1, 1)
+        normal = np.array([-along[1], along[0]]) / length
+        moved = []
+        for start, end in ((before, edge), (beyond, after)):
+            way = points[end] - points[start]
+            across = float(way @ normal)
+            if abs(across) < 0.1 * math.hypot(*way):
+                return None
+            moved.append((end, points[end] + way * shift / across))
+        for corner, place in moved:
+            points[corner] = place
+        return Outline(points, sizes, here.details.ties())
 
     def _slid(self, here: Assessment) -> Outline | None:
         """Move a corner along one of its sides."""
