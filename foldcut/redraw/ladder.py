@@ -41,6 +41,21 @@ __all__ = ["Drawn", "Fold", "Ladder", "Level", "Tried", "redraw_and_fold"]
 CORNERS_FOR_A_FOLD = 2
 """A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands."""
 
+FEWER_CORNERS_FOR_A_FOLD = 1
+"""The same where outlines that are far off the drawing may be tried, too."""
+
+FAR_OFF = 1.0
+"""Outlines that are at least this far off, in mm of the frame, are far off."""
+
+FOLDS_FOR_A_CORNER = 2.0
+"""Patterns of curved drawings have at least this many folds for each corner of an outline, or of its part between axes.
+
+With more than are allowed, a tolerance is passed over if a larger one is to come. Measured: 2.2 and more as a whole,
+1.7 and more in halves (letters and icons at 2 and 4 mm)."""
+
+FIT = 0.6
+"""An outline whose lines lie on both sides of a curve has about this many corners for each that chords need."""
+
 LOOK_FIRST = 30
 """A drawing with more corners than this gets a short look first, and is folded in earnest only if that is promising."""
 
@@ -276,7 +291,11 @@ class _Search:
             self.more += any(level.for_hands for level in self.levels)
             self._progress_to(last=number == len(tolerances) - 1)
             try:
-                level = self._as_it_is(alone=alone) if not tolerance else self._redrawn(tolerance)
+                last = number == len(tolerances) - 1
+                far = tolerances[-1] >= FAR_OFF
+                level = (
+                    self._redrawn(tolerance, last=last) if tolerance else self._as_it_is(alone=alone, may_be_far=far)
+                )
             except KeyboardInterrupt:
                 if not any(level.verified for level in self.levels):
                     raise
@@ -296,13 +315,14 @@ class _Search:
 
     # ---- one level ----
 
-    def _as_it_is(self, *, alone: bool) -> Level:
+    def _as_it_is(self, *, alone: bool, may_be_far: bool) -> Level:
         """Fold the drawing as it is; if it may be drawn anew, only where that has a chance to be one for hands."""
         laying = self.drawn.laying
         corners = laying.outline.corner_count
         start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
         if not alone:
-            if corners > CORNERS_FOR_A_FOLD * self.bounds.folds:
+            most = FEWER_CORNERS_FOR_A_FOLD if may_be_far else CORNERS_FOR_A_FOLD
+            if corners > most * self.bounds.folds:
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
@@ -312,11 +332,19 @@ class _Search:
                 self._tell(look)
         return self._folded(start, laying, 0.0, only="" if alone else HANDS)
 
-    def _redrawn(self, tolerance: float) -> Level | None:
-        """Draw the outline anew within a tolerance in mm of the frame, and fold it; None where it is as before."""
+    def _redrawn(self, tolerance: float, *, last: bool) -> Level | None:
+        """Draw the outline anew within a tolerance in mm of the frame, and fold it.
+
+        Unless it is the ``last``, one at which the outline has too many corners is passed over.
+        """
         started = time.perf_counter()
         drawing = self._drawing(tolerance)
         start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(drawing, self))
+        if not last:
+            corners = round(FIT * drawing.chords())
+            if FOLDS_FOR_A_CORNER * corners / drawing.copies() > self.bounds.folds:
+                failure = f"not tried: about {corners} corners are too many for {self.bounds.folds} folds"
+                return replace(start, failure=failure)
         best: Level | None = None
 
         def found(one: Redrawn) -> None:
