@@ -294,7 +294,8 @@ def walk(w, start, mode, path):
             w.ints[1] = pieces
             w.ints[3] = lines
             if not ends_outside:
-                w.ints[2] = face
+                # along the line between two faces the way back begins in the other one
+                w.ints[2] = w.face[w.twin[start]] if crossing == 0 and w.kind[start] == LEVEL else face
             return True
         twin = beyond if h < 0 else w.twin[h]
         if twin < 0:
