@@ -419,6 +419,8 @@ def find_paths(w, corners):
         w.node_path[node] = -1
         if w.root[node] != node or node < corners or w.degree[node] == 0 or not on_sheet(w, w.x[node], w.y[node]):
             continue
+        if w.level_at[node] >= 0 and w.degree[node] == 2:
+            continue  # a ridge goes straight on here: no node
         if w.degree[node] % 2 == 1:
             w.counts[DEGREES] += 1
         first = w.counts[PATHS]
