@@ -405,6 +405,34 @@ def add_cut(w, h, x, y):
     w.counts[CUTS] += 1
 
 
+@inlined
+def is_continued(w, node, x, y):
+    """Return whether a ridge goes on beyond a node straight away from a point."""
+    dx, dy = w.x[node] - x, w.y[node] - y
+    h = w.at_node[node]
+    while h >= 0:
+        if w.kind[h] == RIDGE:
+            ex, ey = w.x[w.head[h]] - w.x[node], w.y[w.head[h]] - w.y[node]
+            if dx * ex + dy * ey > (1 - 1e-11) * sqrt((dx * dx + dy * dy) * (ex * ex + ey * ey)):
+                return True
+        h = w.next_at_node[h]
+    return False
+
+
+@compiled
+def saved(w, k):
+    """Return how many lines a perpendicular saves that was traced just now: at its ends it may be one with a ridge."""
+    first, last = w.path_point[k], w.counts[POINTS] - 1
+    if last <= first or last + 1 >= len(w.point_x):
+        return 0
+    count = 0
+    if is_continued(w, w.path_start[k], w.point_x[first + 1], w.point_y[first + 1]):
+        count += 1
+    if w.path_end[k] >= 0 and is_continued(w, w.path_end[k], w.point_x[last - 1], w.point_y[last - 1]):
+        count += 1
+    return count
+
+
 @compiled
 def find_paths(w, corners):
     """Trace the perpendiculars of all nodes, counter-clockwise around each.
@@ -458,7 +486,7 @@ def find_paths(w, corners):
             w.path_cost[k] = w.sizes[ENDLESS_COST]
             if walk(w, w.path_half[k], 0, k):
                 w.path_end[k] = w.ints[0]
-                w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1]
+                w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1] - saved(w, k)
                 w.path_last[k] = w.ints[2]
     w.path_point[w.counts[PATHS]] = w.counts[POINTS]
     for k in range(w.counts[PATHS]):
