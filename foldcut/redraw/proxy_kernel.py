@@ -621,8 +621,8 @@ def choose(w):
         if w.group_best[one] < 0:
             continue
         here = w.path_start[w.group_first[one]]
-        if w.path_next[w.group_first[one]] == w.path_before[w.group_first[one]] and root >= 0:
-            continue  # two perpendiculars or one: nothing new beyond
+        if root >= 0 and is_small(w, one):
+            continue  # nothing new beyond
         total = w.sector_cost[w.group_best[one]]
         for other in range(groups):
             if other != one and w.group_best[other] >= 0:
@@ -668,12 +668,19 @@ def choose(w):
     return 0
 
 
+@inlined
+def is_small(w, group):
+    """Return whether a group is one perpendicular or two, which cost the same seen from anywhere."""
+    first = w.group_first[group]
+    following = w.path_next[first]
+    return following == w.path_before[first] and w.path_mate[first] < 0 and w.path_mate[following] < 0
+
+
 @compiled
 def group_cost(w, group, node):
     """Return what a group costs if paper is folded away from a node."""
-    first = w.group_first[group]
-    if w.path_next[first] == w.path_before[first] and w.path_mate[first] < 0:
-        return w.sector_cost[w.group_best[group]]  # one perpendicular or two
+    if is_small(w, group):
+        return w.sector_cost[w.group_best[group]]
     sector = sector_towards(w, group, w.x[node], w.y[node])
     return w.sector_cost[sector] if sector >= 0 else w.sector_cost[w.group_best[group]]
 
