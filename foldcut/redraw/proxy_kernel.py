@@ -559,6 +559,22 @@ def find_groups(w):
             if cost < best:
                 best = cost
                 w.group_best[groups] = first
+        # corridors that do not come to the border, with perpendiculars all around them
+        for at in range(size):
+            first = w.member[at]
+            if w.path_sector[first] >= 0:
+                continue
+            cost, p, steps = total, first, 0
+            while p >= 0 and w.path_sector[p] < 0 and steps < 200:
+                steps += 1
+                w.path_sector[p] = first
+                q = w.path_next[p]
+                cost -= w.path_cost[q]
+                p = w.path_mate[q]
+            w.sector_cost[first] = cost
+            if cost < best:
+                best = cost
+                w.group_best[groups] = first
         groups += 1
         if groups >= len(w.group_first):
             return FULL
