@@ -37,10 +37,6 @@ from foldcut.redraw.starts.strips import Pairs, Strip, find_strips, recut_chains
 
 __all__ = ["Axis", "Start", "all_starts", "starts"]
 
-SLACK = 1.02
-"""By how much the check on samples may find an outline farther than the tolerance."""
-
-
 FOLLOWING = 0.97
 """How far the edge of a strip that follows the other may be off, as a part of the tolerance."""
 
@@ -56,8 +52,9 @@ class Kind(NamedTuple):
     ``step``: degrees between directions, 0 for any direction. ``part``: of the tolerance, how far lines may be off.
     ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
     ``lead``: 1 or 2, the inner (shorter) or outer edge of a strip is fitted first, and the other so that it follows it;
-    0: both at once. ``regular``: circles become regular polygons, a "side" or a "corner" of them on the axis.
-    ``best``: each strip as it has the fewest sides. ``weight``: what a side costs more that is off by all of the tolerance.
+    3: the inner edge of every bend; 0: both at once. ``regular``: circles become regular polygons, a "side" or a "corner"
+    of them on the axis. ``best``: each strip as it has the fewest sides.
+    ``weight``: what a side costs more that is off by all of the tolerance.
     """
 
     edges: str
@@ -94,35 +91,35 @@ class Start:
 BEST = (
     Kind("in", 0.0, 0.95, lead=2),
     Kind("in", 0.0, 0.95, lead=1),
+    Kind("in", 0.0, 0.95, arcs=True, lead=3),
     Kind("in", 0.0, 0.95, arcs=True, lead=2),
-    Kind("in", 0.0, 0.95, arcs=True, lead=1),
     Kind("in", 0.0, 0.95, disks=True),
 )
-"""How strips are fitted of which the fitting with the fewest sides is taken."""
+"""How strips are fitted of which the best fitting is taken."""
+
+TAPER = 0.4
+"""What a side of a strip costs more whose edges are not parallel, where the best fitting is chosen."""
 
 KINDS = (
     Kind("in", 0.0, 0.95, best=True),
-    *(Kind("in", 0.0, part, arcs=True, lead=3) for part in (0.95, 0.8, 0.65, 0.5)),
-    Kind("in", 0.0, 0.95, disks=True),
-    Kind("in", 0.0, 0.95, lead=2),
+    Kind("in", 0.0, 0.95, arcs=True, lead=3),
+    Kind("in", 0.0, 0.8, arcs=True, lead=3),
     Kind("in", 0.0, 0.95, lead=1),
     Kind("in", 0.0, 0.95, arcs=True, lead=2),
-    Kind("in", 0.0, 0.95, arcs=True, lead=1),
-    Kind("in", 0.0, 0.7, arcs=True, lead=1),
-    Kind("in", 0.0, 0.7, lead=1),
+    Kind("in", 0.0, 0.95, disks=True),
     Kind("in", 0.0, 0.7, lead=2),
-    Kind("in", 0.0, 0.7, arcs=True, lead=2),
-    Kind("in", 0.0, 0.95, disks=True, weight=1.5),
     Kind("", 0.0, 0.95),
-    Kind("in", 0.0, 0.7, disks=True),
     Kind("", 0.0, 0.95, arcs=True),
-    Kind("in", 0.0, 0.5, lead=1),
-    Kind("in", 0.0, 0.5, arcs=True, lead=1),
+    Kind("in", 0.0, 0.7, lead=1),
+    Kind("in", 0.0, 0.7, arcs=True, lead=2),
+    Kind("in", 0.0, 0.65, arcs=True, lead=3),
     Kind("", 0.0, 0.7),
+    Kind("in", 0.0, 0.7, disks=True),
     Kind("", 0.0, 0.7, arcs=True),
+    Kind("in", 0.0, 0.95, disks=True, weight=1.5),
     *(Kind("", step, 0.95) for step in (15.0, 18.0, 22.5, 30.0, 45.0, 90.0)),
+    Kind("in", 0.0, 0.5, lead=1),
     Kind("out", 0.0, 0.95, disks=True),
-    Kind("in", 0.0, 0.5, disks=True),
     Kind("", 0.0, 0.5),
 )
 """The kinds of outlines: those first that were the best, or nearly, for most letters."""
@@ -151,7 +148,7 @@ def all_starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Ite
             loops = fitter.loops(kind)
             if loops is None:
                 continue
-            shape = near.shape(loops, SLACK * tolerance)
+            shape = near.shape(loops, tolerance)
             if shape is None or _is_known(shape, seen, 0.05 * tolerance):
                 continue
             yield Start(shape, kind, some)
@@ -220,11 +217,10 @@ class _Fitter:
         regular = {circle.chain for circle in circles}
         for circle in circles:
             chain = self.chains.chains[circle.chain]
-            lines[circle.chain] = regular_lines(chain, circle, circle.sides, flat=kind.regular == "side")
+            lines[circle.chain] = regular_lines(chain, circle, circle.sides(tolerance), flat=kind.regular == "side")
+        strips = [strip for strip in strips if not regular.intersection(strip.chains)]
         matched = False
         for strip in strips:
-            if regular.intersection(strip.chains):
-                continue
             some = self._lines_of(strip, kind)
             matched |= bool(some)
             if kind.lead and not some:
@@ -248,7 +244,7 @@ class _Fitter:
         """Return the lines of both edges of a strip, with the numbers of their chains; nothing if there are none."""
         if kind.best:
             every = [some for one in BEST if (some := self._lines_of(strip, one))]
-            return min(every, key=lambda some: len(some[0][1]), default=[])
+            return min(every, key=_price, default=[])
         key = (id(strip), kind.arcs, kind.disks, kind.lead, kind.part, kind.weight)
         if key not in self._fitted:
             self._fitted[key] = self._fitted_strip(strip, kind)
@@ -297,6 +293,16 @@ class _Fitter:
         if lead is None:
             return None
         return follow(rows, along, lead_of(lead, edge), FOLLOWING * self.tolerance, first=first, last=last)
+
+
+def _price(fitted: Fitted) -> float:
+    """Return what the sides of a strip cost: those whose edges are not parallel cost more."""
+    (_, front), (_, back) = fitted
+    tapered = [
+        abs(float(a.normal[0] * b.normal[1] - a.normal[1] * b.normal[0])) > 1e-9
+        for a, b in zip(front, back[::-1], strict=True)
+    ]
+    return len(tapered) + TAPER * sum(tapered)
 
 
 def _across(axis: Axis, ahead: Floats) -> End:

@@ -16,7 +16,7 @@ from foldcut.redraw.starts.fitting import ANY, End, Sides
 
 __all__ = ["directions_along", "fit_bends"]
 
-MOST_PLACES = 70
+MOST_PLACES = 60
 """The largest number of places whose tangents are anchors."""
 
 ASIDE = (0.0, 0.55, 0.95)

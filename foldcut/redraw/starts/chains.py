@@ -347,7 +347,7 @@ def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line]:
     if chain.is_closed and len(kept) > 3 and abs(_sine(kept[-1].normal, kept[0].normal)) < MEET:
         a, b = kept.pop(), kept[0]
         longer = a if a.end - a.start >= b.end - b.start else b
-        kept[0] = Line(b.start, b.end, longer.normal, longer.offset)
+        kept[0] = Line(a.start, b.end, longer.normal, longer.offset)
     return kept
 
 

@@ -22,6 +22,10 @@ STEP = 1.0
 """The distance between samples, in mm of the frame."""
 
 
+STRAIGHT = 1e-4
+"""A corner that is nearer than this to the line between its neighbours, in mm, is none."""
+
+
 class Near:
     """Loops ``(n, 2)``, dense, in mm of the frame, and how they are nested: what outlines must be near to."""
 
@@ -59,7 +63,8 @@ class Near:
         Loops may not cross or touch, and must be nested as the drawn ones are.
         """
         turned = []
-        for loop in loops:
+        for drawn in loops:
+            loop = without_straight_corners(drawn)
             if len(loop) < 3 or not np.isfinite(loop).all():
                 return None
             turned.append(points_array(loop if signed_area(loop) > 0 else loop[::-1]))
@@ -77,6 +82,20 @@ class Near:
             ):
                 return None
         return Shape(tuple(turned), self.drawn.parent)
+
+
+def without_straight_corners(loop: Floats) -> Floats:
+    """Return a closed loop without corners that are within ``STRAIGHT`` of the line between those beside them."""
+    while len(loop) > 3:
+        before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
+        chord = before + after
+        length = np.maximum(np.hypot(*chord.T), 1e-12)
+        height = np.abs(before[:, 0] * chord[:, 1] - before[:, 1] * chord[:, 0]) / length
+        worst = int(height.argmin())
+        if height[worst] > STRAIGHT:
+            break
+        loop = np.delete(loop, worst, axis=0)
+    return loop
 
 
 def sampled(loop: Floats, step: float) -> Floats:
