@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -100,7 +101,7 @@ def test_outlines_are_near_enough_and_of_the_same_topology(name: str, tolerance:
 
 def test_the_check_of_distances_can_fail() -> None:
     drawn = DRAWINGS["u"]
-    moved = [loop + (0, 1.0) for loop in drawn.loops]
+    moved = [loop + np.array([0, 1.0]) for loop in drawn.loops]
     near = Near(drawn)
     assert near.shape(drawn.loops, 0.5) is not None
     assert near.shape(moved, 0.5) is None
@@ -187,7 +188,7 @@ def test_the_result_is_the_same_each_time() -> None:
 def test_the_fewest_lines_for_an_arc_are_as_many_as_its_sagitta_asks_for() -> None:
     for radius, tolerance in [(50.0, 1.0), (80.0, 0.5), (30.0, 2.0)]:
         row = arc((0, 0), radius, 0, 180, 400)
-        sides = fit(row[None], tolerance)
+        sides = fit(row, tolerance)
         assert sides is not None
         step = 2 * math.acos(1 - 2 * tolerance / radius)  # of a line whose piece is as far off on both sides
         assert len(sides.normals[0]) == math.ceil(math.pi / step - 1e-9)
@@ -200,15 +201,15 @@ def test_lines_of_given_directions_have_them() -> None:
     row = arc((0, 0), 60, 10, 170, 300)
     angles = np.radians(np.arange(0, 360, 30))
     directions = np.column_stack([np.cos(angles), np.sin(angles)])
-    sides = fit(row[None], 2.5, directions=directions)
+    sides = fit(row, 2.5, directions=directions)
     assert sides is not None
     assert np.abs(sides.normals[0] @ directions.T).max(axis=1) == pytest.approx(1.0)
 
 
 def test_sides_around_a_bend_touch_one_circle() -> None:
     row = np.concatenate([[(100.0, -60.0)], arc((0, 0), 100, 0, 140, 200), [(-180.0, -59.0)]])
-    row = np.concatenate([np.linspace(p, q, 6)[:-1] for p, q in zip(row[:-1], row[1:], strict=True)])
-    sides = fit_bends(row[None], 1.5)
+    row = np.concatenate([np.linspace(p, q, 6)[:-1] for p, q in pairwise(row)])
+    sides = fit_bends(row, 1.5)
     assert sides is not None
     # all interior lines are equally far from a point: normal @ middle - offset == radius
     system = np.column_stack([sides.normals[0], -np.ones(len(sides.normals[0]))])
@@ -240,7 +241,7 @@ def test_the_edge_that_follows_makes_nodes_with_the_one_that_leads(edge: int) ->
     rows = np.stack([arc((0, 0), 80, 0, 150, 200), arc((0, 0), 60 + 5, 0, 150, 200)])
     middle = arc((0, 0), 72.5, 0, 150, 200)
     along = np.column_stack([middle, np.full(200, 7.5)])
-    lead = fit(rows[edge : edge + 1], 1.4)
+    lead = fit(rows[edge], 1.4)
     assert lead is not None
     sides = follow(rows, along, lead_of(lead, edge), 1.9)
     assert sides is not None

@@ -52,8 +52,8 @@ class Kind(NamedTuple):
     ``step``: degrees between directions, 0 for any direction. ``part``: of the tolerance, how far lines may be off.
     ``arcs``: sides around a bend are tangents of one circle. ``disks``: edges of a strip are tangents of common disks.
     ``lead``: 1 or 2, the inner (shorter) or outer edge of a strip is fitted first, and the other so that it follows it;
-    3: the inner edge of every bend; 0: both at once. ``regular``: circles become regular polygons, a "side" or a "corner"
-    of them on the axis. ``best``: each strip as it has the fewest sides.
+    3: the inner edge of every bend; 0: both at once. ``regular``: circles become regular polygons, with a "side" or a
+    "corner" on the axis. ``best``: each strip as it has the fewest sides.
     ``weight``: what a side costs more that is off by all of the tolerance.
     """
 
@@ -289,7 +289,7 @@ class _Fitter:
         edge = int(bool(longer[1] < longer[0]) == (kind.lead == 1))
         fitted = fit_bends if kind.arcs else fit
         reach = straight_as_far_as(rows[1 - edge], FOLLOWED * self.tolerance)
-        lead = fitted(rows[edge : edge + 1], tolerance, kind.weight, reach=reach, first=first, last=last)
+        lead = fitted(rows[edge], tolerance, kind.weight, reach=reach, first=first, last=last)
         if lead is None:
             return None
         return follow(rows, along, lead_of(lead, edge), FOLLOWING * self.tolerance, first=first, last=last)
@@ -373,11 +373,11 @@ def _between(
     elif there == len(chain.points) - 1 and end is not None:
         last = _across(end, points[-1] - points[-2])
     breaks = chain.corners[here : there + 1]
-    sides, row, weight = None, points[None], kind.weight
+    sides, weight = None, kind.weight
     if kind.arcs:
-        sides = fit_bends(row, tolerance, weight, breaks=breaks, first=first, last=last)
+        sides = fit_bends(points, tolerance, weight, breaks=breaks, first=first, last=last)
     if sides is None:
-        sides = fit(row, tolerance, weight, breaks=breaks, first=first, last=last, directions=directions)
+        sides = fit(points, tolerance, weight, breaks=breaks, first=first, last=last, directions=directions)
     if sides is None:
         return None
     lines = [

@@ -36,7 +36,7 @@ class Circle:
     largest: float
 
     def sides(self, tolerance: float) -> int:
-        """Return how many sides a regular polygon has, at least, that is within ``tolerance`` of all around its middle."""
+        """Return how many sides a polygon has, at least, that is within ``tolerance`` of all around its middle."""
         bound = min((0.99 * tolerance - self.off) / self.largest, 0.9)
         # a polygon of n sides, half of it outside, is off by r (1 - c) / (1 + c) with c = cos(pi / n)
         n = math.ceil(math.pi / math.acos((1 - bound) / (1 + bound)) - 1e-9)
@@ -44,7 +44,7 @@ class Circle:
 
 
 def circles_of(chains: Sequence[Chain], tolerance: float) -> list[Circle]:
-    """Return the circles among chains whose loops have no corners, the largest first; concentric ones share a middle."""
+    """Return the circles among chains without corners, the largest first; concentric ones share a middle."""
     fitted: list[tuple[float, int, Floats, float]] = []
     for number, chain in enumerate(chains):
         if chain.corners.any() or len(chain.points) < 6:
