@@ -24,7 +24,7 @@ import numpy as np
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
 from foldcut.redraw.starts import pieces
-from foldcut.redraw.starts.arcs import fit_bends
+from foldcut.redraw.starts.arcs import fit_bends, straight_parts
 from foldcut.redraw.starts.bends import lead_in_bends
 from foldcut.redraw.starts.chains import Axis, Chain, Chains, Line, chains_of
 from foldcut.redraw.starts.circles import circles_of, regular_lines
@@ -45,6 +45,13 @@ FOLLOWED = 0.75
 """A side of the leading edge is so short that the other edge is this straight beside it, in parts of the tolerance."""
 
 
+LEAST_ROOM = 0.4
+"""The least part of the tolerance that is left where images of a drawing are off from it."""
+
+LONG = 4.0, 2.0
+"""A straight side stays where it is if it is longer than the first, in mm, and than so many tolerances."""
+
+
 class Kind(NamedTuple):
     """How an outline is made.
 
@@ -54,6 +61,7 @@ class Kind(NamedTuple):
     ``lead``: 1 or 2, the inner (shorter) or outer edge of a strip is fitted first, and the other so that it follows it;
     3: the inner edge of every bend; 0: both at once. ``regular``: circles become regular polygons, with a "side" or a
     "corner" on the axis. ``best``: each strip as it has the fewest sides.
+    ``exact``: straight sides of the drawing stay where they are.
     ``weight``: what a side costs more that is off by all of the tolerance.
     """
 
@@ -64,6 +72,7 @@ class Kind(NamedTuple):
     disks: bool = False
     lead: int = 0
     best: bool = False
+    exact: bool = False
     regular: str = ""
     weight: float = 0.3
 
@@ -73,6 +82,7 @@ class Kind(NamedTuple):
             ["arcs"] * self.arcs
             + ["disks"] * self.disks
             + ["best"] * self.best
+            + ["exact"] * self.exact
             + [f"lead {self.lead}"] * (self.lead > 0)
         )
         words += [f"weight {self.weight:g}"] * (self.weight != 0.3)
@@ -108,11 +118,14 @@ KINDS = (
     Kind("in", 0.0, 0.95, arcs=True, lead=2),
     Kind("in", 0.0, 0.95, disks=True),
     Kind("in", 0.0, 0.7, lead=2),
+    Kind("", 0.0, 0.95, exact=True),
+    Kind("", 0.0, 0.95, arcs=True, exact=True),
     Kind("", 0.0, 0.95),
     Kind("", 0.0, 0.95, arcs=True),
     Kind("in", 0.0, 0.7, lead=1),
     Kind("in", 0.0, 0.7, arcs=True, lead=2),
     Kind("in", 0.0, 0.65, arcs=True, lead=3),
+    Kind("", 0.0, 0.7, arcs=True, exact=True),
     Kind("", 0.0, 0.7),
     Kind("in", 0.0, 0.7, disks=True),
     Kind("", 0.0, 0.7, arcs=True),
@@ -143,7 +156,7 @@ def all_starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Ite
         chains = chains_of(drawn, tolerance, some)
         if chains is None:
             continue
-        fitter = _Fitter(drawn, chains, tolerance)
+        fitter = _Fitter(drawn, chains, max(LEAST_ROOM * tolerance, tolerance - near.asymmetry(some)))
         for kind in fitter.kinds():
             loops = fitter.loops(kind)
             if loops is None:
@@ -229,6 +242,8 @@ class _Fitter:
                 lines[number] += more
         if strips and not matched:
             return None
+        if kind.exact:
+            lines = [self._straight_sides(chain) for chain in self.chains.chains]
         fitted = []
         for number, (chain, known) in enumerate(zip(self.chains.chains, lines, strict=True)):
             if number in regular:
@@ -239,6 +254,15 @@ class _Fitter:
                 return None
             fitted.append(whole)
         return self.chains.loops(fitted, self.tolerance)
+
+    def _straight_sides(self, chain: Chain) -> list[Line]:
+        """Return the lines of a chain's long straight sides."""
+        sides = []
+        for a, b in straight_parts(chain.points, max(LONG[0], LONG[1] * self.tolerance)):
+            ahead = chain.points[b] - chain.points[a]
+            normal = np.array([-ahead[1], ahead[0]]) / np.hypot(*ahead)
+            sides.append(Line(a, b, normal, float(normal @ chain.points[a])))
+        return sides
 
     def _lines_of(self, strip: Strip, kind: Kind) -> Fitted:
         """Return the lines of both edges of a strip, with the numbers of their chains; nothing if there are none."""

@@ -14,7 +14,7 @@ from foldcut.core.compiled import compiled_copy, is_installed
 from foldcut.redraw.starts import arcs_code, pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
 
-__all__ = ["directions_along", "fit_bends"]
+__all__ = ["directions_along", "fit_bends", "straight_parts"]
 
 MOST_PLACES = 60
 """The largest number of places whose tangents are anchors."""
@@ -127,7 +127,7 @@ def _anchors(points: Floats, theta: Floats, tolerance: float, first: End, last: 
     m = len(points)
     found: list[tuple[float, float, float, float, float]] = []
     curving = np.gradient(theta) if m > 2 else np.zeros(m)
-    straight = _straight_parts(points, max(5.0, 2.5 * tolerance))
+    straight = straight_parts(points, max(5.0, 2.5 * tolerance))
     covered = np.zeros(m, dtype=bool)
     for a, b in straight:
         ahead = points[b] - points[a]
@@ -168,7 +168,7 @@ def _near(angle: float, other: float) -> float:
     return other + math.remainder(angle - other, 2 * math.pi)
 
 
-def _straight_parts(points: Floats, least: float) -> list[tuple[int, int]]:
+def straight_parts(points: Floats, least: float) -> list[tuple[int, int]]:
     """Return the longest parts, first and last place, along which a row is straight, longer than ``least`` mm."""
     steps = np.diff(points, axis=0)
     angles = np.arctan2(steps[:, 1], steps[:, 0])

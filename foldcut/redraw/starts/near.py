@@ -6,8 +6,7 @@ hundredths of a millimetre.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import shapely
@@ -15,6 +14,7 @@ import shapely
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.model import Shape
 from foldcut.geometry.vectors import signed_area
+from foldcut.redraw.starts.chains import Axis
 
 __all__ = ["Near"]
 
@@ -53,9 +53,13 @@ class Near:
                 return worst
         return worst
 
-    @cached_property
-    def _turns(self) -> list[float]:
-        return [float(np.sign(signed_area(loop))) for loop in self.drawn.loops]
+    def asymmetry(self, axes: Iterable[Axis]) -> float:
+        """Return how far mirror images of the drawing's points are from it, at most, in mm."""
+        whole = shapely.multilinestrings(self._lines)
+        shapely.prepare(whole)
+        points = np.concatenate([sampled(loop, 2 * STEP) for loop in self.drawn.loops])
+        off = [float(shapely.distance(shapely.points(axis.mirrored(points)), whole).max()) for axis in axes]
+        return max(off, default=0.0)
 
     def shape(self, loops: Sequence[Floats], tolerance: float) -> Shape | None:
         """Return the shape of ``loops``, one for each drawn one, if it is near enough, else None.
