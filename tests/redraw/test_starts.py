@@ -14,10 +14,11 @@ from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.shape import invariant_faults, make_shape
 from foldcut.methods.skeleton.perpendiculars import Ridges
 from foldcut.methods.skeleton.skeleton_faces import skeleton_of
-from foldcut.redraw.starts import Axis, Start, all_starts, starts
+from foldcut.redraw.starts import Axis, Start, all_starts, arcs, arcs_code, disks, disks_code, fitting, pieces, starts
 from foldcut.redraw.starts.arcs import fit_bends
 from foldcut.redraw.starts.bends import lead_in_bends
 from foldcut.redraw.starts.chains import chains_of
+from foldcut.redraw.starts.disks import fit_disks
 from foldcut.redraw.starts.fitting import fit
 from foldcut.redraw.starts.following import follow, lead_of
 from foldcut.redraw.starts.near import Near
@@ -266,6 +267,36 @@ def test_in_every_bend_the_inner_edge_leads() -> None:
     assert lead.known.all(axis=0).sum() == 1
     assert lead.cuts[0] == 0
     assert lead.cuts[-1] == len(middle) - 1
+
+
+def test_compiled_code_fits_the_same_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    row = np.concatenate([arc((0, 0), 40, 180, 0, 25), arc((70, 0), 30, 180, 330, 20)[1:]])
+    angles = np.radians(np.arange(0, 360, 20))
+    fits = (
+        lambda: fit(row, 1.0),
+        lambda: fit(row, 2.0, directions=np.column_stack([np.cos(angles), np.sin(angles)])),
+        lambda: fit_bends(row, 1.0),
+        lambda: fit_disks(
+            np.stack([row[:25], 0.7 * row[:25]]), np.column_stack([0.85 * row[:25], np.full(25, -6.0)]), 1.5
+        ),
+    )
+    as_it_is = [one() for one in fits]
+    for module, code in ((fitting, pieces), (arcs, arcs_code), (disks, disks_code)):
+        monkeypatch.setattr(module, "_code", lambda code=code: code)
+    for one, other in zip(as_it_is, [one() for one in fits], strict=True):
+        assert one is not None
+        assert other is not None
+        assert np.array_equal(one.cuts, other.cuts)
+        assert one.normals == pytest.approx(other.normals, abs=1e-9)
+        assert one.offsets == pytest.approx(other.offsets, abs=1e-9)
+
+
+def test_a_sharp_tip_is_kept_where_lines_would_miss_it() -> None:
+    tip = make_shape(
+        [[(20, 100), *arc((100, 40), 100, 143, 60).tolist(), *arc((100, 160), 100, 300, 217).tolist()[1:-1]]]
+    )
+    for start in all_starts(tip, 2.0):
+        assert apart(start.shape, tip) <= 2.04
 
 
 def test_outlines_are_arrays_that_cannot_be_written_to() -> None:
