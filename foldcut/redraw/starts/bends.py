@@ -1,12 +1,13 @@
 """Strips whose inner edge leads in every bend, with sides there that touch one circle: rows -> ``Lead``.
 
-Then the ridges of the paper beside a bend, on its inner side, meet in one node. Between two bends to different sides the
-strip has a straight part, whose lines belong to both bends.
+Then the ridges of the paper beside a bend, on its inner side, meet in one node. Between two bends to different sides
+the strip has a straight part, whose lines belong to both bends.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -38,7 +39,7 @@ def lead_in_bends(
     m = points.shape[1]
     theta = directions_along(points)
     between = [_straight_part(points, place, STRAIGHT * tolerance) for place in _inflections(theta)]
-    if any(one[1][0] <= other[1][1] for other, one in zip(between, between[1:], strict=False)):
+    if any(one[1][0] <= other[1][1] for other, one in pairwise(between)):
         return None
     cuts: list[int] = [0]
     sides: list[Side] = []
@@ -54,7 +55,7 @@ def lead_in_bends(
         stop = _given(between[k][0], edge) if k < len(between) else last
         reach = straight_as_far_as(some[1 - edge], followed)
         half = straight_as_far_as(some[1 - edge], followed / 3)
-        row = some[edge : edge + 1]
+        row = some[edge]
         fitted = fit_bends(row, tolerance, weight, reach=reach, half=half, first=start, last=stop)
         if fitted is None:
             return None
@@ -138,7 +139,7 @@ def _straight_part(points: Floats, place: int, tolerance: float) -> tuple[Sides,
 
 
 def _lines(points: Floats, a: int, b: int, tolerance: float) -> Sides | None:
-    """Return parallel lines for both rows from column a to b, None if a row is farther off its line than the tolerance."""
+    """Return parallel lines for both rows from column a to b, None if a row is farther off its own."""
     some = points[:, a : b + 1]
     ahead = (some[:, -1] - some[:, 0]).sum(axis=0)
     if float(np.hypot(*ahead)) < 1e-9:
