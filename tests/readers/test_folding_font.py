@@ -37,7 +37,7 @@ def same_corners(points: Floats, image: Floats) -> bool:
 
 @pytest.mark.parametrize("letter", LETTERS[::2])  # all of them: tests/bench/redraw.py font
 def test_every_letter_takes_few_folds_and_no_short_crease(letter: str) -> None:
-    result = fold(draw_text(letter, FONT), "a4", effort="fast")
+    result = fold(draw_text(letter, FONT), "a4", effort="fast", exact=True)
     assert result.verified
     assert result.actions <= MOST_FOLDS
     assert result.foldability.shortest_crease_mm is not None
@@ -125,7 +125,7 @@ def test_two_small_letters_fold_on_one_sheet_and_joined_needs_a_text(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    words = ["make", "--text", "LI", "--font", FONT, "--joined", "bar", "--effort", "fast", "-o", "li.fold", "--quiet"]
+    words = ["make", "--text", "LI", "--font", FONT, "--joined", "bar", "--exact", "--effort", "fast", "-o", "li.fold"]
     assert main(words) == 0
     assert Path("li.fold").exists()
     assert main(["make", "fish", "--joined", "bar"]) == 2
@@ -136,7 +136,7 @@ def test_a_word_that_does_not_fold_names_the_command_that_folds_its_letters(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    words = ["make", "--text", "AB", "--font", FONT, "--effort", "fast", "--min-crease", "90mm"]
+    words = ["make", "--text", "AB", "--font", FONT, "--exact", "--effort", "fast", "--min-crease", "90mm"]
     assert main(words) == 1
     assert "fold the letters one by one: foldcut batch --text AB --font foldcut -o letters" in capsys.readouterr().err
     assert main([*words[:2], "A", *words[3:]]) == 1
