@@ -84,7 +84,7 @@ def batch(args: Namespace) -> int:
 
     if (args.text is None) == (not args.drawings):
         raise BadInputError(f"give FOLDER|GLOB or a --text{'' if args.text is None else ', not both'}")
-    names = [] if args.text is None else letter_names(args.text, args.font)
+    names = [] if args.text is None else letter_names(args.text)
     letters = [] if args.text is None else letters_of(args.text, args.font)
     console, machine, folding = options.console(args), options.machine(args), options.folding(args)
     formats = endings(args.formats, machine.profile)
