@@ -38,6 +38,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
             ribbon=ribbon,
             effort=effort.name,
             seconds=effort.seconds,
+            goal=effort.goal,
             progress=stages.tell,
         )
     half, laid = next(one for one in candidates if one[0] is made.half)

@@ -49,6 +49,12 @@ class Facets:
     up: list[bool]
     sheet_corners: set[int]
 
+    @property
+    def shortest(self) -> float:
+        """The length of the shortest crease, in mm."""
+        ends = self.flat[np.array([edge for edge, _ in self.creases])]
+        return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
+
 
 def divide_sheet(perpendiculars: Perpendiculars, taken: Sequence[int], *, most_creases: float = MOST_CREASES) -> Facets:
     """Divide the sheet by the ridges and by some perpendiculars, by number, and fold it.
@@ -137,17 +143,10 @@ class Division:
         a, b = ridge
         start, end = self.points[a], self.points[b]
         step = end[0] - start[0], end[1] - start[1]
-        low, high = 0.0, 1.0
-        size, snap = (self._ridges.sheet.width, self._ridges.sheet.height), self._ridges.snap
-        for axis in (0, 1):
-            if abs(step[axis]) <= snap:
-                if not snap < start[axis] < size[axis] - snap:
-                    return
-                continue
-            parts = sorted([-start[axis] / step[axis], (size[axis] - start[axis]) / step[axis]])
-            low, high = max(low, parts[0]), min(high, parts[1])
-        if (high - low) * math.hypot(*step) <= snap:
+        part = self._ridges.on_sheet_part(a, b)
+        if part is None:
             return
+        low, high = part
 
         def at(part: float) -> int:
             return self._add_on_border((start[0] + part * step[0], start[1] + part * step[1]))
