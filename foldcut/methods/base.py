@@ -31,7 +31,7 @@ class Effort:
     name: str = "normal"
     seconds: float | None = None
     share: float = 1.0
-    goal: Goal = Goal()
+    goal: Goal = field(default_factory=Goal)
 
     def __post_init__(self) -> None:
         if self.name not in EFFORTS:

@@ -39,7 +39,7 @@ class Rank(NamedTuple):
 
 @dataclass(frozen=True)
 class Goal:
-    """What ends a search early: the rank of another pattern, which it has to ``beat``, and how many folds are ``enough``.
+    """What ends a search early: the rank that it has to ``beat``, and how many folds are ``enough``.
 
     No pattern has fewer folds than what is enough; 0 where that is not known.
     """
@@ -48,7 +48,7 @@ class Goal:
     enough: int = 0
 
     def is_reached(self, folds: float, shortest: float) -> bool:
-        """Return whether a pattern with these folds, the shortest crease of which is so long in mm, cannot be beaten."""
+        """Return whether no pattern beats one with these folds, the shortest crease of which is so long in mm."""
         return folds <= self.enough and shortest >= FOLDABLE_MM
 
     def is_near(self, folds: float, shortest: float, factor: float = 1.0) -> bool:
