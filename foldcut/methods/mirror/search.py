@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region
+from foldcut.methods.base import straight_folds
 from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
 from foldcut.methods.compact.search import Compact, fold_compact
 from foldcut.methods.mirror.unfold import Half
-from foldcut.pattern.ranking import Rank, rank, shortest_crease
+from foldcut.pattern.ranking import Goal, Rank, rank, shortest_crease
 
 SCAN = 0.4
 """The part of the effort for the first looks."""
@@ -35,6 +36,9 @@ LOOK_S = 0.25
 
 FEWEST_LOOKS = 3
 """How many candidates get a first look however little effort there is."""
+
+HOPEFUL = 4.0
+"""A candidate gets a second look if its pattern takes no more than this many times what is to be beaten."""
 
 MOST_LOOKS = 16
 """How many candidates get a first look at most."""
@@ -71,6 +75,7 @@ def fold_mirrored(
     seconds: float | None = None,
     whole: float = 1.0,
     progress: Callable[[str, float], None] | None = None,
+    goal: Goal | None = None,
 ) -> Mirrored:
     """Return the verified pattern that is easiest to fold; see ``fold_compact`` for the options and for Ctrl-C.
 
@@ -79,6 +84,7 @@ def fold_mirrored(
     """
     best: tuple[Rank, Mirrored] | None = None
     part = 0.0
+    enough = Goal(enough=goal.enough if goal is not None else 0)  # what is to be beaten only shows in the second look
 
     def tell(text: str, done: float) -> None:
         if progress is not None:
@@ -96,6 +102,8 @@ def fold_mirrored(
                 progress=tell,
                 share=share,
                 part=half,
+                goal=enough,
+                first_folds=len(half.axes),
             )
         except UnfoldableError:
             return None
@@ -108,15 +116,32 @@ def fold_mirrored(
             raise KeyboardInterrupt
         return key
 
+    def is_enough() -> bool:
+        """Return whether the best pattern cannot be beaten."""
+        if best is None:
+            return False
+        made = best[1]
+        return enough.is_reached(len(made.half.axes) + straight_folds(made.found.part), shortest_crease(made.creases))
+
     try:
-        looks = round(SCAN * whole * (seconds or EFFORT_SECONDS[effort]) / LOOK_S)
-        candidates = _by_promise(candidates)[: min(max(looks, FEWEST_LOOKS), MOST_LOOKS)]
+        looks = min(max(round(SCAN * whole * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
+        candidates = _by_promise(candidates)[:looks]
         share = whole * min(MOST_SCAN, SCAN / max(1, len(candidates)))
-        ranked = [(key, number) for number, half in enumerate(candidates) if (key := look(half)) is not None]
+        ranked: list[tuple[Rank, int]] = []
+        in_vain = 0
+        for number, half in enumerate(candidates):
+            before = best
+            key = look(half)
+            if key is not None:
+                ranked.append((key, number))
+            if is_enough() or in_vain >= max(FEWEST_LOOKS, len(candidates) / 3):
+                break
+            in_vain = in_vain + 1 if best is before else 0
         finalists = sorted(ranked)[:FINALISTS]
         share = whole * FINAL / max(1, len(finalists))
-        for _, number in finalists:
-            look(candidates[number])
+        for key, number in finalists:
+            if not is_enough() and (goal is None or goal.beat is None or key.creases < HOPEFUL * goal.beat.creases):
+                look(candidates[number])
     except KeyboardInterrupt:
         if best is None:
             raise

@@ -22,15 +22,12 @@ from foldcut.methods.base import Made
 from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half, axis_lines
 from foldcut.methods.skeleton.budget import Budget
-from foldcut.methods.skeleton.choices import promising_sets
-from foldcut.methods.skeleton.search import Search, adjusted, ridges_of
-from foldcut.methods.skeleton.trial import Drawing, Skeletal, attempt
+from foldcut.methods.skeleton.quick import TRIES, fold_outline
+from foldcut.methods.skeleton.search import Search, adjusted
+from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.foldability import crease_numbers
 
 __all__ = ["fold_half", "made_of_half", "search_half"]
-
-TRIES = 8
-"""How many sets of perpendiculars are tried."""
 
 PATIENCE = 0.5
 """While there is no pattern, shapes with moved corners are tried for this part of the time, each."""
@@ -45,16 +42,7 @@ def fold_half(half: Half, *, ribbon: float = 0.0, tries: int = TRIES) -> Skeleta
     The loops are folded exactly as they are. ``ribbon`` is a half-width in mm: creases that meet this near to the cut
     are refused. Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
-    problem = "no set of perpendiculars makes the creases at every node even"
-    budget = Budget(np.inf)
-    for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(half.outline, half.sheet, ribbon))):
-        if number == tries:
-            break
-        trial = attempt(Drawing(half, 0.0, perpendiculars), frozenset(taken), budget)
-        if trial.made is not None:
-            return trial.made
-        problem = problem if number else trial.problem
-    raise UnfoldableError(problem)
+    return fold_outline(half.outline, half.sheet, part=half, ribbon=ribbon, tries=tries)
 
 
 def search_half(

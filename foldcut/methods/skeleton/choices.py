@@ -3,36 +3,45 @@
 ``Ridges`` -> sets of perpendiculars, by number, the most promising first.
 
 Few of these sets can be folded without paper that passes through paper, so two kinds are tried: those with the fewest
-pieces, and those that fold all paper away from one corridor. ``exchanges`` leads from one set to others near to it.
+folds, and those that fold all paper away from one corridor. ``exchanges`` leads from one set to others near to it.
 """
 
 from __future__ import annotations
 
+import math
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from itertools import combinations
 
 import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.geometry.union_find import groups
+from foldcut.methods.skeleton.even_sets import cheapest_even_sets
 from foldcut.methods.skeleton.facets import Division, divide_sheet
-from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Point, Ridges, trace
+from foldcut.pattern.ranking import FOLDABLE_MM
 
 FEWEST = 4
-"""How many of the sets with the fewest pieces are tried."""
+"""How many of the sets with the fewest folds are tried."""
+
+COMPARED = 8
+"""From how many of the sets with the least sums of folds these are taken."""
+
+TIE = 1e-3
+"""What a crease of no length counts, compared with one that is foldable: it only decides between equal numbers."""
 
 
 def promising_sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]:
     """Yield perpendiculars and a set of them to fold, the most promising first.
 
-    First come sets of the perpendiculars at odd nodes: those with the fewest pieces, and those away from a root, in
+    First come sets of the perpendiculars at odd nodes: those with the fewest folds, and those away from a root, in
     turns; then sets away from a root with the perpendiculars of all nodes. Raises ``UnfoldableError`` where a node
-    needs a perpendicular and none of its own ends, and where even the fewest pieces make too many creases.
+    needs a perpendicular and none of its own ends, and where even the fewest folds make too many creases.
     """
     perpendiculars = trace(ridges, ridges.odd)
     perpendiculars.require_ends()
-    fewest = list(fewest_pieces(perpendiculars, FEWEST))
+    fewest = fewest_folds(perpendiculars, FEWEST)
     if fewest:
         divide_sheet(perpendiculars, fewest[0])  # if this set has too many creases, the others have, too
     rooted = away_from_roots(perpendiculars)
@@ -47,22 +56,28 @@ def promising_sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]
             yield perpendiculars, taken
 
 
-def fewest_pieces(perpendiculars: Perpendiculars, count: int) -> Iterator[list[int]]:
-    """Yield up to ``count`` sets of perpendiculars that make every node even, those with the fewest pieces first."""
-    cost = np.array([float(len(path.pieces)) for path in perpendiculars.paths])
-    cuts: list[tuple[Floats, float]] = []
-    for _ in range(count):
-        taken = _cheapest(perpendiculars, cost, cuts)
-        if taken is None:
-            return
-        yield taken
-        sign = np.full(len(perpendiculars.paths), -1.0)
-        sign[taken] = 1.0
-        cuts.append((sign, len(taken) - 1.0))  # of its perpendiculars one less, or of the others one more
+def fewest_folds(perpendiculars: Perpendiculars, count: int) -> list[list[int]]:
+    """Return up to ``count`` sets of perpendiculars that make every node even, those with the fewest folds first.
+
+    A straight line is one fold. Of sets with as many, those come first that have less to do with creases that are hard
+    to fold. What two perpendiculars save that go straight on at a node is only seen in the best few.
+    """
+    if not perpendiculars.ridges.odd:
+        return [[]]
+    skeleton = perpendiculars.ridges.skeleton
+    hard = [_hardness(path.creases(skeleton)) for path in perpendiculars.paths]
+    cost = [lines + own for lines, own in zip(perpendiculars.lines, hard, strict=True)]
+    found = _cheapest(perpendiculars, cost, max(count, COMPARED))
+    return sorted(found, key=lambda taken: perpendiculars.line_count(taken) + sum(hard[k] for k in taken))[:count]
+
+
+def _hardness(creases: Iterable[tuple[Point, Point]]) -> float:
+    """Return a small number that grows with the creases that are too short to be folded easily."""
+    return TIE * sum(max(0.0, 1.0 - math.dist(*crease) / FOLDABLE_MM) for crease in creases)
 
 
 def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:
-    """Return the sets of perpendiculars that fold all paper away from one corridor, those with the fewest pieces first.
+    """Return the sets of perpendiculars that fold all paper away from one corridor, those with the fewest folds first.
 
     A *corridor* is a strip of paper between perpendiculars; nodes' perpendiculars are the *joints* between corridors.
     Where all perpendiculars end, corridors and joints form a tree. Any corridor may be its root: of a joint's
@@ -84,19 +99,18 @@ def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:
         corridors_at[joint[path]] |= mine
         for one in mine:
             joints_at[one].add(joint[path])
-    found: dict[frozenset[int], float] = {}
+    found: dict[frozenset[int], int] = {}
     for root in sorted(joints_at):
         above = _corridors_above(root, joints_at, corridors_at)
         folded = {path for path, mine in beside.items() if len(mine) == 1 or above.get(joint[path]) not in mine}
         if is_even(perpendiculars, folded):
             taken = sorted(folded)
         else:
-            # the set nearest to that one; of several, that with the fewest pieces
-            cost = np.array([len(path.pieces) / 1e4 for path in paths])
-            cost += np.where(np.isin(np.arange(len(cost)), list(folded)), -1.0, 1.0)
-            taken = _cheapest(perpendiculars, cost) or []
+            # the set nearest to that one; of several, that with the fewest folds
+            cost = [lines / 1e4 + (-1.0 if k in folded else 1.0) for k, lines in enumerate(perpendiculars.lines)]
+            taken = next(iter(_cheapest(perpendiculars, cost, 1)), [])
         if taken or not perpendiculars.ridges.odd:
-            found[frozenset(taken)] = perpendiculars.pieces(taken)
+            found[frozenset(taken)] = perpendiculars.line_count(taken)
     return [sorted(taken) for taken in sorted(found, key=lambda taken: (found[taken], sorted(taken)))]
 
 
@@ -129,36 +143,50 @@ def is_even(perpendiculars: Perpendiculars, taken: Iterable[int]) -> bool:
     return all((count[v] + ridges.degree[v]) % 2 == 0 for v in {*count, *ridges.odd})
 
 
-def _cheapest(
-    perpendiculars: Perpendiculars, cost: Floats, cuts: Sequence[tuple[Floats, float]] = ()
-) -> list[int] | None:
-    """Return the cheapest set of perpendiculars that makes every node even, by integer programming; None without one.
+def _cheapest(perpendiculars: Perpendiculars, cost: Sequence[float], count: int) -> Iterable[list[int]]:
+    """Return up to ``count`` sets of perpendiculars that make every node even, the cheapest first."""
+    ends = [(path.start, path.end) for path in perpendiculars.paths]
+    odd = {node for node, degree in perpendiculars.ridges.degree.items() if degree % 2} & {
+        v for two in ends for v in two
+    }
+    if not odd.issuperset(perpendiculars.ridges.odd):
+        return []
+    found = cheapest_even_sets(ends, cost, odd, count)
+    return _by_programming(ends, np.array(cost), odd, count) if found is None else found
 
-    A cut is a coefficient for every perpendicular, and how large their sum over the set may be.
-    """
-    paths, ridges = perpendiculars.paths, perpendiculars.ridges
-    nodes = sorted({node for path in paths for node in (path.start, path.end) if node >= 0} | set(ridges.odd))
-    if not ridges.odd and (cost >= 0).all():
-        return None if cuts else []
+
+def _by_programming(
+    ends: Sequence[tuple[int, int]], cost: Floats, odd: Collection[int], count: int
+) -> Iterator[list[int]]:
+    """Yield the same as ``cheapest_even_sets``, by integer programming."""
     from scipy.optimize import Bounds, LinearConstraint, milp
     from scipy.sparse import coo_array
 
     # the unknowns: 0 or 1 for every perpendicular; for every node, half of how many are folded there beyond its parity
+    nodes = sorted({node for two in ends for node in two if node >= 0})
     row = {node: k for k, node in enumerate(nodes)}
-    n, m = len(paths), len(nodes)
-    entries = [(row[v], k, 1.0) for k, path in enumerate(paths) for v in (path.start, path.end) if v >= 0]
+    n, m = len(ends), len(nodes)
+    entries = [(row[v], k, 1.0) for k, two in enumerate(ends) for v in two if v >= 0]
     entries += [(k, n + k, -2.0) for k in range(m)]
     i, j, value = zip(*entries, strict=True)
-    wanted = np.array([ridges.degree[node] % 2 for node in nodes], dtype=np.float64)
+    wanted = np.array([float(node in odd) for node in nodes])
     rules = [LinearConstraint(coo_array((value, (i, j)), shape=(m, n + m)).tocsr(), wanted, wanted)]
-    rules += [LinearConstraint(np.append(sign, np.zeros(m))[None], -np.inf, most) for sign, most in cuts]
-    found = milp(
-        np.append(cost, np.zeros(m)),
-        constraints=rules,
-        integrality=np.ones(n + m, dtype=np.int64),
-        bounds=Bounds(0, np.append(np.ones(n), np.full(m, float(n)))),
-    )
-    return None if found.x is None else np.flatnonzero(found.x[:n] > 0.5).tolist()
+    for _ in range(count):
+        found = milp(
+            np.append(cost, np.zeros(m)),
+            constraints=rules,
+            integrality=np.ones(n + m, dtype=np.int64),
+            bounds=Bounds(0, np.append(np.ones(n), np.full(m, float(n)))),
+        )
+        if found.x is None:
+            return
+        taken = np.flatnonzero(found.x[:n] > 0.5).tolist()
+        yield taken
+        # next time, of its perpendiculars one less, or of the others one more
+        sign = np.full(n + m, 0.0)
+        sign[:n] = -1.0
+        sign[taken] = 1.0
+        rules.append(LinearConstraint(sign[None], -np.inf, len(taken) - 1.0))
 
 
 def _joints(perpendiculars: Perpendiculars) -> list[int]:

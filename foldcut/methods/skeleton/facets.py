@@ -9,6 +9,7 @@ between them, so the first facet's place gives all others.
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict, deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -16,13 +17,11 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import shapely
 
 from foldcut.core.arrays import Floats, index_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.geometry.planar_graph import trace_faces
-from foldcut.geometry.vectors import left_normal
-from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Point, Ridges
 from foldcut.methods.skeleton.skeleton_faces import Edge, Vertices, half_edges
 
 Crease = tuple[Edge, tuple[int, int]]
@@ -50,6 +49,12 @@ class Facets:
     up: list[bool]
     sheet_corners: set[int]
 
+    @property
+    def shortest(self) -> float:
+        """The length of the shortest crease, in mm."""
+        ends = self.flat[np.array([edge for edge, _ in self.creases])]
+        return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
+
 
 def divide_sheet(perpendiculars: Perpendiculars, taken: Sequence[int], *, most_creases: float = MOST_CREASES) -> Facets:
     """Divide the sheet by the ridges and by some perpendiculars, by number, and fold it.
@@ -57,13 +62,12 @@ def divide_sheet(perpendiculars: Perpendiculars, taken: Sequence[int], *, most_c
     Raises ``UnfoldableError`` where facets do not meet when they are folded, and where there are too many creases.
     """
     division = Division(perpendiculars, taken)
-    points = np.array(division.points)
     facets, creases = division.planar()
-    placed = _placed(perpendiculars.ridges, points, facets)
-    folded, up = _folded(points, facets, creases, placed, FITS * perpendiculars.ridges.snap)
+    placed = _placed(perpendiculars.ridges, [division.face_of(facet) for facet in facets])
+    folded, up = _folded(division.points, facets, creases, placed, FITS * perpendiculars.ridges.snap)
     if len(creases) > most_creases:
         raise UnfoldableError(f"the pattern has {len(creases):,} creases; this method takes at most {most_creases:,}")
-    return Facets(points, folded, facets, creases, up, set(division.corners))
+    return Facets(np.array(division.points), folded, facets, creases, up, set(division.corners))
 
 
 class Division:
@@ -76,10 +80,11 @@ class Division:
     def __init__(self, perpendiculars: Perpendiculars, taken: Iterable[int]) -> None:
         self._perpendiculars = perpendiculars
         self._ridges = perpendiculars.ridges
-        self.points = [*self._ridges.skeleton.points]
+        self.points = [*self._ridges.places]
         self.path_of: dict[Edge, int] = {}
-        self.corners = [self._add(corner) for corner in self._ridges.sheet.corners]
+        self.corners = [self._add((x, y)) for x, y in self._ridges.sheet.corners.tolist()]
         self._edges: list[Edge] = []
+        self._face_of: dict[Edge, int] = {}  # the skeleton face on the left
         self._border = list(self.corners)
         self._on_ridge: dict[Edge, list[int]] = defaultdict(list)
         for number in taken:
@@ -87,6 +92,16 @@ class Division:
         for ridge in self._ridges.edges:
             self._draw_ridge(ridge)
         self._draw_border()
+
+    def face_of(self, facet: Vertices) -> int:
+        """Return a skeleton face in which a part of a facet lies; beyond a side of the shape it may go on in another.
+
+        Raises ``UnfoldableError`` where there is none, since nothing divides the sheet.
+        """
+        for pair in half_edges(facet):
+            if pair in self._face_of:
+                return self._face_of[pair]
+        raise UnfoldableError("no crease comes to the sheet")
 
     def planar(self) -> tuple[list[Vertices], list[Crease]]:
         """Return the vertices of every facet, and the creases."""
@@ -96,13 +111,13 @@ class Division:
         beside = {pair: k for k, facet in enumerate(facets) for pair in half_edges(facet)}
         return facets, [((a, b), (k, beside[b, a])) for (a, b), k in beside.items() if a < b and (b, a) in beside]
 
-    def _add(self, point: Floats) -> int:
+    def _add(self, point: Point) -> int:
         self.points.append(point)
         return len(self.points) - 1
 
-    def _add_on_border(self, point: Floats) -> int:
+    def _add_on_border(self, point: Point) -> int:
         for vertex in self._border:
-            if np.hypot(*(self.points[vertex] - point)) <= self._ridges.snap:
+            if math.dist(self.points[vertex], point) <= self._ridges.snap:
                 return vertex
         self._border.append(self._add(point))
         return self._border[-1]
@@ -119,32 +134,34 @@ class Division:
                 following = self._add(piece.end)
                 self._on_ridge[min(piece.edge, piece.edge[::-1])].append(following)
             self._edges.append((vertex, following))
+            self._face_of[vertex, following] = self._face_of[following, vertex] = piece.face
             self.path_of[min(vertex, following), max(vertex, following)] = number
             vertex = following
 
     def _draw_ridge(self, ridge: Edge) -> None:
         """Draw what lies of a ridge on the sheet, divided where perpendiculars cross it."""
         a, b = ridge
-        start, step = self.points[a], self.points[b] - self.points[a]
-        low, high = 0.0, 1.0
-        size, snap = self._ridges.size, self._ridges.snap
-        for axis in (0, 1):
-            if abs(step[axis]) <= snap:
-                if not snap < start[axis] < size[axis] - snap:
-                    return
-                continue
-            parts = sorted([-start[axis] / step[axis], (size[axis] - start[axis]) / step[axis]])
-            low, high = max(low, parts[0]), min(high, parts[1])
-        if (high - low) * np.hypot(*step) <= snap:
+        start, end = self.points[a], self.points[b]
+        step = end[0] - start[0], end[1] - start[1]
+        part = self._ridges.on_sheet_part(a, b)
+        if part is None:
             return
-        first, last = self._ridge_end(a, low, start + low * step), self._ridge_end(b, 1.0 - high, start + high * step)
-        between = sorted(self._on_ridge[ridge], key=lambda v: float((self.points[v] - start) @ step))
-        self._edges += pairwise([first, *between, last])
+        low, high = part
 
-    def _ridge_end(self, vertex: int, cut_off: float, place: Floats) -> int:
-        """Return the vertex at the end of what lies of a ridge on the sheet; nodes may lie on the border, too."""
-        whole = cut_off == 0.0 and self._ridges.on_sheet(self.points[vertex])
-        return vertex if whole else self._add_on_border(place)
+        def end_at(vertex: int, part: float, *, whole: bool) -> int:
+            if whole and self._ridges.on_sheet(self.points[vertex]):
+                return vertex
+            return self._add_on_border((start[0] + part * step[0], start[1] + part * step[1]))
+
+        def along(vertex: int) -> float:
+            x, y = self.points[vertex]
+            return (x - start[0]) * step[0] + (y - start[1]) * step[1]
+
+        first, last = end_at(a, low, whole=low == 0.0), end_at(b, high, whole=high == 1.0)
+        left, right = self._ridges.face_of((a, b)), self._ridges.face_of((b, a))
+        for one, other in pairwise([first, *sorted(self._on_ridge[ridge], key=along), last]):
+            self._edges.append((one, other))
+            self._face_of[one, other], self._face_of[other, one] = left, right
 
     def _draw_border(self) -> None:
         middle = self._ridges.size / 2
@@ -156,22 +173,22 @@ class Division:
 class _Placed(NamedTuple):
     """Where a facet lies: the first corner and the unit direction of its side, and 1.0 if the shape is on its left."""
 
-    start: Floats
-    along: Floats
+    start: Point
+    along: Point
     left: float
 
 
-def _placed(ridges: Ridges, points: Floats, facets: Sequence[Vertices]) -> list[_Placed]:
-    full = shapely.polygons([shapely.linearrings(points[facet]) for facet in facets])
-    skeleton, found = ridges.skeleton, []
-    for number in ridges.faces_at(shapely.point_on_surface(full)):
-        side = skeleton.faces[number].side
-        found.append(_Placed(skeleton.starts[side], skeleton.along[side], ridges.shape_at_left[number]))
-    return found
+def _placed(ridges: Ridges, faces: Sequence[int]) -> list[_Placed]:
+    """Return where facets lie that are in these skeleton faces."""
+    starts, along = ridges.skeleton.starts.tolist(), ridges.skeleton.along.tolist()
+    sides = [face.side for face in ridges.skeleton.faces]
+    return [
+        _Placed(tuple(starts[sides[face]]), tuple(along[sides[face]]), ridges.shape_at_left[face]) for face in faces
+    ]
 
 
 def _folded(
-    points: Floats, facets: list[Vertices], creases: list[Crease], placed: list[_Placed], most: float
+    points: Sequence[Point], facets: list[Vertices], creases: list[Crease], placed: list[_Placed], most: float
 ) -> tuple[Floats, list[bool]]:
     """Return the vertices' folded places ``(v, 2)``, and whether each facet shows its upper side.
 
@@ -181,32 +198,37 @@ def _folded(
     for (a, _), (one, two) in creases:
         beside[one].append((two, a))
         beside[two].append((one, a))
-    folded = np.full((len(points), 2), np.nan)
+    folded: dict[int, Point] = {}
     turns: dict[int, tuple[float, float]] = {0: (1.0, 0.0)}  # which way x runs, and the shift
     queue = deque([0])
     worst = 0.0
     while queue:
         facet = queue.popleft()
         turn, shift = turns[facet]
-        start, along, left = placed[facet]
-        away = points[facets[facet]] - start
-        z = left * (away @ left_normal(along))
-        place = np.column_stack([turn * (away @ along) + shift, z])
-        old = folded[facets[facet]]
-        known = ~np.isnan(old[:, 0])
-        worst = max(worst, float(np.abs(old[known] - place[known]).max(initial=0.0)))
-        folded[facets[facet]] = np.where(known[:, None], old, place)
+        (start_x, start_y), (along_x, along_y), left = placed[facet]
+        for vertex in facets[facet]:
+            x, y = points[vertex]
+            x, y = x - start_x, y - start_y
+            u, z = turn * (x * along_x + y * along_y) + shift, left * (y * along_x - x * along_y)
+            if vertex in folded:
+                old_u, old_z = folded[vertex]
+                worst = max(worst, abs(old_u - u), abs(old_z - z))
+            else:
+                folded[vertex] = u, z
         for other, vertex in beside[facet]:
             if other not in turns:
-                turned = -turn * left * placed[other].left
-                u = float((points[vertex] - placed[other].start) @ placed[other].along)
-                turns[other] = turned, float(folded[vertex, 0]) - turned * u
+                (start_x, start_y), (along_x, along_y), other_left = placed[other]
+                turned = -turn * left * other_left
+                x, y = points[vertex]
+                u = (x - start_x) * along_x + (y - start_y) * along_y
+                turns[other] = turned, folded[vertex][0] - turned * u
                 queue.append(other)
     if len(turns) < len(facets) or worst > most:
         raise UnfoldableError("the facets do not meet when they are folded")
-    folded[:, 0] -= np.nanmin(folded[:, 0])
-    folded[np.isnan(folded)] = 0.0  # vertices that are not on the sheet
-    return folded, [turns[k][0] * placed[k].left > 0 for k in range(len(facets))]
+    least = min(u for u, _ in folded.values())
+    landed = np.zeros((len(points), 2))  # 0 for vertices that are not on the sheet
+    landed[list(folded)] = [(u - least, z) for u, z in folded.values()]
+    return landed, [turns[k][0] * placed[k].left > 0 for k in range(len(facets))]
 
 
 def _around_square(away: Floats) -> Floats:

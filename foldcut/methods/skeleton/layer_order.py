@@ -107,15 +107,10 @@ class OrderConditions:
         """Make one unknown of all pairs that lie the same way, or opposite ways, because of taco-tortillas."""
         # every pair twice: number k for the lesser facet below, n + k for the lesser facet above
         n = len(self._pair[0]) + 1
-        group: Ints = np.arange(2 * n)
-        if len(self.across):  # scipy takes a while to load
-            from scipy.sparse import coo_array
-            from scipy.sparse.csgraph import connected_components
-
-            one, other = (self._signed(self.across[:, 0], self.across[:, k]) for k in (1, 2))
-            i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
-            self._alike = coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)).tocsr()
-            group = connected_components(self._alike, directed=False)[1].astype(np.intp)
+        one, other = (self._signed(self.across[:, 0], self.across[:, k]) for k in (1, 2))
+        i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
+        self._alike: tuple[Ints, Ints] = i, j
+        group = _connected(2 * n, i, j)
         straight, turned = group[:n], group[n:]
         _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
         self._unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
@@ -126,18 +121,11 @@ class OrderConditions:
 
         Of several such pairs it is the one for which the chain of taco-tortillas is the shortest.
         """
-        from scipy.sparse.csgraph import shortest_path
-
         n = len(self._pair[0]) + 1
-        tried = self._both_ways[np.linspace(0, len(self._both_ways) - 1, WAYS).astype(np.intp)]
-        steps, before = shortest_path(
-            self._alike, directed=False, indices=tried, unweighted=True, return_predecessors=True
-        )
-        least = int(steps[np.arange(WAYS), tried + n].argmin())
-        way = [int(tried[least]) + n]
-        while way[-1] != tried[least]:
-            way.append(int(before[least, way[-1]]))
-        pairs = np.array(way) % n - 1
+        graph = _Graph(2 * n, *self._alike)
+        tried = np.unique(self._both_ways[np.linspace(0, len(self._both_ways) - 1, WAYS).astype(np.intp)])
+        ways = [graph.shortest_way(int(pair), int(pair) + n) for pair in tried]
+        pairs = min(ways, key=len) % n - 1
         return np.unique(np.concatenate([side[pairs] for side in self._pair]))
 
     def _signed(self, above: Ints, below: Ints) -> Ints:
@@ -193,6 +181,51 @@ class OrderConditions:
         return order
 
 
+class _Graph:
+    """Undirected edges between ``count`` nodes, ``one[k]`` to ``other[k]``."""
+
+    def __init__(self, count: int, one: Ints, other: Ints) -> None:
+        start, end = np.concatenate([one, other]), np.concatenate([other, one])
+        order = np.argsort(start, kind="stable")
+        self._ends = end[order]
+        self._first = np.searchsorted(start[order], np.arange(count + 1))
+
+    def shortest_way(self, start: int, end: int) -> Ints:
+        """Return the nodes on a shortest way from one node to another; there has to be one."""
+        before = np.full(len(self._first) - 1, -1)
+        before[start] = start
+        row: Ints = np.array([start])
+        while before[end] < 0:
+            count = self._first[row + 1] - self._first[row]
+            at = np.repeat(self._first[row] - np.cumsum(count) + count, count) + np.arange(int(count.sum()))
+            reached, origin = self._ends[at], np.repeat(row, count)
+            new = before[reached] < 0
+            reached, kept = np.unique(reached[new], return_index=True)
+            before[reached] = origin[new][kept]
+            row = reached
+        way = [end]
+        while way[-1] != start:
+            way.append(int(before[way[-1]]))
+        return np.array(way)
+
+
+def _connected(count: int, one: Ints, other: Ints) -> Ints:
+    """Return for each of ``count`` nodes the least node that edges from ``one[k]`` to ``other[k]`` join it to."""
+    least: Ints = np.arange(count)
+    while True:
+        a, b = least[one], least[other]
+        apart = a != b
+        if not apart.any():
+            return least
+        one, other, a, b = one[apart], other[apart], a[apart], b[apart]
+        np.minimum.at(least, np.maximum(a, b), np.minimum(a, b))
+        while True:
+            farther = least[least]
+            if np.array_equal(farther, least):
+                break
+            least = farther
+
+
 def layer_order(conditions: OrderConditions) -> list[int]:
     """Return the facets from bottom to top, in an order in which no paper passes through paper.
 
@@ -242,8 +275,31 @@ def _contradictory_equations(even: Ints) -> int:
 
 def _different(clauses: Ints) -> list[list[int]]:
     """Return clauses of the same number of literals once each, without those that are always true."""
-    rows = np.unique(np.sort(clauses, axis=1), axis=0)
+    rows = np.sort(clauses, axis=1)
+    most = int(np.abs(rows).max(initial=0))
+    keys = np.zeros(len(rows), dtype=np.int64)
+    if (2 * most + 1) ** rows.shape[1] < 2**63:
+        for column in rows.T:
+            keys = keys * (2 * most + 1) + (column + most)
+        rows = rows[np.unique(keys, return_index=True)[1]]
+    else:
+        rows = np.unique(rows, axis=0)
     return [row for row in (list(set(row)) for row in rows.tolist()) if not any(-x in row for x in row)]
+
+
+def _on_circles(order: Bools) -> Ints:
+    """Return the facets that are left when all are taken away, one after the other, with nothing above or below them.
+
+    All that are on circles of facets are among them.
+    """
+    left: Ints = np.arange(len(order))
+    while len(left):
+        among = order[np.ix_(left, left)]
+        kept = among.any(axis=0) & among.any(axis=1)
+        if kept.all():
+            break
+        left = left[kept]
+    return left
 
 
 def _reaches(order: Bools) -> Bools:
@@ -258,8 +314,12 @@ def _reaches(order: Bools) -> Bools:
 
 def _circles(order: Bools, conditions: OrderConditions) -> list[list[int]]:
     """Return clauses that forbid circles: those of three facets, and where there are none, the shortest ones."""
-    reach = _reaches(order)
-    both = reach & reach.T  # pairs of facets that are on one circle
+    some = _on_circles(order)
+    if not len(some):
+        return []
+    reach = _reaches(order[np.ix_(some, some)])
+    both = np.zeros_like(order)
+    both[np.ix_(some, some)] = reach & reach.T  # pairs of facets that are on one circle
     inside = np.flatnonzero(both.any(axis=1)).tolist()
     found: list[Ints] = []
     count = 0

@@ -8,6 +8,7 @@ Here it is decided what is to meet; ``move_corners`` does the moving.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -18,7 +19,7 @@ import shapely
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.union_find import groups
-from foldcut.methods.skeleton.choices import away_from_roots, fewest_pieces
+from foldcut.methods.skeleton.choices import away_from_roots, fewest_folds
 from foldcut.methods.skeleton.facets import divide_sheet
 from foldcut.methods.skeleton.move_corners import Line, Meeting, Tie, with_corners_moved
 from foldcut.methods.skeleton.perpendiculars import Ridges, trace
@@ -156,7 +157,7 @@ def _misses(shape: Shape, sheet: Sheet, reach: float) -> list[tuple[float, Tie |
     ridges = Ridges(skeleton, sheet)
     perpendiculars = trace(ridges, ridges.odd)
     perpendiculars.require_ends()
-    sets = [*fewest_pieces(perpendiculars, 1), *away_from_roots(perpendiculars)[:1]]
+    sets = [*fewest_folds(perpendiculars, 1), *away_from_roots(perpendiculars)[:1]]
     divide_sheet(perpendiculars, sets[0] if sets else [], most_creases=np.inf)
     around = skeleton.flanks_at
     nodes = set(ridges.nodes)
@@ -173,7 +174,7 @@ def _misses(shape: Shape, sheet: Sheet, reach: float) -> list[tuple[float, Tie |
         if len(way) > 1:
             ends = ((path.start, path.pieces[0], way[1]), (path.end, path.pieces[-1], way[-2]))
             for vertex, piece, beyond in ends:
-                miss = float(np.hypot(*(piece.end - piece.start)))
+                miss = math.dist(piece.start, piece.end)
                 if vertex in nodes and miss < reach and beyond not in around[vertex]:
                     found.append((miss, around[vertex] | {beyond}))
     return sorted(found, key=lambda one: one[0])

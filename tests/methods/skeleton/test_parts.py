@@ -32,7 +32,7 @@ def test_two_nodes_of_a_rectangle_need_a_perpendicular_and_its_chains_are_hit_wh
     assert all(ridges.degree[node] == 3 for node in ridges.odd)
     number = next(k for k, face in enumerate(ridges.skeleton.faces) if (face.side, face.sign) == (0, 1))
     chains = (ridges.hit(number, 60.0, chain) for chain in (0, 1))
-    assert [hit.place.round(9).tolist() for hit in chains if hit is not None] == [[100, 60], [100, 100]]
+    assert [pytest.approx(hit.place) for hit in chains if hit is not None] == [(100, 60), (100, 100)]
     middle = ridges.hit(number, 60.0, 1)
     assert middle is not None
     assert middle.edge is not None
@@ -46,10 +46,10 @@ def test_two_nodes_of_a_rectangle_need_a_perpendicular_and_its_chains_are_hit_wh
 
 def test_a_segment_leaves_the_sheet_where_it_crosses_the_border() -> None:
     ridges = ridges_of_wide()
-    leaves = ridges.exit_of(np.array([100.0, 100.0]), np.array([100.0, 500.0]))
+    leaves = ridges.exit_of((100.0, 100.0), (100.0, 500.0))
     assert leaves is not None
-    assert leaves.tolist() == [100.0, 200.0]
-    assert ridges.exit_of(np.array([100.0, 100.0]), np.array([10.0, 10.0])) is None
+    assert leaves == (100.0, 200.0)
+    assert ridges.exit_of((100.0, 100.0), (10.0, 10.0)) is None
 
 
 def test_from_each_node_of_a_rectangle_perpendiculars_run_to_the_border_of_the_sheet() -> None:
@@ -57,7 +57,10 @@ def test_from_each_node_of_a_rectangle_perpendiculars_run_to_the_border_of_the_s
     found = trace(ridges, ridges.odd)
     assert sorted(path.start for path in found.paths) == sorted([*ridges.odd] * 3)
     assert {path.end for path in found.paths} == {-1}
-    assert found.pieces([0, 1]) == len(found.paths[0].pieces) + len(found.paths[1].pieces)
+    assert {*found.lines} == {0, 1}  # one that goes on along the ridge between the nodes makes no fold of its own
+    upright = [number for number, path in enumerate(found.paths) if path.start == ridges.odd[0] and found.lines[number]]
+    assert found.straight_on == [tuple(upright), *found.straight_on[1:]]
+    assert found.line_count(upright) == 1
     division = Division(found, [0])
     assert set(division.path_of.values()) == {0}
     facets, creases = division.planar()
