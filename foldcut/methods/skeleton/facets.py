@@ -17,6 +17,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from foldcut.core.arrays import Floats, index_array
 from foldcut.core.errors import UnfoldableError
@@ -94,14 +95,14 @@ class Division:
         self._draw_border()
 
     def face_of(self, facet: Vertices) -> int:
-        """Return a skeleton face in which a part of a facet lies; beyond a side of the shape it may go on in another.
-
-        Raises ``UnfoldableError`` where there is none, since nothing divides the sheet.
-        """
+        """Return a skeleton face in which a part of a facet lies; beyond a side of the shape it may go on in another."""
         for pair in half_edges(facet):
             if pair in self._face_of:
                 return self._face_of[pair]
-        raise UnfoldableError("no crease comes to the sheet")
+        # nothing divides the sheet: half of one may need no crease but the axis
+        middle, skeleton = shapely.Point(self._ridges.sheet.corners.mean(axis=0)), self._ridges.skeleton
+        faces = shapely.polygons([shapely.linearrings(skeleton.points[face.vertices]) for face in skeleton.faces])
+        return int(shapely.distance(faces, middle).argmin())
 
     def planar(self) -> tuple[list[Vertices], list[Crease]]:
         """Return the vertices of every facet, and the creases."""

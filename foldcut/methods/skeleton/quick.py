@@ -26,7 +26,8 @@ def fold_outline(
     """Return the pattern of the first promising set of perpendiculars, of at most ``tries``, that can be folded.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
-    refused. ``part``: what the sheet is a part of, if it is not all of it. Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
+    refused. ``part``: what the sheet is a part of, if it is not all of it.
+    Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
     problem = "no set of perpendiculars makes the creases at every node even"
     budget = Budget(float("inf"))
