@@ -95,7 +95,7 @@ class Division:
         self._draw_border()
 
     def face_of(self, facet: Vertices) -> int:
-        """Return a skeleton face in which a part of a facet lies; beyond a side of the shape it may go on in another."""
+        """Return a skeleton face in which a part of a facet lies; beyond a side it may go on in another."""
         for pair in half_edges(facet):
             if pair in self._face_of:
                 return self._face_of[pair]
