@@ -43,9 +43,6 @@ from foldcut.pattern.ranking import FOLDABLE_MM, Goal
 STALLED = 1 / 3
 """The part of the budget after which the search ends if nothing has become better, or the goal is far."""
 
-HOPEFUL = 1.5
-"""The goal is far if the best pattern takes this many times what the one takes that is to be beaten."""
-
 FOLLOWING = 0.3
 """The part of the budget after which, with a pattern found, no more plans are followed in their order."""
 
@@ -219,7 +216,7 @@ class Search:
     def _is_near(self) -> bool:
         """Return whether the best pattern may still come to beat the one that it is to beat."""
         best = self.trials.best
-        return best is not None and self.goal.is_near(self._folds, -best.rank.minus_shortest, HOPEFUL)
+        return best is not None and self.goal.is_near(self._folds, -best.rank.minus_shortest)
 
     @property
     def _folds(self) -> int:

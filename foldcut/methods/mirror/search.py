@@ -37,6 +37,9 @@ LOOK_S = 0.25
 FEWEST_LOOKS = 3
 """How many candidates get a first look however little effort there is."""
 
+MOST_IN_VAIN = 2
+"""After so many first looks in a row that bring nothing better there are no more."""
+
 HOPEFUL = 4.0
 """A candidate gets a second look if its pattern takes no more than this many times what is to be beaten."""
 
@@ -90,7 +93,7 @@ def fold_mirrored(
         if progress is not None:
             progress(f"half of the sheet: {text}", (part + share * done) / whole)
 
-    def look(half: Half) -> Rank | None:
+    def look(half: Half, goal: Goal) -> Rank | None:
         nonlocal best, part
         try:
             found = fold_compact(
@@ -102,7 +105,7 @@ def fold_mirrored(
                 progress=tell,
                 share=share,
                 part=half,
-                goal=enough,
+                goal=goal,
                 first_folds=len(half.axes),
             )
         except UnfoldableError:
@@ -131,17 +134,17 @@ def fold_mirrored(
         in_vain = 0
         for number, half in enumerate(candidates):
             before = best
-            key = look(half)
+            key = look(half, enough)
             if key is not None:
                 ranked.append((key, number))
-            if is_enough() or in_vain >= max(FEWEST_LOOKS, len(candidates) / 3):
-                break
             in_vain = in_vain + 1 if best is before else 0
+            if is_enough() or (number + 1 >= FEWEST_LOOKS and in_vain >= MOST_IN_VAIN):
+                break
         finalists = sorted(ranked)[:FINALISTS]
         share = whole * FINAL / max(1, len(finalists))
         for key, number in finalists:
             if not is_enough() and (goal is None or goal.beat is None or key.creases < HOPEFUL * goal.beat.creases):
-                look(candidates[number])
+                look(candidates[number], replace(enough, beat=best[0] if best is not None else None, hopeful=1.0))
     except KeyboardInterrupt:
         if best is None:
             raise

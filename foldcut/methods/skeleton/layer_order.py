@@ -33,6 +33,9 @@ Ints = NDArray[np.intp]
 OVERLAP = 1e-9
 """Facets overlap where they reach into each other by more than this, relative to the size of the folded sheet."""
 
+NEARLY_PARALLEL = 0.1
+"""Creases whose unit directions have a larger cross product do not coincide, however short they are."""
+
 MOST_CONFLICTS = 100_000
 """How many conflicts the solver may run into before it gives up."""
 
@@ -59,11 +62,12 @@ class OrderConditions:
 
     ``across`` ``(n, 3)`` are the taco-tortillas: a facet that a crease runs across, and the crease's two facets.
     ``coinciding`` ``(n, 4)`` are the taco-tacos: the two facets of one crease, and those of the other. ``number``
-    ``(count, count)`` numbers the pairs of facets that overlap, from 1, with the lesser facet first; 0 means none.
+    ``(count, count)`` numbers the pairs of facets in conditions, and once they are ``complete`` all that overlap, from
+    1, with the lesser facet first; 0 means none.
 
     ``contradictory`` has two counts: of pairs that would have to lie both ways because of the taco-tortillas, and if
     there are none, of taco-tacos that contradict those before them. Unless both are 0, there is no order.
-    Raises ``UnfoldableError`` with too many facets, and where a crease has no length.
+    Raises ``UnfoldableError`` where a crease has no length.
     """
 
     def __init__(
@@ -76,22 +80,35 @@ class OrderConditions:
         self._ends = folded[np.array([edge for edge, _ in creases], dtype=np.intp).reshape(-1, 2)]
         if not (np.hypot(*(self._ends[:, 1] - self._ends[:, 0]).T) > 0).all():
             raise UnfoldableError("a crease has no length when it is folded")
-        full = shapely.polygons([shapely.linearrings(folded[facet]) for facet in facets])
-        inset = shapely.buffer(full, -self._tolerance, join_style="mitre")
-        tree = shapely.STRtree(inset)
-        overlapping = tree.query(inset, predicate="intersects").T
+        sizes = [len(facet) for facet in facets]
+        corners = folded[np.concatenate([np.asarray(facet, dtype=np.intp) for facet in facets])]
+        rings = shapely.linearrings(corners, indices=np.repeat(np.arange(self.count), sizes))
+        inset = shapely.buffer(shapely.polygons(rings), -self._tolerance, join_style="mitre")
+        self._tree = shapely.STRtree(inset)
+        self.across = self._find_across()
+        self.coinciding = self._find_coinciding(np.array(up, dtype=np.bool_))
+        self._relate(np.empty((0, 2), dtype=np.intp))
+        self.contradictory = len(self._both_ways), 0
+        if not any(self.contradictory):
+            self.contradictory = 0, _contradictory_equations(self._even)
+
+    def complete(self) -> None:
+        """Also number the pairs of facets that overlap without being in any condition: they may be on circles.
+
+        Raises ``UnfoldableError`` if there are too many pairs.
+        """
+        overlapping = self._tree.query(self._tree.geometries, predicate="intersects").T
         count = int((overlapping[:, 0] < overlapping[:, 1]).sum())
         if count > MOST_PAIRS:
             raise UnfoldableError(f"{count:,} pairs of facets overlap when they are folded; too many to order")
-        self.across = self._find_across(tree)
-        self.coinciding = self._find_coinciding(np.array(up, dtype=np.bool_))
+        self._relate(overlapping)
+
+    def _relate(self, overlapping: Ints) -> None:
+        """Number all pairs of facets that overlap or are in a condition, and write the conditions with them."""
         self._number_pairs(overlapping)
         self._unite_pairs()
-        self.contradictory = len(self._both_ways), 0
         a, b, c, d = self.coinciding.T
         self._even: Ints = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
-        if not any(self.contradictory):
-            self.contradictory = 0, _contradictory_equations(self._even)
 
     def _number_pairs(self, overlapping: Ints) -> None:
         """Number all pairs that overlap; the facets of one condition always count as overlapping."""
@@ -124,8 +141,11 @@ class OrderConditions:
         n = len(self._pair[0]) + 1
         graph = _Graph(2 * n, *self._alike)
         tried = np.unique(self._both_ways[np.linspace(0, len(self._both_ways) - 1, WAYS).astype(np.intp)])
-        ways = [graph.shortest_way(int(pair), int(pair) + n) for pair in tried]
-        pairs = min(ways, key=len) % n - 1
+        least: Ints = np.arange(2 * n)
+        for pair in tried.tolist():
+            way = graph.shortest_way(pair, pair + n, len(least) - 1)
+            least = least if way is None else way
+        pairs = least % n - 1
         return np.unique(np.concatenate([side[pairs] for side in self._pair]))
 
     def _signed(self, above: Ints, below: Ints) -> Ints:
@@ -143,23 +163,27 @@ class OrderConditions:
         odd = [signs for signs in itertools.product((1, -1), repeat=4) if np.prod(signs) < 0]
         return _different(np.concatenate([self._even * signs for signs in odd]))
 
-    def _find_across(self, tree: shapely.STRtree) -> Ints:
-        """Find the facets, all in a tree, that creases run across by more than the tolerance."""
+    def _find_across(self) -> Ints:
+        """Find the facets that creases run across by more than the tolerance."""
         along = self._ends[:, 1] - self._ends[:, 0]
         length = np.hypot(*along.T)
         inset = (np.minimum(2 * self._tolerance, length / 3) / length)[:, None] * along
         lines = shapely.linestrings(np.stack([self._ends[:, 0] + inset, self._ends[:, 1] - inset], axis=1))
-        crease, facet = tree.query(lines, predicate="intersects")
+        crease, facet = self._tree.query(lines, predicate="intersects")
         found = np.column_stack([facet, self._beside[crease]])
         kept: Ints = found[(found[:, :1] != found[:, 1:]).all(axis=1)]
         return kept
 
     def _find_coinciding(self, up: Bools) -> Ints:
         """Find the creases that coincide with their facets on the same side."""
-        lines = shapely.linestrings(self._ends)
-        tree = shapely.STRtree(lines)
-        one, other = tree.query(lines, predicate="dwithin", distance=self._tolerance)
+        low, high = self._ends.min(axis=1) - self._tolerance, self._ends.max(axis=1) + self._tolerance
+        boxes = shapely.box(*low.T, *high.T)
+        one, other = shapely.STRtree(boxes).query(boxes)
+        along = self._ends[:, 1] - self._ends[:, 0]
+        along /= np.hypot(*along.T)[:, None]
         keep = one < other
+        one, other = one[keep], other[keep]
+        keep = np.abs(along[one, 0] * along[other, 1] - along[one, 1] * along[other, 0]) < NEARLY_PARALLEL
         one, other = one[keep], other[keep]
         length, same_way = collinear_overlap(self._ends[one], self._ends[other], self._tolerance)
         left = up[self._beside[:, 0]]
@@ -190,12 +214,16 @@ class _Graph:
         self._ends = end[order]
         self._first = np.searchsorted(start[order], np.arange(count + 1))
 
-    def shortest_way(self, start: int, end: int) -> Ints:
-        """Return the nodes on a shortest way from one node to another; there has to be one."""
+    def shortest_way(self, start: int, end: int, most: int) -> Ints | None:
+        """Return the nodes on a shortest way from one node to another, None if they are more than ``most``."""
         before = np.full(len(self._first) - 1, -1)
         before[start] = start
         row: Ints = np.array([start])
+        steps = 1
         while before[end] < 0:
+            steps += 1
+            if steps > most or not len(row):
+                return None
             count = self._first[row + 1] - self._first[row]
             at = np.repeat(self._first[row] - np.cumsum(count) + count, count) + np.arange(int(count.sum()))
             reached, origin = self._ends[at], np.repeat(row, count)
@@ -235,6 +263,7 @@ def layer_order(conditions: OrderConditions) -> list[int]:
 
     if any(conditions.contradictory):
         raise UnfoldableError(NO_ORDER)
+    conditions.complete()
     with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
         for conditions.rounds in range(1, MOST_ROUNDS + 1):
             solver.conf_budget(MOST_CONFLICTS)

@@ -210,9 +210,7 @@ class Search:
                 ways = [
                     one for one, best in zip(ways, promises, strict=True) if best < here.quality and best[:3] <= most
                 ]
-                if self.budget.spent - stalled > patience:
-                    break
-            if not ways:
+            if not ways or self.budget.spent - stalled > patience:
                 break
             taken = here.taken ^ ways[int(random.integers(len(ways)))]
             seen.add(taken)
