@@ -1,7 +1,8 @@
 """Fold a half of the sheet by the loop that is easiest to fold.
 
-``Half`` candidates -> ``Mirrored``, a verified pattern of the whole sheet. All promising candidates get a first look
-with little effort, and the best of them more.
+``Half`` candidates -> ``Mirrored``, a verified pattern of the whole sheet. All promising candidates are folded along
+their straight skeletons. Where compact patterns may be better, candidates get a first look with little effort, and the
+best of them more.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ from foldcut.methods.base import straight_folds
 from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
 from foldcut.methods.compact.search import Compact, fold_compact
+from foldcut.methods.mirror.along_skeleton import AlongSkeleton, along_skeletons
 from foldcut.methods.mirror.unfold import Half
-from foldcut.pattern.ranking import Goal, Rank, rank, shortest_crease
+from foldcut.pattern.ranking import FOLDABLE_MM, Goal, Rank, rank, shortest_crease
 
 SCAN = 0.4
 """The part of the effort for the first looks."""
@@ -51,7 +53,7 @@ MOST_LOOKS = 16
 class Mirrored:
     """The pattern of a sheet that is folded along its axes first: what was found for a half, and which half."""
 
-    found: Compact
+    found: Compact | AlongSkeleton
     half: Half
 
     @property
@@ -66,7 +68,9 @@ class Mirrored:
 
     @property
     def regions(self) -> tuple[Region, ...]:
-        """The regions of the whole sheet."""
+        """The regions of the whole sheet; along a skeleton there are none."""
+        if isinstance(self.found, AlongSkeleton):
+            return ()
         return self.half.unfold_regions(regions(self.found.walk, self.found.molecules, self.half.sheet))
 
 
@@ -85,7 +89,7 @@ def fold_mirrored(
     """
     best: tuple[Rank, Mirrored] | None = None
     part = 0.0
-    enough = Goal(enough=goal.enough if goal is not None else 0)  # what is to be beaten only shows in the second look
+    enough = Goal(enough=goal.enough if goal is not None else 0)
 
     def tell(text: str, done: float) -> None:
         if progress is not None:
@@ -128,11 +132,19 @@ def fold_mirrored(
         looks = min(max(round(SCAN * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
         candidates = _by_promise(candidates)[:looks]
         share = min(MOST_SCAN, SCAN / max(1, len(candidates)))
+        for half, along in along_skeletons(candidates, ribbon):
+            key = rank(len(half.axes) + straight_folds(along.part), shortest_crease(along.creases))
+            if best is None or key < best[0]:
+                best = key, Mirrored(along, half)
+            if is_enough():
+                return best[1]
+        # a pattern for hands is hard to beat: no first look goes on for long that does not
+        first = replace(enough, beat=best[0]) if best is not None and -best[0].minus_shortest >= FOLDABLE_MM else enough
         ranked: list[tuple[Rank, int]] = []
         in_vain = 0
         for number, half in enumerate(candidates):
             before = best
-            key = look(half, enough)
+            key = look(half, first)
             if key is not None:
                 ranked.append((key, number))
             in_vain = in_vain + 1 if best is before else 0

@@ -102,8 +102,9 @@ def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float)
     ridges = ridges_of(tied, sheet, ribbon)
     if ridges.odd:
         raise UnfoldableError("some nodes of the straight skeleton need perpendiculars")
-    facets = divide_sheet(Perpendiculars(ridges, []), [])
-    return ordered(tied, moved, facets, conditions_of(facets), 0)
+    perpendiculars = Perpendiculars(ridges, [])
+    facets = divide_sheet(perpendiculars, [])
+    return ordered(Drawing(tied, moved, perpendiculars), facets, conditions_of(facets), 0)
 
 
 def ridges_of(shape: Shape, sheet: Sheet, ribbon: float) -> Ridges:

@@ -14,6 +14,7 @@ import shapely
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape
+from foldcut.methods.compact.part import SheetPart
 from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.facets import Facets, divide_sheet
 from foldcut.methods.skeleton.layer_order import NO_ORDER, OrderConditions, layer_order
@@ -44,11 +45,15 @@ class Skeletal:
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A shape, how far in mm its corners were ``moved`` at most, and its perpendiculars."""
+    """A shape, how far in mm its corners were ``moved`` at most, and its perpendiculars.
+
+    ``part``: the part of the whole sheet that its sheet is, if it is not all of it; the whole is what is verified then.
+    """
 
     shape: Shape
     moved: float
     perpendiculars: Perpendiculars
+    part: SheetPart | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +110,7 @@ def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget, to_beat: tu
         if to_beat is not None and promise(drawing, taken, facets.shortest) >= to_beat:
             return Trial(drawing, taken, None, NOT_BETTER, contradictory, cause)
         try:
-            made = ordered(drawing.shape, drawing.moved, facets, conditions, len(taken))
+            made = ordered(drawing, facets, conditions, len(taken))
         finally:
             budget.ordered(len(facets.facets), conditions.rounds)
     except UnfoldableError as error:
@@ -118,7 +123,7 @@ def conditions_of(facets: Facets) -> OrderConditions:
     return OrderConditions(facets.folded, facets.facets, facets.creases, facets.up)
 
 
-def ordered(shape: Shape, moved: float, facets: Facets, conditions: OrderConditions, perpendiculars: int) -> Skeletal:
+def ordered(drawing: Drawing, facets: Facets, conditions: OrderConditions, perpendiculars: int) -> Skeletal:
     """Find a layer order, and return the pattern that it makes.
 
     Raises ``UnfoldableError`` where no order is found, and where the pattern fails verification.
@@ -127,10 +132,12 @@ def ordered(shape: Shape, moved: float, facets: Facets, conditions: OrderConditi
     stack = [facets.facets[k] for k in order]
     edges, kinds = creases_of_stack(facets.folded, stack)
     creases, folded = assemble(facets.flat, facets.folded, stack, edges, kinds, facets.sheet_corners)
-    findings = verify(creases, folded.layers, shape)
+    part = drawing.part or SheetPart(drawing.shape)
+    whole, layers = part.unfold(creases, folded)
+    findings = verify(whole, layers.layers, part.shape)
     if findings:
         raise UnfoldableError(f"the pattern fails verification ({findings[0]})")
-    return Skeletal(shape, moved, perpendiculars, creases, folded)
+    return Skeletal(drawing.shape, drawing.moved, perpendiculars, creases, folded)
 
 
 def perpendiculars_in(perpendiculars: Perpendiculars, facets: Facets, within: Iterable[int]) -> frozenset[int]:
