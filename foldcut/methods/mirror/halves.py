@@ -109,6 +109,31 @@ def _chains(shape: Shape, middle: Floats, axes: Sequence[int]) -> tuple[list[Flo
     return chains, closed
 
 
+def whole_loops(loop: Floats, axes: Sequence[int]) -> list[Floats]:
+    """Return the loops of the whole shape, with the axes at 0, that a half's loop folds.
+
+    ``loop`` ``(n, 2)`` reaches beyond the axes, as in ``Half``.
+    """
+    chains, closed = _chains(Shape((loop,), (-1,)), np.zeros(2), axes)
+    for axis in axes:
+        sign = np.where(np.arange(2) == axis, -1.0, 1.0)
+        following: list[Floats] = []
+        for chain in chains:
+            on_axis = chain[0][axis] == 0, chain[-1][axis] == 0
+            image = (chain * sign)[::-1]
+            if all(on_axis):
+                closed.append(np.concatenate([chain, image[1:-1]]))
+            elif on_axis[0]:
+                following.append(np.concatenate([image, chain[1:]]))
+            elif on_axis[1]:
+                following.append(np.concatenate([chain, image[1:]]))
+            else:
+                following += [chain, image]
+        closed += [(one * sign)[::-1] for one in closed if not np.isclose(one[:, axis], 0.0).any()]
+        chains = following
+    return [_without_straight(one) for one in closed]
+
+
 def _clipped(start: Floats, end: Floats, axes: Sequence[int], tie: float) -> tuple[Floats, Floats] | None:
     """Return the ends of what is left of a side, exactly on the axes where these cut it; None if nothing is left."""
     a, b = start.copy(), end.copy()

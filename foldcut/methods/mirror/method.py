@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from foldcut.drawing.laying import AS_IT_IS, Laid
 from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
+from foldcut.methods.frame import ADJUST, frame_scale
 from foldcut.methods.mirror.halves import halves
 from foldcut.methods.mirror.search import fold_mirrored
 from foldcut.methods.mirror.unfold import Half
@@ -36,13 +38,17 @@ def fold(problem: Problem, effort: Effort) -> Made:
         made = fold_mirrored(
             [half for half, _ in candidates],
             ribbon=ribbon,
+            near=ADJUST * frame_scale(problem.laid) if problem.wishes.adjust is None else problem.wishes.adjust,
             effort=effort.name,
             seconds=effort.seconds,
             goal=effort.goal,
             progress=stages.tell,
         )
-    half, laid = next(one for one in candidates if one[0] is made.half)
-    found = made.found
+    half, found = made.half, made.found
+    laid = next(laid for candidate, laid in candidates if candidate is made.candidate)
+    if made.moved > COINCIDENT[0] * laid.sheet.diagonal:
+        notes = (*laid.notes, f"corners moved by at most {made.moved:.2g} mm, so that creases meet")
+        laid = replace(laid, shape=half.shape, notes=notes)
     return Made(
         "mirror",
         made.creases,

@@ -8,7 +8,7 @@ best of them more.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from foldcut.core.errors import UnfoldableError
@@ -17,7 +17,7 @@ from foldcut.methods.base import straight_folds
 from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
 from foldcut.methods.compact.search import Compact, fold_compact
-from foldcut.methods.mirror.along_skeleton import AlongSkeleton, along_skeletons
+from foldcut.methods.mirror.along_skeleton import AlongSkeleton, along_skeletons, with_corners_moved
 from foldcut.methods.mirror.unfold import Half
 from foldcut.pattern.ranking import FOLDABLE_MM, Goal, Rank, rank, shortest_crease
 
@@ -45,16 +45,24 @@ MOST_IN_VAIN = 2
 HOPEFUL = 4.0
 """A candidate gets a second look if its pattern takes no more than this many times what is to be beaten."""
 
+MOVED = 2
+"""Of how many candidates corners are moved, those that are the easiest to fold along their skeletons."""
+
 MOST_LOOKS = 16
 """How many candidates get a first look at most."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mirrored:
-    """The pattern of a sheet that is folded along its axes first: what was found for a half, and which half."""
+    """The pattern of a sheet that is folded along its axes first: what was found for a half, and which half.
+
+    ``candidate``: the half as it was given, if corners of it were moved, by ``moved`` mm at most; else the same.
+    """
 
     found: Compact | AlongSkeleton
     half: Half
+    candidate: Half
+    moved: float = 0.0
 
     @property
     def creases(self) -> CreasePattern:
@@ -78,12 +86,15 @@ def fold_mirrored(
     candidates: Sequence[Half],
     *,
     ribbon: float = 0.0,
+    near: float = 0.0,
     effort: str = "normal",
     seconds: float | None = None,
     progress: Callable[[str, float], None] | None = None,
     goal: Goal | None = None,
 ) -> Mirrored:
     """Return the verified pattern that is easiest to fold; see ``fold_compact`` for the options and for Ctrl-C.
+
+    Corners may be moved by ``near`` mm, the same on both sides of an axis.
 
     Raises ``UnfoldableError`` where no pattern is found for any of the candidates.
     """
@@ -116,7 +127,7 @@ def fold_mirrored(
             part += share
         key = rank(len(half.axes) + found.part.crease_count, shortest_crease(found.creases))
         if best is None or key < best[0]:
-            best = key, Mirrored(found, half)
+            best = key, Mirrored(found, half, half)
         if found.interrupted:
             raise KeyboardInterrupt
         return key
@@ -128,18 +139,35 @@ def fold_mirrored(
         made = best[1]
         return enough.is_reached(len(made.half.axes) + straight_folds(made.found.part), shortest_crease(made.creases))
 
+    def take(
+        found: Iterable[tuple[Half, AlongSkeleton]], candidate: Half | None = None, moved: float = 0.0
+    ) -> Iterator[tuple[Rank, Half]]:
+        """Keep what is the best of what was found along skeletons, and yield the rank of each."""
+        nonlocal best
+        for half, along in found:
+            key = rank(len(half.axes) + straight_folds(along.part), shortest_crease(along.creases))
+            if best is None or key < best[0]:
+                best = key, Mirrored(along, half, candidate or half, moved)
+            yield key, half
+            if is_enough():
+                return
+
     try:
         looks = min(max(round(SCAN * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
         candidates = _by_promise(candidates)[:looks]
         share = min(MOST_SCAN, SCAN / max(1, len(candidates)))
-        for half, along in along_skeletons(candidates, ribbon):
-            key = rank(len(half.axes) + straight_folds(along.part), shortest_crease(along.creases))
-            if best is None or key < best[0]:
-                best = key, Mirrored(along, half)
-            if is_enough():
-                return best[1]
+        found = list(take(along_skeletons(candidates, ribbon)))
+        for _, candidate in sorted(found, key=lambda one: one[0])[:MOVED]:
+            for half, moved in with_corners_moved(candidate, near):
+                list(take(along_skeletons([half], ribbon), candidate, moved))
+        if best is not None and is_enough():
+            return best[1]
         # a pattern for hands is hard to beat: no first look goes on for long that does not
         first = replace(enough, beat=best[0]) if best is not None and -best[0].minus_shortest >= FOLDABLE_MM else enough
+        to_beat = min(
+            (one for one in (best[0] if best is not None else None, goal.beat if goal is not None else None) if one),
+            default=None,
+        )
         ranked: list[tuple[Rank, int]] = []
         in_vain = 0
         for number, half in enumerate(candidates):
@@ -153,12 +181,12 @@ def fold_mirrored(
         finalists = sorted(ranked)[:FINALISTS]
         share = FINAL / max(1, len(finalists))
         for key, number in finalists:
-            if not is_enough() and (goal is None or goal.beat is None or key.creases < HOPEFUL * goal.beat.creases):
+            if not is_enough() and (to_beat is None or key.creases < HOPEFUL * to_beat.creases):
                 look(candidates[number], replace(enough, beat=best[0] if best is not None else None, hopeful=1.0))
     except KeyboardInterrupt:
         if best is None:
             raise
-        return Mirrored(replace(best[1].found, interrupted=True), best[1].half)
+        return replace(best[1], found=replace(best[1].found, interrupted=True))
     if best is None:
         raise UnfoldableError("no pattern was found for the half sheet; try a higher effort")
     return best[1]
