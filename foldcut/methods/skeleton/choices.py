@@ -19,7 +19,7 @@ from foldcut.core.arrays import Floats
 from foldcut.geometry.union_find import groups
 from foldcut.methods.skeleton.even_sets import cheapest_even_sets
 from foldcut.methods.skeleton.facets import Division, divide_sheet
-from foldcut.methods.skeleton.perpendiculars import Perpendicular, Perpendiculars, Ridges, trace
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Point, Ridges, trace
 from foldcut.pattern.ranking import FOLDABLE_MM
 
 FEWEST = 4
@@ -29,7 +29,7 @@ COMPARED = 8
 """From how many of the sets with the least sums of folds these are taken."""
 
 TIE = 1e-3
-"""What a piece of no length counts, compared with one that is foldable: it only decides between equal numbers."""
+"""What a crease of no length counts, compared with one that is foldable: it only decides between equal numbers."""
 
 
 def promising_sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]:
@@ -59,21 +59,21 @@ def promising_sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]
 def fewest_folds(perpendiculars: Perpendiculars, count: int) -> list[list[int]]:
     """Return up to ``count`` sets of perpendiculars that make every node even, those with the fewest folds first.
 
-    A straight line is one fold. Of sets with as many, those come first that have less to do with pieces that are hard
+    A straight line is one fold. Of sets with as many, those come first that have less to do with creases that are hard
     to fold. What two perpendiculars save that go straight on at a node is only seen in the best few.
     """
     if not perpendiculars.ridges.odd:
         return [[]]
-    hard = [_hardness(path) for path in perpendiculars.paths]
+    skeleton = perpendiculars.ridges.skeleton
+    hard = [_hardness(path.creases(skeleton)) for path in perpendiculars.paths]
     cost = [lines + own for lines, own in zip(perpendiculars.lines, hard, strict=True)]
     found = _cheapest(perpendiculars, cost, max(count, COMPARED))
     return sorted(found, key=lambda taken: perpendiculars.line_count(taken) + sum(hard[k] for k in taken))[:count]
 
 
-def _hardness(path: Perpendicular) -> float:
-    """Return a small number that grows with the pieces of a perpendicular that are too short to be folded easily."""
-    length = (math.dist(piece.start, piece.end) for piece in path.pieces)
-    return TIE * sum(max(0.0, 1.0 - one / FOLDABLE_MM) for one in length)
+def _hardness(creases: Iterable[tuple[Point, Point]]) -> float:
+    """Return a small number that grows with the creases that are too short to be folded easily."""
+    return TIE * sum(max(0.0, 1.0 - math.dist(*crease) / FOLDABLE_MM) for crease in creases)
 
 
 def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:

@@ -23,7 +23,7 @@ from foldcut.methods.skeleton.facets import divide_sheet
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
 from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
-from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered
+from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered, promise
 
 __all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]
 
@@ -41,6 +41,9 @@ SETS_PART = 3 / 4
 
 LEAST_SETS = 2
 """How many sets of each drawing are tried even if nothing is left to spend: one of both kinds (``promising_sets``)."""
+
+STALLED = 1 / 3
+"""A walk from a pattern ends when nothing has become better in this part of its time."""
 
 PARTS = (1.0, 0.5, 0.1)
 """Corners are moved by no more than these parts of what is allowed: less is sometimes better."""
@@ -175,7 +178,10 @@ class Search:
             spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
             if spent and number >= LEAST_SETS:
                 break
-            trial = self.attempt(Drawing(part, moved, perpendiculars), frozenset(taken))
+            drawing = Drawing(part, moved, perpendiculars)
+            if self.best is not None and promise(drawing, frozenset(taken)) >= self.best.quality:
+                continue
+            trial = self.attempt(drawing, frozenset(taken))
             if nearest is None or trial.quality < nearest.quality:
                 nearest = trial
         return nearest
@@ -195,17 +201,22 @@ class Search:
         perpendiculars, folds = here.drawing.perpendiculars, here.made is not None
         every = exchanges(perpendiculars)
         random, seen = np.random.default_rng(0), {here.taken}
+        stalled, patience = self.budget.spent, (end - self.budget.spent) * STALLED
         while self.budget.spent + (order_cost(len(here.made.creases.faces_vertices)) if here.made else 0.0) <= end:
             ways = [one for one in every if one & here.cause and here.taken ^ one not in seen]
             if folds and ways:
-                counts = [perpendiculars.line_count(here.taken ^ one) for one in ways]
-                fewest = min(*counts, perpendiculars.line_count(here.taken))
-                ways = [one for one, count in zip(ways, counts, strict=True) if count == fewest]
-            if not ways:
+                promises = [promise(here.drawing, here.taken ^ one) for one in ways]
+                most = min(promises)[:3]
+                ways = [
+                    one for one, best in zip(ways, promises, strict=True) if best < here.quality and best[:3] <= most
+                ]
+            if not ways or self.budget.spent - stalled > patience:
                 break
             taken = here.taken ^ ways[int(random.integers(len(ways)))]
             seen.add(taken)
             trial = self.attempt(here.drawing, taken)
+            if trial.quality < here.quality:
+                stalled = self.budget.spent
             if trial.quality <= here.quality:
                 here = trial
             if trial.made and not folds:
@@ -215,7 +226,8 @@ class Search:
         """Try a set of perpendiculars, and keep the trial if it is the best."""
         if self.progress is not None:
             self.progress("layer orders", self.budget.part)
-        trial = attempt(drawing, taken, self.budget)
+        to_beat = self.best.quality if self.best is not None else None
+        trial = attempt(drawing, taken, self.budget, to_beat)
         if trial.problem and self.problem is None:
             self.problem = UnfoldableError(trial.problem)
         if trial.made and (self.best is None or trial.quality < self.best.quality):
