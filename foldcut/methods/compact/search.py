@@ -43,6 +43,12 @@ from foldcut.pattern.ranking import FOLDABLE_MM, Goal
 STALLED = 1 / 3
 """The part of the budget after which the search ends if nothing has become better, or the goal is far."""
 
+FIRST = 1 / 5
+"""The part of the budget after which it also ends if the first patterns are very far from the goal."""
+
+FAR = 3.0
+"""That is, if the best of them takes more than this many times what the one takes that is to be beaten."""
+
 FOLLOWING = 0.3
 """The part of the budget after which, with a pattern found, no more plans are followed in their order."""
 
@@ -190,6 +196,7 @@ class Search:
         self.goal, self.first_folds = goal, first_folds
         self.is_in_vain = False
         self._improved = 0.0  # the part of the budget at which the best pattern was found
+        self._is_near = False  # whether that may still come to beat the one that it is to beat
         self.outline, self.trials, self.budget, self.random = trials.outline, trials, budget, random
         self.cover = Cover(self.outline, budget, self.charge)
         self.short_creases = ShortCreases(trials, budget, self.attempt, self.charge)
@@ -204,25 +211,23 @@ class Search:
         self.trials.report(f"searching: {count}", min(0.99, self.budget.part))
         if self.is_in_vain or self.budget.is_over(found=best is not None):
             raise Spent
-        if best is not None and not best.rank.unfoldable and self.budget.part - self._improved > STALLED:
-            self._give_up()
-        if self.goal.beat is not None and self.budget.part > STALLED and not self._is_near():
+        if self._is_hopeless:
             self._give_up()
 
     def _give_up(self) -> None:
         self.is_in_vain = True
         raise Spent
 
-    def _is_near(self) -> bool:
-        """Return whether the best pattern may still come to beat the one that it is to beat."""
-        best = self.trials.best
-        return best is not None and self.goal.is_near(self._folds, -best.rank.minus_shortest)
-
     @property
-    def _folds(self) -> int:
-        """How many straight folds the best pattern takes."""
-        assert self.trials.best is not None
-        return self.first_folds + crease_numbers(self.trials.best.part).lines
+    def _is_hopeless(self) -> bool:
+        """Whether nothing has become better for long, or the goal is far."""
+        best, part, beat = self.trials.best, self.budget.part, self.goal.beat
+        if best is not None and not best.rank.unfoldable and part - self._improved > STALLED:
+            return True
+        if beat is None:
+            return False
+        is_far = best is not None and best.rank.creases > FAR * beat.creases
+        return (is_far and part > FIRST) or (not self._is_near and part > STALLED)
 
     def attempt(self, solution: Solution) -> Attempt:
         """Fold a solution, and keep the pattern if it is the best; raise ``Spent`` if it cannot be beaten."""
@@ -231,7 +236,9 @@ class Search:
         best = self.trials.best
         if best is not None and best is not before:
             self._improved = self.budget.part
-            if self.goal.is_reached(self._folds, -best.rank.minus_shortest):
+            folds, shortest = self.first_folds + crease_numbers(best.part).lines, -best.rank.minus_shortest
+            self._is_near = self.goal.is_near(folds, shortest)
+            if self.goal.is_reached(folds, shortest):
                 self._give_up()
         return made
 
