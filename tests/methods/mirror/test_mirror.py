@@ -242,7 +242,9 @@ def test_ctrl_c_keeps_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
     assert result.findings == ()
     assert isinstance(result.stages, Mirrored)
     assert result.stages.found.interrupted
-    assert [attempt.method for attempt in result.attempts] == ["skeleton", "mirror"], "no other method is tried after Ctrl-C"
+    assert [attempt.method for attempt in result.attempts] == ["skeleton", "mirror"], (
+        "no other method is tried after Ctrl-C"
+    )
     calls.append(())
     with pytest.raises(KeyboardInterrupt):
         foldcut.fold([cross()], method="mirror", effort="fast")
