@@ -11,6 +11,8 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region
 from foldcut.methods.base import straight_folds
@@ -38,6 +40,10 @@ LOOK_S = 0.25
 
 FEWEST_LOOKS = 3
 """How many candidates get a first look however little effort there is."""
+
+EASY, HARD = 1.5, 2.0
+"""A first look goes on after a third of its time if its pattern takes no more than this many times what the one along a
+skeleton takes, which is easy or hard to fold by hand."""
 
 MOST_IN_VAIN = 2
 """After so many first looks in a row that bring nothing better there are no more."""
@@ -163,7 +169,8 @@ def fold_mirrored(
         if best is not None and is_enough():
             return best[1]
         # a pattern for hands is hard to beat: no first look goes on for long that does not
-        first = replace(enough, beat=best[0]) if best is not None and -best[0].minus_shortest >= FOLDABLE_MM else enough
+        is_easy = best is not None and -best[0].minus_shortest >= FOLDABLE_MM
+        first = replace(enough, beat=best[0], hopeful=EASY if is_easy else HARD, far=np.inf) if best else enough
         to_beat = min(
             (one for one in (best[0] if best is not None else None, goal.beat if goal is not None else None) if one),
             default=None,
@@ -181,8 +188,11 @@ def fold_mirrored(
         finalists = sorted(ranked)[:FINALISTS]
         share = FINAL / max(1, len(finalists))
         for key, number in finalists:
-            if not is_enough() and (to_beat is None or key.creases < HOPEFUL * to_beat.creases):
-                look(candidates[number], replace(enough, beat=best[0] if best is not None else None, hopeful=1.0))
+            if not is_enough() and (to_beat is None or key.creases < (EASY if is_easy else HOPEFUL) * to_beat.creases):
+                look(
+                    candidates[number],
+                    replace(enough, beat=best[0] if best is not None else None, hopeful=1.0, far=np.inf),
+                )
     except KeyboardInterrupt:
         if best is None:
             raise
