@@ -46,9 +46,6 @@ STALLED = 1 / 3
 FIRST = 1 / 5
 """The part of the budget after which it also ends if the first patterns are very far from the goal."""
 
-FAR = 3.0
-"""That is, if the best of them takes more than this many times what the one takes that is to be beaten."""
-
 FOLLOWING = 0.3
 """The part of the budget after which, with a pattern found, no more plans are followed in their order."""
 
@@ -226,7 +223,7 @@ class Search:
             return True
         if beat is None:
             return False
-        is_far = best is not None and best.rank.creases > FAR * beat.creases
+        is_far = best is not None and best.rank.creases > self.goal.far * beat.creases
         return (is_far and part > FIRST) or (not self._is_near and part > STALLED)
 
     def attempt(self, solution: Solution) -> Attempt:

@@ -10,6 +10,8 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region
 from foldcut.methods.base import straight_folds
@@ -17,7 +19,7 @@ from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
 from foldcut.methods.compact.search import Compact, fold_compact
 from foldcut.methods.mirror.unfold import Half
-from foldcut.pattern.ranking import Goal, Rank, rank, shortest_crease
+from foldcut.pattern.ranking import FOLDABLE_MM, Goal, Rank, rank, shortest_crease
 
 SCAN = 0.4
 """The part of the effort for the first looks."""
@@ -36,6 +38,10 @@ LOOK_S = 0.25
 
 FEWEST_LOOKS = 3
 """How many candidates get a first look however little effort there is."""
+
+EASY, HARD = 1.5, 2.0
+"""A first look goes on after a third of its time if its pattern takes no more than this many times what is to be beaten,
+where that is easy or hard to fold by hand."""
 
 MOST_IN_VAIN = 2
 """After so many first looks in a row that bring nothing better there are no more."""
@@ -87,7 +93,11 @@ def fold_mirrored(
     """
     best: tuple[Rank, Mirrored] | None = None
     part = 0.0
-    enough = Goal(enough=goal.enough if goal is not None else 0)  # what is to be beaten only shows in the second look
+    enough = Goal(enough=goal.enough if goal is not None else 0)
+    # a pattern for hands is hard to beat: no first look goes on for long that does not
+    to_beat = goal.beat if goal is not None else None
+    is_easy = to_beat is not None and -to_beat.minus_shortest >= FOLDABLE_MM
+    first = replace(enough, beat=to_beat, hopeful=EASY if is_easy else HARD, far=np.inf) if to_beat else enough
 
     def tell(text: str, done: float) -> None:
         if progress is not None:
@@ -134,7 +144,7 @@ def fold_mirrored(
         in_vain = 0
         for number, half in enumerate(candidates):
             before = best
-            key = look(half, enough)
+            key = look(half, first)
             if key is not None:
                 ranked.append((key, number))
             in_vain = in_vain + 1 if best is before else 0
@@ -143,8 +153,9 @@ def fold_mirrored(
         finalists = sorted(ranked)[:FINALISTS]
         share = whole * FINAL / max(1, len(finalists))
         for key, number in finalists:
-            if not is_enough() and (goal is None or goal.beat is None or key.creases < HOPEFUL * goal.beat.creases):
-                look(candidates[number], replace(enough, beat=best[0] if best is not None else None, hopeful=1.0))
+            if not is_enough() and (to_beat is None or key.creases < (EASY if is_easy else HOPEFUL) * to_beat.creases):
+                beat = best[0] if best is not None else None
+                look(candidates[number], replace(enough, beat=beat, hopeful=1.0, far=np.inf))
     except KeyboardInterrupt:
         if best is None:
             raise

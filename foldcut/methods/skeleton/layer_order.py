@@ -48,6 +48,9 @@ MOST_ROUNDS = 40
 WAYS = 8
 """For how many of the pairs that would have to lie both ways the reason is looked for."""
 
+LONGER = 2
+"""Chains of taco-tortillas that are this many times as long as the shortest one are left out."""
+
 MOST_PAIRS = 400_000
 """With more pairs of overlapping facets no order is looked for."""
 
@@ -133,20 +136,22 @@ class OrderConditions:
         self._unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
         self._both_ways = np.flatnonzero(straight[1:] == turned[1:]) + 1
 
-    def facets_of_contradiction(self) -> Ints:
-        """Return the facets that make a pair lie both ways, where ``contradictory`` counts such pairs.
+    def facets_of_contradictions(self) -> list[Ints]:
+        """Return for some pairs of facets that would have to lie both ways the facets that make them do so.
 
-        Of several such pairs it is the one for which the chain of taco-tortillas is the shortest.
+        ``contradictory`` counts such pairs. Those with the shortest chains of taco-tortillas come first.
         """
         n = len(self._pair[0]) + 1
         graph = _Graph(2 * n, *self._alike)
         tried = np.unique(self._both_ways[np.linspace(0, len(self._both_ways) - 1, WAYS).astype(np.intp)])
-        least: Ints = np.arange(2 * n)
+        most, ways = 2 * n, list[Ints]()
         for pair in tried.tolist():
-            way = graph.shortest_way(pair, pair + n, len(least) - 1)
-            least = least if way is None else way
-        pairs = least % n - 1
-        return np.unique(np.concatenate([side[pairs] for side in self._pair]))
+            way = graph.shortest_way(pair, pair + n, most)
+            if way is not None:
+                ways.append(way)
+                most = min(most, LONGER * len(way))
+        ways.sort(key=len)
+        return [np.unique(np.concatenate([side[way % n - 1] for side in self._pair])) for way in ways]
 
     def _signed(self, above: Ints, below: Ints) -> Ints:
         """Return the numbers of pairs, negative where the first facet is the lesser one."""

@@ -18,7 +18,7 @@ from foldcut.core.errors import UnfoldableError, UnfoldableWhereError
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget, order_cost
-from foldcut.methods.skeleton.choices import exchanges, promising_sets
+from foldcut.methods.skeleton.choices import CheapestSets, exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
 from foldcut.methods.skeleton.skeleton_faces import skeleton_of
@@ -41,6 +41,9 @@ SETS_PART = 3 / 4
 
 LEAST_SETS = 2
 """How many sets of each drawing are tried even if nothing is left to spend: one of both kinds (``promising_sets``)."""
+
+MOST_LESSONS = 12
+"""How many times the cheapest set is tried that does not repeat what has failed, while there is no pattern."""
 
 STALLED = 1 / 3
 """A walk from a pattern ends when nothing has become better in this part of its time."""
@@ -174,6 +177,7 @@ class Search:
         Raises ``UnfoldableError`` where there are no sets, or none with few enough creases.
         """
         nearest: Trial | None = None
+        first: Trial | None = None
         for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(shape, self.sheet, self.ribbon))):
             spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
             if spent and number >= LEAST_SETS:
@@ -182,8 +186,30 @@ class Search:
             if self.best is not None and promise(drawing, frozenset(taken)) >= self.best.quality:
                 continue
             trial = self.attempt(drawing, frozenset(taken))
+            first = first or trial
+            if number == 1 and self.best is None:
+                trial = min(trial, self._learn(first, patience), key=lambda one: one.quality)
             if nearest is None or trial.quality < nearest.quality:
                 nearest = trial
+        return nearest
+
+    def _learn(self, first: Trial, patience: float) -> Trial:
+        """Try the cheapest set that does not repeat what has failed, again and again; return the best trial.
+
+        From each failure it is learned what has to change.
+        """
+        sets = CheapestSets(first.drawing.perpendiculars)
+        nearest = trial = first
+        for _ in range(MOST_LESSONS):
+            if trial.made is not None or self.budget.spent > patience:
+                break
+            for cause in trial.causes or (frozenset(range(len(first.drawing.perpendiculars.paths))),):
+                sets.forbid(trial.taken, cause)
+            taken = sets.cheapest()
+            if taken is None:
+                break
+            trial = self.attempt(first.drawing, taken)
+            nearest = min(nearest, trial, key=lambda one: one.quality)
         return nearest
 
     def improve(self) -> None:

@@ -59,7 +59,8 @@ class Trial:
     """A set of perpendiculars that was tried, and what it ``made``, if anything, else the ``problem``.
 
     ``contradictory`` counts its contradictions as ``OrderConditions`` does, and is infinite where these are not known.
-    ``cause`` is a set of perpendiculars: unless one of them changes, some contradiction stays.
+    ``cause`` is a set of perpendiculars: unless one of them changes, some contradiction stays; ``causes`` are more such
+    sets.
     """
 
     drawing: Drawing
@@ -68,6 +69,7 @@ class Trial:
     problem: str
     contradictory: tuple[float, float]
     cause: frozenset[int]
+    causes: tuple[frozenset[int], ...] = ()
 
     @cached_property
     def quality(self) -> tuple[float, ...]:
@@ -101,7 +103,9 @@ def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget, to_beat: tu
         conditions = conditions_of(facets)
         contradictory = conditions.contradictory
         if contradictory[0]:
-            cause = perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
+            found = conditions.facets_of_contradictions()
+            causes = tuple(perpendiculars_in(drawing.perpendiculars, facets, some) for some in found)
+            return Trial(drawing, taken, None, NO_ORDER, contradictory, causes[0], causes)
         if any(contradictory):
             return Trial(drawing, taken, None, NO_ORDER, contradictory, cause)
         if to_beat is not None and promise(drawing, taken, facets.shortest) >= to_beat:
