@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
-from types import ModuleType
 
 import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Indices
-from foldcut.core.compiled import compiled_copy, is_installed
+from foldcut.core.compiled import compiled_copy
 from foldcut.redraw.starts import pieces
 
 __all__ = ["ANY", "End", "Sides", "fit", "straight_as_far_as"]
@@ -87,7 +85,7 @@ def fit(
     ends = first.array(), last.array()
     if m < 2:
         return None
-    code = _code()
+    code = compiled_copy(pieces)
     if directions is None:
         cost, previous, normals = np.empty(m), np.empty(m, dtype=np.int64), np.empty((m, 2))
         sums = np.empty((rows, m, 5))
@@ -111,7 +109,7 @@ def fit(
 def straight_as_far_as(row: Floats, tolerance: float) -> Indices:
     """Return for each place of a row ``(m, 2)`` how far a piece that begins there is straight within ``tolerance`` mm."""
     reach = np.empty(len(row), dtype=np.int64)
-    _code().straight_as_far_as(np.ascontiguousarray(row)[None], tolerance, np.empty((1, len(row), 5)), reach)
+    compiled_copy(pieces).straight_as_far_as(np.ascontiguousarray(row)[None], tolerance, np.empty((1, len(row), 5)), reach)
     return reach
 
 
@@ -131,7 +129,7 @@ def _fit_directed(
     cost = np.empty((m, count + 1))
     previous, before = np.empty((m, count + 1), dtype=np.int64), np.empty((m, count + 1), dtype=np.int64)
     ends = first.array(), last.array()
-    _code().fit_directed(points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before)
+    compiled_copy(pieces).fit_directed(points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before)
     every = np.concatenate([directions, [first.normal]])
     j, d = m - 1, int(cost[-1].argmin())
     total = float(cost[j, d])
@@ -181,9 +179,3 @@ def _sides(
         if end.kind == pieces.GIVEN and (normals[s] == np.array(end.normal)).all():
             offsets[:, s] = end.offset + shift
     return Sides(cuts, np.repeat(normals[None], len(points), axis=0), offsets, cost)
-
-
-@cache
-def _code() -> ModuleType:
-    """Return the dynamic programs, compiled where that is possible."""
-    return compiled_copy(pieces) if is_installed() else pieces
