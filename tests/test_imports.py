@@ -33,13 +33,13 @@ METHODS_BELOW = {
     "disks": set(),
     "gate": {"disks"},
     "compact": set(),
-    "mirror": {"compact"},
+    "mirror": {"compact", "skeleton"},
     "skeleton": set(),
     "auto": {"disks", "gate", "compact", "mirror", "skeleton", "fewest_folds"},
 }
-"""Which methods each method may use; all see ``methods.base``, ``methods.frame`` and ``methods.progress``."""
+"""Which methods each method may use; all see ``EVERY_METHOD_SEES``."""
 
-EVERY_METHOD_SEES = {"base", "frame", "progress"}
+EVERY_METHOD_SEES = {"base", "frame", "progress", "sheet_part"}
 
 
 def modules() -> dict[str, Path]:

@@ -17,9 +17,9 @@ from foldcut.geometry.planar_graph import edge_lengths
 from foldcut.methods.compact.budget import Spent, fold_cost
 from foldcut.methods.compact.molecule import NotClosedError
 from foldcut.methods.compact.outline import Outline
-from foldcut.methods.compact.part import SheetPart
 from foldcut.methods.compact.pattern import Molecules, Walk, build_molecules, fold_molecules, molecule_faults
 from foldcut.methods.compact.turns import Solution
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.pattern.assemble import NoFaceUpError
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.proof.tolerance import COINCIDENT

@@ -11,8 +11,6 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region
 from foldcut.methods.base import straight_folds
@@ -170,7 +168,7 @@ def fold_mirrored(
             return best[1]
         # a pattern for hands is hard to beat: no first look goes on for long that does not
         is_easy = best is not None and -best[0].minus_shortest >= FOLDABLE_MM
-        first = replace(enough, beat=best[0], hopeful=EASY if is_easy else HARD, far=np.inf) if best else enough
+        first = replace(enough, beat=best[0], hopeful=EASY if is_easy else HARD, patient=True) if best else enough
         to_beat = min(
             (one for one in (best[0] if best is not None else None, goal.beat if goal is not None else None) if one),
             default=None,
@@ -191,7 +189,7 @@ def fold_mirrored(
             if not is_enough() and (to_beat is None or key.creases < (EASY if is_easy else HOPEFUL) * to_beat.creases):
                 look(
                     candidates[number],
-                    replace(enough, beat=best[0] if best is not None else None, hopeful=1.0, far=np.inf),
+                    replace(enough, beat=best[0] if best is not None else None, hopeful=1.0, patient=True),
                 )
     except KeyboardInterrupt:
         if best is None:

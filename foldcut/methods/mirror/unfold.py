@@ -16,7 +16,7 @@ import numpy as np
 from foldcut.core.arrays import Bools, Floats, points_array
 from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
 from foldcut.geometry.vectors import signed_area
-from foldcut.methods.compact.part import SheetPart
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.pattern.assemble import assemble, creases_of_stack
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
-from foldcut.methods.compact.part import SheetPart
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.choices import CheapestSets, promising_sets
 from foldcut.methods.skeleton.search import ridges_of

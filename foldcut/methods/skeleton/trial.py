@@ -14,7 +14,7 @@ import shapely
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape
-from foldcut.methods.compact.part import SheetPart
+from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.facets import Facets, divide_sheet
 from foldcut.methods.skeleton.layer_order import NO_ORDER, OrderConditions, layer_order

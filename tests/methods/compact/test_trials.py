@@ -12,9 +12,9 @@ from support.strategies import regular, star_shaped
 from foldcut.core.model import Shape
 from foldcut.methods.compact import trials as module
 from foldcut.methods.compact.molecule import NotClosedError
-from foldcut.methods.compact.part import SheetPart
 from foldcut.methods.compact.trials import Attempt, Trials
 from foldcut.methods.compact.turns import Solution
+from foldcut.methods.sheet_part import SheetPart
 
 
 def trials_of(points: list[tuple[float, float]], **options: Any) -> tuple[Trials, Solution]:
