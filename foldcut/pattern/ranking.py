@@ -42,14 +42,14 @@ class Goal:
     """What ends a search early: the rank that it has to ``beat``, and how many folds are ``enough``.
 
     No pattern has fewer folds than what is enough; 0 where that is not known. A search that after a third of its time
-    takes more than ``hopeful`` times what is to be beaten is given up; after a fifth if it takes more than ``far``
-    times that.
+    takes more than ``hopeful`` times what is to be beaten is given up, and if it is not ``patient``, also one that has
+    nothing by then, or what is very far off after a fifth.
     """
 
     beat: Rank | None = None
     enough: int = 0
     hopeful: float = 1.5
-    far: float = 3.0
+    patient: bool = False
 
     def is_reached(self, folds: float, shortest: float) -> bool:
         """Return whether no pattern beats one with these folds, the shortest crease of which is so long in mm."""

@@ -10,8 +10,6 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region
 from foldcut.methods.base import straight_folds
@@ -97,7 +95,7 @@ def fold_mirrored(
     # a pattern for hands is hard to beat: no first look goes on for long that does not
     to_beat = goal.beat if goal is not None else None
     is_easy = to_beat is not None and -to_beat.minus_shortest >= FOLDABLE_MM
-    first = replace(enough, beat=to_beat, hopeful=EASY if is_easy else HARD, far=np.inf) if to_beat else enough
+    first = replace(enough, beat=to_beat, hopeful=EASY if is_easy else HARD, patient=True) if to_beat else enough
 
     def tell(text: str, done: float) -> None:
         if progress is not None:
@@ -155,7 +153,7 @@ def fold_mirrored(
         for key, number in finalists:
             if not is_enough() and (to_beat is None or key.creases < (EASY if is_easy else HOPEFUL) * to_beat.creases):
                 beat = best[0] if best is not None else None
-                look(candidates[number], replace(enough, beat=beat, hopeful=1.0, far=np.inf))
+                look(candidates[number], replace(enough, beat=beat, hopeful=1.0, patient=True))
     except KeyboardInterrupt:
         if best is None:
             raise

@@ -236,7 +236,7 @@ class Search:
                 ways = [
                     one for one, best in zip(ways, promises, strict=True) if best < here.quality and best[:3] <= most
                 ]
-            if not ways or self.budget.spent - stalled > patience:
+            if not ways or (folds and self.budget.spent - stalled > patience):
                 break
             taken = here.taken ^ ways[int(random.integers(len(ways)))]
             seen.add(taken)

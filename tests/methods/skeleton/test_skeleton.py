@@ -220,7 +220,7 @@ def test_without_a_change_in_its_cause_a_contradiction_stays(seed: int) -> None:
     start = frozenset(fewest_folds(found, 1)[0])
     facets, conditions = conditions_of(found, start)
     assert conditions.contradictory[0]
-    cause = trial.perpendiculars_in(found, facets, conditions.facets_of_contradiction())
+    cause = trial.perpendiculars_in(found, facets, conditions.facets_of_contradictions()[0])
     elsewhere = [one for one in exchanges(found) if not one & cause]
     assert elsewhere
     for one in exchanges(found):
