@@ -7,6 +7,7 @@ cache. Where that cannot be written, each process compiles it.
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from functools import cache
 
@@ -38,11 +39,14 @@ ENTRIES = (
 """The modules, and those of their functions that are called from outside."""
 
 
-def get_ready(progress: Callable[[str], None]) -> None:
-    """Compile what is not compiled yet; ``progress`` is told before that."""
-    if not is_compiled():
-        progress(COMPILING)
-        compile_ahead()
+def get_ready(progress: Callable[[str], None]) -> float:
+    """Compile what is not compiled yet, and return the seconds that took; ``progress`` is told before that."""
+    if is_compiled():
+        return 0.0
+    started = time.monotonic()
+    progress(COMPILING)
+    compile_ahead()
+    return time.monotonic() - started
 
 
 def is_compiled() -> bool:
