@@ -1,18 +1,19 @@
 """When compiled code does the work: an explicit setting, never what happens to be loaded.
 
-A few loops exist twice, in numpy and compiled with numba (extra ``fast``). Loading the compiled code takes about 0.4 s
-of processor time, so a process that folds one drawing loads it only where it saves more than that. A process that folds
-many drawings calls ``expect_many_drawings()`` once, at its start. The setting changes how long folding takes, not the
-result.
+A few loops exist twice, in numpy and compiled with numba. Loading the compiled code takes about 0.3 s of processor time,
+so a process that folds one drawing loads it only where it saves more than that. A process that folds many drawings calls
+``expect_many_drawings()`` once, at its start. The setting changes how long folding takes, not the result.
 
 A module may also be written once and run in both ways: its functions are marked with ``compiled_in(__name__)``, which
-leaves them as they are, and ``compiled_copy`` loads the same file a second time, compiled.
+leaves them as they are, and ``compiled_copy`` loads the same file a second time, compiled. What was compiled is kept in
+numba's cache; where that cannot be written, it is compiled in each process.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
@@ -73,14 +74,44 @@ def compiled_in(module: str, *, inline: bool = False) -> Callable[[Function], Fu
     from numba import njit
 
     # _nrt: without counting references, which took nine tenths of the time; so nothing may be allocated in there
-    options = {"cache": True, "nogil": True, "error_model": "numpy", "forceinline": inline, "_nrt": False}
-    decorate: Callable[[Function], Function] = njit(**options)
+    options = {"nogil": True, "error_model": "numpy", "forceinline": inline, "_nrt": False}
+    compile_later: Callable[[Function], Function] = njit(**options)
+
+    def decorate(function: Function) -> Function:
+        compiled: Any = compile_later(function)
+        with suppress(RuntimeError):  # there is no folder where numba may keep it
+            compiled._cache = _kept()(function)
+        decorated: Function = compiled
+        return decorated
+
     return decorate
 
 
 @cache
+def _kept() -> type:
+    """Return the class of numba's cache of a function, in which what is found is used at once.
+
+    Numba's own first gets everything ready that is needed to compile, which takes most of the time; compiling does that,
+    too. That something cannot be written is no error.
+    """
+    from numba.core.caching import FunctionCache
+
+    class Kept(FunctionCache):  # type: ignore[misc]
+        def load_overload(self, sig: Any, target_context: Any) -> Any:
+            with suppress(OSError):
+                return self._load_overload(sig, target_context)
+            return None
+
+        def save_overload(self, sig: Any, data: Any) -> None:
+            with suppress(OSError):
+                self._save_overload(sig, data)
+
+    return Kept
+
+
+@cache
 def compiled_copy(module: ModuleType) -> ModuleType:
-    """Return a second copy of a module, whose marked functions are compiled; ``ImportError`` without numba.
+    """Return a second copy of a module, whose marked functions are compiled.
 
     What was compiled in an earlier process is read from numba's cache.
     """
@@ -120,8 +151,9 @@ def forget_unreadable(module: ModuleType) -> None:
     """Remove what an earlier version has left in numba's cache for a compiled copy, if it cannot be read any more."""
     for function in vars(module).values():
         if hasattr(function, "signatures"):
-            kept = function._cache
+            file = getattr(function._cache, "_cache_file", None)  # None where nothing can be kept
             try:
-                kept._cache_file._load_index()
+                if file is not None:
+                    file._load_index()
             except Exception:
-                Path(kept._cache_file._index_path).unlink(missing_ok=True)
+                Path(file._index_path).unlink(missing_ok=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from foldcut.core.errors import UnfoldableError
 from foldcut.methods import AUTO, METHODS
 from foldcut.methods.base import Effort, Made, Problem
-from foldcut.methods.fewest_folds import fewest_folds
+from foldcut.methods.fewest_folds import Fewest, fewest_folds
 from foldcut.methods.frame import ADJUST, frame_scale
-from foldcut.pattern.ranking import rank, shortest_crease
+from foldcut.pattern.ranking import Goal, rank, shortest_crease
 
 __all__ = ["FOLDED", "HANDS", "LAST_RESORTS", "Attempt", "run"]
 
@@ -66,6 +66,8 @@ def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Atte
     made: list[Made] = []
     attempts: list[Attempt] = []
     interrupted = False
+    scale = frame_scale(problem.laid)
+    effort = replace(effort, goal=Goal(enough=_fewest(problem).folds))
     for row in TRIES:
         if not row.when(problem) or only == (HANDS if row.last_resort else LAST_RESORTS):
             continue
@@ -86,11 +88,14 @@ def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Atte
         made.append(one)
         attempts.append(_attempt(one))
         interrupted = one.interrupted
-        if row.is_best or interrupted:
+        shortest = shortest_crease(one.creases) / scale
+        if row.is_best or interrupted or effort.goal.is_reached(one.actions, shortest):
             break
+        beat = rank(one.actions, shortest)
+        if effort.goal.beat is None or beat < effort.goal.beat:
+            effort = replace(effort, goal=replace(effort.goal, beat=beat))
     if not made:
         raise UnfoldableError("; ".join(f"{attempt.method}: {attempt.failure}" for attempt in attempts))
-    scale = frame_scale(problem.laid)
     best = min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale))
     return replace(best, interrupted=interrupted), tuple(attempts)
 
@@ -106,9 +111,7 @@ def _proven_fewest(problem: Problem, _: Effort) -> Made:
     """
     from foldcut.methods.skeleton.method import fold_ridges_alone
 
-    wishes, scale = problem.wishes, frame_scale(problem.laid)
-    near = ADJUST * scale if wishes.adjust is None else wishes.adjust
-    least = fewest_folds(problem.shape, problem.sheet, near, wishes.symmetry)
+    scale, least = frame_scale(problem.laid), _fewest(problem)
     if not least.bisectors <= least.folds < least.corners:
         raise UnfoldableError("a pattern of ridges alone is unlikely, or has more folds than are needed")
     made = fold_ridges_alone(problem)
@@ -116,6 +119,13 @@ def _proven_fewest(problem: Problem, _: Effort) -> Made:
     if too_short or folds > least.folds:
         raise UnfoldableError("the pattern of ridges alone is not proven to have the fewest folds")
     return made
+
+
+def _fewest(problem: Problem) -> Fewest:
+    """Return how many folds are needed at least, even if corners move as far as they may."""
+    wishes = problem.wishes
+    near = ADJUST * frame_scale(problem.laid) if wishes.adjust is None else wishes.adjust
+    return fewest_folds(problem.shape, problem.sheet, near, wishes.symmetry)
 
 
 @dataclass(frozen=True)
@@ -159,10 +169,7 @@ def _halves_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
     ranks = [rank(one.actions, shortest_crease(one.creases) / scale) for one in made if one.first_folds]
     if not ranks or min(ranks).unfoldable or min(ranks).creases <= SMALL:
         return False
-    wishes = problem.wishes
-    near = ADJUST * scale if wishes.adjust is None else wishes.adjust
-    least = fewest_folds(problem.shape, problem.sheet, near, wishes.symmetry)
-    return min(ranks).creases <= USUAL * least.bisectors
+    return min(ranks).creases <= USUAL * _fewest(problem).bisectors
 
 
 TRIES = (

@@ -15,6 +15,7 @@ from foldcut.drawing.laying import Laid
 from foldcut.methods import EFFORTS
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import crease_numbers
+from foldcut.pattern.ranking import Goal
 
 __all__ = ["Effort", "Made", "Problem", "Wishes", "require_one_loop"]
 
@@ -23,13 +24,14 @@ __all__ = ["Effort", "Made", "Problem", "Wishes", "require_one_loop"]
 class Effort:
     """How long a method may search: as ``name``, one of ``EFFORTS``, says, or if they are given, for ``seconds``.
 
-    ``share``: the part of that time that the method gets. Raises ``BadInputError`` for an unknown name or a limit that
-    is not positive.
+    ``share``: the part of that time that the method gets; ``goal``: what ends the search before. Raises
+    ``BadInputError`` for an unknown name or a limit that is not positive.
     """
 
     name: str = "normal"
     seconds: float | None = None
     share: float = 1.0
+    goal: Goal = field(default_factory=Goal)
 
     def __post_init__(self) -> None:
         if self.name not in EFFORTS:

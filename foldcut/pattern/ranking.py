@@ -5,6 +5,7 @@ The number of creases and the length of the shortest in mm -> ``Rank``; the lowe
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +35,34 @@ class Rank(NamedTuple):
     unfoldable: bool
     creases: float
     minus_shortest: float
+
+
+@dataclass(frozen=True)
+class Goal:
+    """What ends a search early: the rank that it has to ``beat``, and how many folds are ``enough``.
+
+    No pattern has fewer folds than what is enough; 0 where that is not known. A search that after a third of its time
+    takes more than ``hopeful`` times what is to be beaten is given up, and if it is not ``patient``, also one that has
+    nothing by then, or what is very far off after a fifth.
+    """
+
+    beat: Rank | None = None
+    enough: int = 0
+    hopeful: float = 1.5
+    patient: bool = False
+
+    def is_reached(self, folds: float, shortest: float) -> bool:
+        """Return whether no pattern beats one with these folds, the shortest crease of which is so long in mm."""
+        return folds <= self.enough and shortest >= FOLDABLE_MM
+
+    def is_near(self, folds: float, shortest: float) -> bool:
+        """Return whether a pattern beats what is to be beaten, or may still lead to one that does."""
+        if self.beat is None:
+            return True
+        mine = rank(folds, shortest)
+        return mine < self.beat or (
+            mine.unfoldable <= self.beat.unfoldable and mine.creases < self.hopeful * self.beat.creases
+        )
 
 
 def shortest_crease(creases: CreasePattern) -> float:

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,9 +33,10 @@ from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.redraw.bounds import HANDS_CREASE_MM, Bounds
 from foldcut.redraw.distance import apart
-from foldcut.redraw.narrow_parts import SmallPart
-from foldcut.redraw.plans import Drawing
-from foldcut.redraw.redrawing import WORK, Redrawn, redraw
+
+if TYPE_CHECKING:
+    from foldcut.redraw.plans import Drawing
+    from foldcut.redraw.redrawing import Redrawn
 
 __all__ = ["Drawn", "Fold", "Ladder", "Level", "Tried", "redraw_and_fold"]
 
@@ -337,6 +339,12 @@ class _Search:
 
         Unless it is the ``last``, one at which the outline has too many corners is passed over.
         """
+        from foldcut.redraw.compiling import get_ready
+        from foldcut.redraw.redrawing import WORK, redraw
+
+        compiling = get_ready(lambda text: self._progress(text, 0.0))
+        if self.deadline is not None:
+            self.deadline += compiling  # that is done once on a machine, and no part of the search
         started = time.perf_counter()
         drawing = self._drawing(tolerance)
         start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(drawing, self))
@@ -372,6 +380,8 @@ class _Search:
 
     def _drawing(self, tolerance: float) -> Drawing:
         """Return the drawing as the search for outlines takes it."""
+        from foldcut.redraw.plans import Drawing
+
         laying = replace(self.drawn.laying, simplify=0.0, redrawn=None)
         if self.drawn.whole is not laying.outline:
             laying = replace(laying, outline=self.drawn.whole)

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from foldcut.core.arrays import Floats
-from foldcut.core.compiled import compiled_copy, is_installed
+from foldcut.core.compiled import compiled_copy
 from foldcut.geometry.straight_skeleton import wavefront
 from foldcut.geometry.straight_skeleton.graph import graph_of
 from foldcut.geometry.straight_skeleton.skeleton import Workspace
@@ -339,13 +339,12 @@ class _Place:
 class Engine:
     """Assesses and moves outlines of one drawing on one sheet."""
 
-    def __init__(self, field: Field, *, least_crease: float = LEAST_CREASE_MM, compiled: bool | None = None) -> None:
+    def __init__(self, field: Field, *, least_crease: float = LEAST_CREASE_MM, compiled: bool = True) -> None:
         self.field = field
         self.least_crease = least_crease
-        use = is_installed() if compiled is None else compiled
-        self.tables = Arrays() if use else Lists()
-        self.proxy: Any = compiled_copy(proxy_kernel) if use else proxy_kernel
-        self.ties: Any = compiled_copy(ties_kernel) if use else ties_kernel
+        self.tables = Arrays() if compiled else Lists()
+        self.proxy: Any = compiled_copy(proxy_kernel) if compiled else proxy_kernel
+        self.ties: Any = compiled_copy(ties_kernel) if compiled else ties_kernel
         middle = np.array([field.width, field.height]) / 2
         self.frame = middle + FRAME * field.diagonal * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
         span = 2 * FRAME * field.diagonal

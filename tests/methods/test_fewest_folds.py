@@ -67,8 +67,9 @@ def test_a_pattern_with_the_fewest_folds_ends_the_search(name: str, folds: int) 
 
 
 def test_other_drawings_are_tried_by_every_method() -> None:
-    # a ring has two lines of bisectors, but ridges meet by threes; a rectangle has more of them than folds it needs
-    for shape in ([rectangle(9, 5)], [rectangle(10, 10), rectangle(5, 5)]):
+    # neither is symmetric, and ridges meet by threes
+    hole = [(x + 1.2, y + 0.4) for x, y in rectangle(5, 5)]
+    for shape in ([[(0.0, 0.0), (9.0, 0.0), (8.0, 5.0), (0.5, 4.0)]], [rectangle(10, 10), hole]):
         result = foldcut.fold(shape, seconds=0.1)
         assert [attempt.method for attempt in result.attempts] == ["mirror", "skeleton", "compact"]
 

@@ -30,6 +30,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
             seconds=effort.seconds,
             progress=problem.stages.tell,
             share=effort.share,
+            goal=effort.goal,
             least=least / frame.scale,
         )
         creases, folded = frame.pattern(found.creases, found.folded, frame.shape)

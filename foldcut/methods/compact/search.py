@@ -37,7 +37,17 @@ from foldcut.methods.compact.short_creases import ShortCreases
 from foldcut.methods.compact.trials import MANY_TURNS, Attempt, Trials
 from foldcut.methods.compact.turns import Solution
 from foldcut.methods.sheet_part import SheetPart
-from foldcut.pattern.ranking import FOLDABLE_MM
+from foldcut.pattern.foldability import crease_numbers
+from foldcut.pattern.ranking import FOLDABLE_MM, Goal
+
+STALLED = 1 / 3
+"""The part of the budget after which the search ends if nothing has become better, or the goal is far."""
+
+FIRST = 1 / 5
+"""The part of the budget after which it also ends if the first patterns are very far from the goal."""
+
+FAR = 3.0
+"""That is, if the best of them takes more than this many times what the one takes that is to be beaten."""
 
 FOLLOWING = 0.3
 """The part of the budget after which, with a pattern found, no more plans are followed in their order."""
@@ -103,6 +113,8 @@ def fold_compact(
     share: float = 1.0,
     part: SheetPart | None = None,
     least: float = 0.0,
+    goal: Goal | None = None,
+    first_folds: int = 0,
 ) -> Compact:
     """Return the verified pattern with the fewest creases that the search finds.
 
@@ -110,7 +122,8 @@ def fold_compact(
     mm beside the cut line that has to stay free of all but straight creases. ``effort`` is one of ``EFFORT_SECONDS``;
     ``seconds`` is a time limit instead; ``share`` is the part of either that may be spent. ``progress`` is called with
     a text and the part done. ``part`` tells what part of the whole sheet ``sheet`` is, if it is not all of it: the
-    whole sheet is what is verified. Ctrl-C ends the search with the best pattern so far.
+    whole sheet is what is verified. ``goal`` tells when there is no use in going on; ``first_folds`` are folds that
+    come before those of the part. Ctrl-C ends the search with the best pattern so far.
 
     Raises ``UnfoldableError`` when no pattern is found, and ``CreaseTooShortError`` as soon as a walk with very many
     turns is found to have a crease shorter than ``least`` mm.
@@ -120,15 +133,15 @@ def fold_compact(
     report = progress or (lambda _text, _part: None)
     trials = Trials(outline, sheet, part or SheetPart(Shape((loop,), (-1,))), ribbon=ribbon, least=least, report=report)
     random = np.random.default_rng(len(loop))
-    search = Search(trials, budget, random)
+    search = Search(trials, budget, random, goal or Goal(), first_folds)
     interrupted = False
     try:
         if budget.allows_program(2 * len(loop)):
             with suppress(Spent):
                 search.run()
-        if trials.best is None:
+        if trials.best is None and (goal is None or goal.beat is None):
             _fold_many_disks(trials, budget, random)
-        elif seconds is None:
+        elif trials.best is not None and seconds is None and not search.is_in_vain:
             with suppress(Spent):
                 search.finish()
     except KeyboardInterrupt:
@@ -177,7 +190,13 @@ class Search:
     ``candidates``: solutions so far, the best first. All methods raise ``Spent`` when the budget is spent.
     """
 
-    def __init__(self, trials: Trials, budget: Budget, random: np.random.Generator) -> None:
+    def __init__(
+        self, trials: Trials, budget: Budget, random: np.random.Generator, goal: Goal, first_folds: int = 0
+    ) -> None:
+        self.goal, self.first_folds = goal, first_folds
+        self.is_in_vain = False
+        self._improved = 0.0  # the part of the budget at which the best pattern was found
+        self._is_near = False  # whether that may still come to beat the one that it is to beat
         self.outline, self.trials, self.budget, self.random = trials.outline, trials, budget, random
         self.cover = Cover(self.outline, budget, self.charge)
         self.short_creases = ShortCreases(trials, budget, self.attempt, self.charge)
@@ -190,12 +209,38 @@ class Search:
         best = self.trials.best
         count = f"{best.creases.crease_count} creases" if best else "no pattern yet"
         self.trials.report(f"searching: {count}", min(0.99, self.budget.part))
-        if self.budget.is_over(found=best is not None):
+        if self.is_in_vain or self.budget.is_over(found=best is not None):
             raise Spent
+        if self._is_hopeless:
+            self._give_up()
+
+    def _give_up(self) -> None:
+        self.is_in_vain = True
+        raise Spent
+
+    @property
+    def _is_hopeless(self) -> bool:
+        """Whether nothing has become better for long, or the goal is far."""
+        best, part, beat = self.trials.best, self.budget.part, self.goal.beat
+        if best is not None and not best.rank.unfoldable and part - self._improved > STALLED:
+            return True
+        if beat is None or (self.goal.patient and best is None):
+            return False
+        is_far = best is not None and best.rank.creases > FAR * beat.creases and not self.goal.patient
+        return (is_far and part > FIRST) or (not self._is_near and part > STALLED)
 
     def attempt(self, solution: Solution) -> Attempt:
-        """Fold a solution, and keep the pattern if it is the best."""
-        return self.trials.attempt(solution, self.charge)
+        """Fold a solution, and keep the pattern if it is the best; raise ``Spent`` if it cannot be beaten."""
+        before = self.trials.best
+        made = self.trials.attempt(solution, self.charge)
+        best = self.trials.best
+        if best is not None and best is not before:
+            self._improved = self.budget.part
+            folds, shortest = self.first_folds + crease_numbers(best.part).lines, -best.rank.minus_shortest
+            self._is_near = self.goal.is_near(folds, shortest)
+            if self.goal.is_reached(folds, shortest):
+                self._give_up()
+        return made
 
     def run(self) -> None:
         """Search until the budget is spent; return earlier only if no plan has a solution."""
@@ -213,6 +258,7 @@ class Search:
     def finish(self) -> None:
         """Extend the budget, and spend that as long as the best pattern has creases that are hard to fold."""
         self.budget.extend(OVERTIME)
+        self._improved = self.budget.part
         while self._has_short_creases and self.candidates:
             self._settle_and_vary()
 

@@ -79,10 +79,17 @@ def fold(problem: Problem, effort: Effort) -> Made:
             made.append(_along_skeleton(problem, effort, ways))
         except UnfoldableError as error:
             failed.append(str(error))
-    if not (made and (made[0].interrupted or _has_few_folds(problem, made[0]))):
+    scale, rest, is_done = frame_scale(problem.laid), effort, False
+    if made:
+        shortest = shortest_crease(made[0].creases) / scale
+        key = rank(made[0].actions, shortest)
+        goal = replace(effort.goal, beat=min(key, effort.goal.beat or key))
+        rest = replace(effort.part(COMPACT_PART), goal=goal)
+        is_done = made[0].interrupted or goal.is_reached(made[0].actions, shortest) or _has_few_folds(made[0], key)
+    if not is_done:
         with stages("searching half"):
             try:
-                made.append(_compact(problem, effort.part(COMPACT_PART) if made else effort, ways))
+                made.append(_compact(problem, rest, ways))
             except UnfoldableError as error:
                 failed.append(str(error))
             except KeyboardInterrupt:
@@ -91,13 +98,11 @@ def fold(problem: Problem, effort: Effort) -> Made:
                 interrupted = True
     if not made:
         raise UnfoldableError("; ".join(dict.fromkeys(failed)))
-    scale = frame_scale(problem.laid)
     best = min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale))
     return replace(best, interrupted=interrupted or any(one.interrupted for one in made))
 
 
-def _has_few_folds(problem: Problem, made: Made) -> bool:
-    key = rank(made.actions, shortest_crease(made.creases) / frame_scale(problem.laid))
+def _has_few_folds(made: Made, key: Rank) -> bool:
     corners = made.laid.shape.corner_count / 2 ** len(made.first_folds)
     return not key.unfoldable and key.creases <= FEW * corners
 
@@ -182,6 +187,7 @@ def _compact(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
         effort=effort.name,
         seconds=effort.seconds,
         whole=effort.share,
+        goal=effort.goal,
         progress=problem.stages.tell,
     )
     half, laid = next(one for one in candidates if one[0] is made.half)

@@ -12,11 +12,12 @@ from dataclasses import dataclass, replace
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Region
+from foldcut.methods.base import straight_folds
 from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
 from foldcut.methods.compact.search import Compact, fold_compact
 from foldcut.methods.mirror.unfold import Half
-from foldcut.pattern.ranking import Rank, rank, shortest_crease
+from foldcut.pattern.ranking import FOLDABLE_MM, Goal, Rank, rank, shortest_crease
 
 SCAN = 0.4
 """The part of the effort for the first looks."""
@@ -35,6 +36,16 @@ LOOK_S = 0.25
 
 FEWEST_LOOKS = 3
 """How many candidates get a first look however little effort there is."""
+
+EASY, HARD = 1.5, 2.0
+"""A first look goes on after a third of its time if its pattern takes no more than this many times what is to be beaten,
+where that is easy or hard to fold by hand."""
+
+MOST_IN_VAIN = 2
+"""After so many first looks in a row that bring nothing better there are no more."""
+
+HOPEFUL = 4.0
+"""A candidate gets a second look if its pattern takes no more than this many times what is to be beaten."""
 
 MOST_LOOKS = 16
 """How many candidates get a first look at most."""
@@ -71,6 +82,7 @@ def fold_mirrored(
     seconds: float | None = None,
     whole: float = 1.0,
     progress: Callable[[str, float], None] | None = None,
+    goal: Goal | None = None,
 ) -> Mirrored:
     """Return the verified pattern that is easiest to fold; see ``fold_compact`` for the options and for Ctrl-C.
 
@@ -79,12 +91,17 @@ def fold_mirrored(
     """
     best: tuple[Rank, Mirrored] | None = None
     part = 0.0
+    enough = Goal(enough=goal.enough if goal is not None else 0)
+    # a pattern for hands is hard to beat: no first look goes on for long that does not
+    to_beat = goal.beat if goal is not None else None
+    is_easy = to_beat is not None and -to_beat.minus_shortest >= FOLDABLE_MM
+    first = replace(enough, beat=to_beat, hopeful=EASY if is_easy else HARD, patient=True) if to_beat else enough
 
     def tell(text: str, done: float) -> None:
         if progress is not None:
             progress(f"half of the sheet: {text}", (part + share * done) / whole)
 
-    def look(half: Half) -> Rank | None:
+    def look(half: Half, goal: Goal) -> Rank | None:
         nonlocal best, part
         try:
             found = fold_compact(
@@ -96,6 +113,8 @@ def fold_mirrored(
                 progress=tell,
                 share=share,
                 part=half,
+                goal=goal,
+                first_folds=len(half.axes),
             )
         except UnfoldableError:
             return None
@@ -108,15 +127,33 @@ def fold_mirrored(
             raise KeyboardInterrupt
         return key
 
+    def is_enough() -> bool:
+        """Return whether the best pattern cannot be beaten."""
+        if best is None:
+            return False
+        made = best[1]
+        return enough.is_reached(len(made.half.axes) + straight_folds(made.found.part), shortest_crease(made.creases))
+
     try:
-        looks = round(SCAN * whole * (seconds or EFFORT_SECONDS[effort]) / LOOK_S)
-        candidates = _by_promise(candidates)[: min(max(looks, FEWEST_LOOKS), MOST_LOOKS)]
+        looks = min(max(round(SCAN * whole * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
+        candidates = _by_promise(candidates)[:looks]
         share = whole * min(MOST_SCAN, SCAN / max(1, len(candidates)))
-        ranked = [(key, number) for number, half in enumerate(candidates) if (key := look(half)) is not None]
+        ranked: list[tuple[Rank, int]] = []
+        in_vain = 0
+        for number, half in enumerate(candidates):
+            before = best
+            key = look(half, first)
+            if key is not None:
+                ranked.append((key, number))
+            in_vain = in_vain + 1 if best is before else 0
+            if is_enough() or (number + 1 >= FEWEST_LOOKS and in_vain >= MOST_IN_VAIN):
+                break
         finalists = sorted(ranked)[:FINALISTS]
         share = whole * FINAL / max(1, len(finalists))
-        for _, number in finalists:
-            look(candidates[number])
+        for key, number in finalists:
+            if not is_enough() and (to_beat is None or key.creases < (EASY if is_easy else HOPEFUL) * to_beat.creases):
+                beat = best[0] if best is not None else None
+                look(candidates[number], replace(enough, beat=beat, hopeful=1.0, patient=True))
     except KeyboardInterrupt:
         if best is None:
             raise

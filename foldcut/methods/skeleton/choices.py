@@ -19,7 +19,7 @@ from foldcut.core.arrays import Floats
 from foldcut.geometry.union_find import groups
 from foldcut.methods.skeleton.even_sets import cheapest_even_sets
 from foldcut.methods.skeleton.facets import Division, divide_sheet
-from foldcut.methods.skeleton.perpendiculars import Perpendicular, Perpendiculars, Ridges, trace
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Point, Ridges, trace
 from foldcut.pattern.ranking import FOLDABLE_MM
 
 FEWEST = 4
@@ -29,7 +29,7 @@ COMPARED = 8
 """From how many of the sets with the least sums of folds these are taken."""
 
 TIE = 1e-3
-"""What a piece of no length counts, compared with one that is foldable: it only decides between equal numbers."""
+"""What a crease of no length counts, compared with one that is foldable: it only decides between equal numbers."""
 
 
 def promising_sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]:
@@ -59,21 +59,21 @@ def promising_sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]
 def fewest_folds(perpendiculars: Perpendiculars, count: int) -> list[list[int]]:
     """Return up to ``count`` sets of perpendiculars that make every node even, those with the fewest folds first.
 
-    A straight line is one fold. Of sets with as many, those come first that have less to do with pieces that are hard
+    A straight line is one fold. Of sets with as many, those come first that have less to do with creases that are hard
     to fold. What two perpendiculars save that go straight on at a node is only seen in the best few.
     """
     if not perpendiculars.ridges.odd:
         return [[]]
-    hard = [_hardness(path) for path in perpendiculars.paths]
+    skeleton = perpendiculars.ridges.skeleton
+    hard = [_hardness(path.creases(skeleton)) for path in perpendiculars.paths]
     cost = [lines + own for lines, own in zip(perpendiculars.lines, hard, strict=True)]
     found = _cheapest(perpendiculars, cost, max(count, COMPARED))
     return sorted(found, key=lambda taken: perpendiculars.line_count(taken) + sum(hard[k] for k in taken))[:count]
 
 
-def _hardness(path: Perpendicular) -> float:
-    """Return a small number that grows with the pieces of a perpendicular that are too short to be folded easily."""
-    length = (math.dist(piece.start, piece.end) for piece in path.pieces)
-    return TIE * sum(max(0.0, 1.0 - one / FOLDABLE_MM) for one in length)
+def _hardness(creases: Iterable[tuple[Point, Point]]) -> float:
+    """Return a small number that grows with the creases that are too short to be folded easily."""
+    return TIE * sum(max(0.0, 1.0 - math.dist(*crease) / FOLDABLE_MM) for crease in creases)
 
 
 def away_from_roots(perpendiculars: Perpendiculars) -> list[list[int]]:
@@ -202,6 +202,61 @@ def _cheapest(perpendiculars: Perpendiculars, cost: Sequence[float], count: int)
         return []
     found = cheapest_even_sets(ends, cost, odd, count)
     return _by_programming(ends, np.array(cost), odd, count) if found is None else found
+
+
+class CheapestSets:
+    """The sets with the fewest folds, cheapest first, by integer programming: what is known to fail is left out.
+
+    ``forbid`` tells that nothing can be folded unless one of some perpendiculars changes.
+    """
+
+    def __init__(self, perpendiculars: Perpendiculars) -> None:
+        skeleton = perpendiculars.ridges.skeleton
+        self._ends = [(path.start, path.end) for path in perpendiculars.paths]
+        self._odd = {node for node, degree in perpendiculars.ridges.degree.items() if degree % 2}
+        self._saved = perpendiculars.straight_on
+        hard = (_hardness(path.creases(skeleton)) for path in perpendiculars.paths)
+        self._cost = [lines + own for lines, own in zip(perpendiculars.lines, hard, strict=True)]
+        self._forbidden: list[tuple[frozenset[int], frozenset[int]]] = []
+
+    def forbid(self, taken: frozenset[int], cause: frozenset[int]) -> None:
+        """Leave out all sets that take the same of the perpendiculars in ``cause`` as ``taken`` does."""
+        self._forbidden.append((cause & taken, cause - taken))
+
+    def cheapest(self) -> frozenset[int] | None:
+        """Return the cheapest set that is not forbidden, None if there is none."""
+        if not self._ends:
+            return None if self._forbidden else frozenset()
+        from scipy.optimize import Bounds, LinearConstraint, milp
+        from scipy.sparse import coo_array
+
+        # the unknowns: 0 or 1 for every perpendicular; for every node, half of how many are folded there beyond its
+        # parity; for two that are one straight line, at most 1, and only where both are folded
+        nodes = sorted({node for two in self._ends for node in two if node >= 0})
+        row = {node: k for k, node in enumerate(nodes)}
+        n, m, s = len(self._ends), len(nodes), len(self._saved)
+        entries = [(row[v], k, 1.0) for k, two in enumerate(self._ends) for v in two if v >= 0]
+        entries += [(k, n + k, -2.0) for k in range(m)]
+        low = [float(node in self._odd) for node in nodes]
+        high = [*low]
+        for k, two in enumerate(self._saved):
+            for one in two:
+                entries += [(len(low), n + m + k, 1.0), (len(low), one, -1.0)]
+                low.append(-np.inf)
+                high.append(0.0)
+        for folded, free in self._forbidden:
+            entries += [(len(low), k, 1.0) for k in folded] + [(len(low), k, -1.0) for k in free]
+            low.append(-np.inf)
+            high.append(len(folded) - 1.0)
+        i, j, value = zip(*entries, strict=True)
+        most = np.concatenate([np.ones(n), np.full(m, float(n)), np.ones(s)])
+        found = milp(
+            np.concatenate([self._cost, np.zeros(m), np.full(s, -1.0)]),
+            constraints=LinearConstraint(coo_array((value, (i, j)), shape=(len(low), n + m + s)).tocsr(), low, high),
+            integrality=np.concatenate([np.ones(n + m, dtype=np.int64), np.zeros(s, dtype=np.int64)]),
+            bounds=Bounds(0, most),
+        )
+        return None if found.x is None else frozenset(np.flatnonzero(found.x[:n] > 0.5).tolist())
 
 
 def _by_programming(

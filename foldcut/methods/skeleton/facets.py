@@ -17,6 +17,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from foldcut.core.arrays import Floats, index_array
 from foldcut.core.errors import UnfoldableError
@@ -48,6 +49,12 @@ class Facets:
     creases: list[Crease]
     up: list[bool]
     sheet_corners: set[int]
+
+    @property
+    def shortest(self) -> float:
+        """The length of the shortest crease, in mm."""
+        ends = self.flat[np.array([edge for edge, _ in self.creases])]
+        return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).min())
 
 
 def divide_sheet(perpendiculars: Perpendiculars, taken: Sequence[int], *, most_creases: float = MOST_CREASES) -> Facets:
@@ -88,14 +95,14 @@ class Division:
         self._draw_border()
 
     def face_of(self, facet: Vertices) -> int:
-        """Return a skeleton face in which a part of a facet lies; beyond a side of the shape it may go on in another.
-
-        Raises ``UnfoldableError`` where there is none, since nothing divides the sheet.
-        """
+        """Return a skeleton face in which a part of a facet lies; beyond a side it may go on in another."""
         for pair in half_edges(facet):
             if pair in self._face_of:
                 return self._face_of[pair]
-        raise UnfoldableError("no crease comes to the sheet")
+        # nothing divides the sheet: half of one may need no crease but the axis
+        middle, skeleton = shapely.Point(self._ridges.sheet.corners.mean(axis=0)), self._ridges.skeleton
+        faces = shapely.polygons([shapely.linearrings(skeleton.points[face.vertices]) for face in skeleton.faces])
+        return int(shapely.distance(faces, middle).argmin())
 
     def planar(self) -> tuple[list[Vertices], list[Crease]]:
         """Return the vertices of every facet, and the creases."""
@@ -137,28 +144,21 @@ class Division:
         a, b = ridge
         start, end = self.points[a], self.points[b]
         step = end[0] - start[0], end[1] - start[1]
-        low, high = 0.0, 1.0
-        size, snap = (self._ridges.sheet.width, self._ridges.sheet.height), self._ridges.snap
-        for axis in (0, 1):
-            if abs(step[axis]) <= snap:
-                if not snap < start[axis] < size[axis] - snap:
-                    return
-                continue
-            parts = sorted([-start[axis] / step[axis], (size[axis] - start[axis]) / step[axis]])
-            low, high = max(low, parts[0]), min(high, parts[1])
-        if (high - low) * math.hypot(*step) <= snap:
+        part = self._ridges.on_sheet_part(a, b)
+        if part is None:
             return
+        low, high = part
 
-        def at(part: float) -> int:
+        def end_at(vertex: int, part: float, *, whole: bool) -> int:
+            if whole and self._ridges.on_sheet(self.points[vertex]):
+                return vertex
             return self._add_on_border((start[0] + part * step[0], start[1] + part * step[1]))
 
         def along(vertex: int) -> float:
             x, y = self.points[vertex]
             return (x - start[0]) * step[0] + (y - start[1]) * step[1]
 
-        # nodes may lie on the border, too
-        first = a if low == 0.0 and self._ridges.on_sheet(start) else at(low)
-        last = b if high == 1.0 and self._ridges.on_sheet(end) else at(high)
+        first, last = end_at(a, low, whole=low == 0.0), end_at(b, high, whole=high == 1.0)
         left, right = self._ridges.face_of((a, b)), self._ridges.face_of((b, a))
         for one, other in pairwise([first, *sorted(self._on_ridge[ridge], key=along), last]):
             self._edges.append((one, other))

@@ -33,6 +33,9 @@ Ints = NDArray[np.intp]
 OVERLAP = 1e-9
 """Facets overlap where they reach into each other by more than this, relative to the size of the folded sheet."""
 
+NEARLY_PARALLEL = 0.1
+"""Creases whose unit directions have a larger cross product do not coincide, however short they are."""
+
 MOST_CONFLICTS = 100_000
 """How many conflicts the solver may run into before it gives up."""
 
@@ -44,6 +47,9 @@ MOST_ROUNDS = 40
 
 WAYS = 8
 """For how many of the pairs that would have to lie both ways the reason is looked for."""
+
+LONGER = 2
+"""Chains of taco-tortillas that are this many times as long as the shortest one are left out."""
 
 MOST_PAIRS = 400_000
 """With more pairs of overlapping facets no order is looked for."""
@@ -59,11 +65,12 @@ class OrderConditions:
 
     ``across`` ``(n, 3)`` are the taco-tortillas: a facet that a crease runs across, and the crease's two facets.
     ``coinciding`` ``(n, 4)`` are the taco-tacos: the two facets of one crease, and those of the other. ``number``
-    ``(count, count)`` numbers the pairs of facets that overlap, from 1, with the lesser facet first; 0 means none.
+    ``(count, count)`` numbers the pairs of facets in conditions, and once they are ``complete`` all that overlap, from
+    1, with the lesser facet first; 0 means none.
 
     ``contradictory`` has two counts: of pairs that would have to lie both ways because of the taco-tortillas, and if
     there are none, of taco-tacos that contradict those before them. Unless both are 0, there is no order.
-    Raises ``UnfoldableError`` with too many facets, and where a crease has no length.
+    Raises ``UnfoldableError`` where a crease has no length.
     """
 
     def __init__(
@@ -76,22 +83,35 @@ class OrderConditions:
         self._ends = folded[np.array([edge for edge, _ in creases], dtype=np.intp).reshape(-1, 2)]
         if not (np.hypot(*(self._ends[:, 1] - self._ends[:, 0]).T) > 0).all():
             raise UnfoldableError("a crease has no length when it is folded")
-        full = shapely.polygons([shapely.linearrings(folded[facet]) for facet in facets])
-        inset = shapely.buffer(full, -self._tolerance, join_style="mitre")
-        tree = shapely.STRtree(inset)
-        overlapping = tree.query(inset, predicate="intersects").T
+        sizes = [len(facet) for facet in facets]
+        corners = folded[np.concatenate([np.asarray(facet, dtype=np.intp) for facet in facets])]
+        rings = shapely.linearrings(corners, indices=np.repeat(np.arange(self.count), sizes))
+        inset = shapely.buffer(shapely.polygons(rings), -self._tolerance, join_style="mitre")
+        self._tree = shapely.STRtree(inset)
+        self.across = self._find_across()
+        self.coinciding = self._find_coinciding(np.array(up, dtype=np.bool_))
+        self._relate(np.empty((0, 2), dtype=np.intp))
+        self.contradictory = len(self._both_ways), 0
+        if not any(self.contradictory):
+            self.contradictory = 0, _contradictory_equations(self._even)
+
+    def complete(self) -> None:
+        """Also number the pairs of facets that overlap without being in any condition: they may be on circles.
+
+        Raises ``UnfoldableError`` if there are too many pairs.
+        """
+        overlapping = self._tree.query(self._tree.geometries, predicate="intersects").T
         count = int((overlapping[:, 0] < overlapping[:, 1]).sum())
         if count > MOST_PAIRS:
             raise UnfoldableError(f"{count:,} pairs of facets overlap when they are folded; too many to order")
-        self.across = self._find_across(tree)
-        self.coinciding = self._find_coinciding(np.array(up, dtype=np.bool_))
+        self._relate(overlapping)
+
+    def _relate(self, overlapping: Ints) -> None:
+        """Number all pairs of facets that overlap or are in a condition, and write the conditions with them."""
         self._number_pairs(overlapping)
         self._unite_pairs()
-        self.contradictory = len(self._both_ways), 0
         a, b, c, d = self.coinciding.T
         self._even: Ints = np.stack([self.literals(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
-        if not any(self.contradictory):
-            self.contradictory = 0, _contradictory_equations(self._even)
 
     def _number_pairs(self, overlapping: Ints) -> None:
         """Number all pairs that overlap; the facets of one condition always count as overlapping."""
@@ -107,38 +127,31 @@ class OrderConditions:
         """Make one unknown of all pairs that lie the same way, or opposite ways, because of taco-tortillas."""
         # every pair twice: number k for the lesser facet below, n + k for the lesser facet above
         n = len(self._pair[0]) + 1
-        group: Ints = np.arange(2 * n)
-        if len(self.across):  # scipy takes a while to load
-            from scipy.sparse import coo_array
-            from scipy.sparse.csgraph import connected_components
-
-            one, other = (self._signed(self.across[:, 0], self.across[:, k]) for k in (1, 2))
-            i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
-            self._alike = coo_array((np.ones(len(i)), (i, j)), shape=(2 * n, 2 * n)).tocsr()
-            group = connected_components(self._alike, directed=False)[1].astype(np.intp)
+        one, other = (self._signed(self.across[:, 0], self.across[:, k]) for k in (1, 2))
+        i, j = (np.concatenate([np.where(x > 0, x, n - x), np.where(x > 0, n + x, -x)]) for x in (one, other))
+        self._alike: tuple[Ints, Ints] = i, j
+        group = _connected(2 * n, i, j)
         straight, turned = group[:n], group[n:]
         _, unknown = np.unique(np.minimum(straight, turned), return_inverse=True)
         self._unknown = np.where(straight < turned, 1, -1) * (unknown + 1)
         self._both_ways = np.flatnonzero(straight[1:] == turned[1:]) + 1
 
-    def facets_of_contradiction(self) -> Ints:
-        """Return the facets that make a pair lie both ways, where ``contradictory`` counts such pairs.
+    def facets_of_contradictions(self) -> list[Ints]:
+        """Return for some pairs of facets that would have to lie both ways the facets that make them do so.
 
-        Of several such pairs it is the one for which the chain of taco-tortillas is the shortest.
+        ``contradictory`` counts such pairs. Those with the shortest chains of taco-tortillas come first.
         """
-        from scipy.sparse.csgraph import shortest_path
-
         n = len(self._pair[0]) + 1
-        tried = self._both_ways[np.linspace(0, len(self._both_ways) - 1, WAYS).astype(np.intp)]
-        steps, before = shortest_path(
-            self._alike, directed=False, indices=tried, unweighted=True, return_predecessors=True
-        )
-        least = int(steps[np.arange(WAYS), tried + n].argmin())
-        way = [int(tried[least]) + n]
-        while way[-1] != tried[least]:
-            way.append(int(before[least, way[-1]]))
-        pairs = np.array(way) % n - 1
-        return np.unique(np.concatenate([side[pairs] for side in self._pair]))
+        graph = _Graph(2 * n, *self._alike)
+        tried = np.unique(self._both_ways[np.linspace(0, len(self._both_ways) - 1, WAYS).astype(np.intp)])
+        most, ways = 2 * n, list[Ints]()
+        for pair in tried.tolist():
+            way = graph.shortest_way(pair, pair + n, most)
+            if way is not None:
+                ways.append(way)
+                most = min(most, LONGER * len(way))
+        ways.sort(key=len)
+        return [np.unique(np.concatenate([side[way % n - 1] for side in self._pair])) for way in ways]
 
     def _signed(self, above: Ints, below: Ints) -> Ints:
         """Return the numbers of pairs, negative where the first facet is the lesser one."""
@@ -155,23 +168,27 @@ class OrderConditions:
         odd = [signs for signs in itertools.product((1, -1), repeat=4) if np.prod(signs) < 0]
         return _different(np.concatenate([self._even * signs for signs in odd]))
 
-    def _find_across(self, tree: shapely.STRtree) -> Ints:
-        """Find the facets, all in a tree, that creases run across by more than the tolerance."""
+    def _find_across(self) -> Ints:
+        """Find the facets that creases run across by more than the tolerance."""
         along = self._ends[:, 1] - self._ends[:, 0]
         length = np.hypot(*along.T)
         inset = (np.minimum(2 * self._tolerance, length / 3) / length)[:, None] * along
         lines = shapely.linestrings(np.stack([self._ends[:, 0] + inset, self._ends[:, 1] - inset], axis=1))
-        crease, facet = tree.query(lines, predicate="intersects")
+        crease, facet = self._tree.query(lines, predicate="intersects")
         found = np.column_stack([facet, self._beside[crease]])
         kept: Ints = found[(found[:, :1] != found[:, 1:]).all(axis=1)]
         return kept
 
     def _find_coinciding(self, up: Bools) -> Ints:
         """Find the creases that coincide with their facets on the same side."""
-        lines = shapely.linestrings(self._ends)
-        tree = shapely.STRtree(lines)
-        one, other = tree.query(lines, predicate="dwithin", distance=self._tolerance)
+        low, high = self._ends.min(axis=1) - self._tolerance, self._ends.max(axis=1) + self._tolerance
+        boxes = shapely.box(*low.T, *high.T)
+        one, other = shapely.STRtree(boxes).query(boxes)
+        along = self._ends[:, 1] - self._ends[:, 0]
+        along /= np.hypot(*along.T)[:, None]
         keep = one < other
+        one, other = one[keep], other[keep]
+        keep = np.abs(along[one, 0] * along[other, 1] - along[one, 1] * along[other, 0]) < NEARLY_PARALLEL
         one, other = one[keep], other[keep]
         length, same_way = collinear_overlap(self._ends[one], self._ends[other], self._tolerance)
         left = up[self._beside[:, 0]]
@@ -193,6 +210,55 @@ class OrderConditions:
         return order
 
 
+class _Graph:
+    """Undirected edges between ``count`` nodes, ``one[k]`` to ``other[k]``."""
+
+    def __init__(self, count: int, one: Ints, other: Ints) -> None:
+        start, end = np.concatenate([one, other]), np.concatenate([other, one])
+        order = np.argsort(start, kind="stable")
+        self._ends = end[order]
+        self._first = np.searchsorted(start[order], np.arange(count + 1))
+
+    def shortest_way(self, start: int, end: int, most: int) -> Ints | None:
+        """Return the nodes on a shortest way from one node to another, None if they are more than ``most``."""
+        before = np.full(len(self._first) - 1, -1)
+        before[start] = start
+        row: Ints = np.array([start])
+        steps = 1
+        while before[end] < 0:
+            steps += 1
+            if steps > most or not len(row):
+                return None
+            count = self._first[row + 1] - self._first[row]
+            at = np.repeat(self._first[row] - np.cumsum(count) + count, count) + np.arange(int(count.sum()))
+            reached, origin = self._ends[at], np.repeat(row, count)
+            new = before[reached] < 0
+            reached, kept = np.unique(reached[new], return_index=True)
+            before[reached] = origin[new][kept]
+            row = reached
+        way = [end]
+        while way[-1] != start:
+            way.append(int(before[way[-1]]))
+        return np.array(way)
+
+
+def _connected(count: int, one: Ints, other: Ints) -> Ints:
+    """Return for each of ``count`` nodes the least node that edges from ``one[k]`` to ``other[k]`` join it to."""
+    least: Ints = np.arange(count)
+    while True:
+        a, b = least[one], least[other]
+        apart = a != b
+        if not apart.any():
+            return least
+        one, other, a, b = one[apart], other[apart], a[apart], b[apart]
+        np.minimum.at(least, np.maximum(a, b), np.minimum(a, b))
+        while True:
+            farther = least[least]
+            if np.array_equal(farther, least):
+                break
+            least = farther
+
+
 def layer_order(conditions: OrderConditions) -> list[int]:
     """Return the facets from bottom to top, in an order in which no paper passes through paper.
 
@@ -202,6 +268,7 @@ def layer_order(conditions: OrderConditions) -> list[int]:
 
     if any(conditions.contradictory):
         raise UnfoldableError(NO_ORDER)
+    conditions.complete()
     with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
         for conditions.rounds in range(1, MOST_ROUNDS + 1):
             solver.conf_budget(MOST_CONFLICTS)
@@ -242,8 +309,31 @@ def _contradictory_equations(even: Ints) -> int:
 
 def _different(clauses: Ints) -> list[list[int]]:
     """Return clauses of the same number of literals once each, without those that are always true."""
-    rows = np.unique(np.sort(clauses, axis=1), axis=0)
+    rows = np.sort(clauses, axis=1)
+    most = int(np.abs(rows).max(initial=0))
+    keys = np.zeros(len(rows), dtype=np.int64)
+    if (2 * most + 1) ** rows.shape[1] < 2**63:
+        for column in rows.T:
+            keys = keys * (2 * most + 1) + (column + most)
+        rows = rows[np.unique(keys, return_index=True)[1]]
+    else:
+        rows = np.unique(rows, axis=0)
     return [row for row in (list(set(row)) for row in rows.tolist()) if not any(-x in row for x in row)]
+
+
+def _on_circles(order: Bools) -> Ints:
+    """Return the facets that are left when all are taken away, one after the other, with nothing above or below them.
+
+    All that are on circles of facets are among them.
+    """
+    left: Ints = np.arange(len(order))
+    while len(left):
+        among = order[np.ix_(left, left)]
+        kept = among.any(axis=0) & among.any(axis=1)
+        if kept.all():
+            break
+        left = left[kept]
+    return left
 
 
 def _reaches(order: Bools) -> Bools:
@@ -258,8 +348,12 @@ def _reaches(order: Bools) -> Bools:
 
 def _circles(order: Bools, conditions: OrderConditions) -> list[list[int]]:
     """Return clauses that forbid circles: those of three facets, and where there are none, the shortest ones."""
-    reach = _reaches(order)
-    both = reach & reach.T  # pairs of facets that are on one circle
+    some = _on_circles(order)
+    if not len(some):
+        return []
+    reach = _reaches(order[np.ix_(some, some)])
+    both = np.zeros_like(order)
+    both[np.ix_(some, some)] = reach & reach.T  # pairs of facets that are on one circle
     inside = np.flatnonzero(both.any(axis=1)).tolist()
     found: list[Ints] = []
     count = 0

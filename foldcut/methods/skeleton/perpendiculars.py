@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections import Counter, defaultdict, deque
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -84,6 +84,16 @@ class Perpendicular:
     end: int
     pieces: tuple[Piece, ...]
 
+    def creases(self, skeleton: Skeleton) -> list[tuple[Point, Point]]:
+        """Return the ends of its creases: pieces between which it crosses a side of the shape are one."""
+        creases: list[tuple[Point, Point]] = []
+        start = self.pieces[0].start
+        for piece in self.pieces:
+            if piece.edge is None or not skeleton.is_side(piece.edge) or piece is self.pieces[-1]:
+                creases.append((start, piece.end))
+                start = piece.end
+        return creases
+
     @property
     def ends(self) -> list[tuple[int, Point]]:
         """The nodes at its ends, and the unit direction in which it leaves each of them."""
@@ -149,6 +159,20 @@ class Ridges:
         """Return whether a point is strictly on the sheet, off its border."""
         return self._low < point[0] < self._high[0] and self._low < point[1] < self._high[1]
 
+    def on_sheet_part(self, a: int, b: int) -> tuple[float, float] | None:
+        """Return from which to which part, 0 to 1, a ridge is on the sheet, None where none of it is."""
+        start, end = self.places[a], self.places[b]
+        low, high = 0.0, 1.0
+        for at, other, size in zip(start, end, (self.sheet.width, self.sheet.height), strict=True):
+            step = other - at
+            if abs(step) <= self.snap:
+                if not self.snap < at < size - self.snap:
+                    return None
+                continue
+            parts = sorted([-at / step, (size - at) / step])
+            low, high = max(low, parts[0]), min(high, parts[1])
+        return None if (high - low) * math.dist(start, end) <= self.snap else (low, high)
+
     def face_of(self, edge: Edge) -> int:
         """Return the skeleton face on the left of an edge between two of its vertices, -1 if there is none."""
         return self._face_of.get(edge, -1)
@@ -202,6 +226,25 @@ class Perpendiculars:
     paths: Sequence[Perpendicular]
 
     @cached_property
+    def ridge_lines(self) -> int:
+        """How many straight folds the ridges are."""
+        ridges = self.ridges
+        at: dict[int, list[Point]] = defaultdict(list)
+        count = 0
+        for a, b in ridges.edges:
+            if ridges.on_sheet_part(a, b) is not None:
+                count += 1
+                way = _direction(ridges.places[a], ridges.places[b])
+                at[a].append(way)
+                at[b].append((-way[0], -way[1]))
+        return count - sum(
+            _are_opposite(*two)
+            for node, ways in at.items()
+            if ridges.on_sheet(ridges.places[node])
+            for two in combinations(ways, 2)
+        )
+
+    @cached_property
     def lines(self) -> list[int]:
         """How many straight folds each perpendicular adds to the ridges: a piece that goes straight on adds none."""
         ridges = self.ridges
@@ -235,6 +278,14 @@ class Perpendiculars:
         """Return how many straight folds some perpendiculars, by number, add to the ridges."""
         joined = sum(one in taken and other in taken for one, other in self.straight_on)
         return sum(self.lines[k] for k in taken) - joined
+
+    def shortest(self, taken: Iterable[int]) -> float:
+        """Return the length in mm of the shortest crease of some perpendiculars, infinite without any."""
+        return min((self._shortest[k] for k in taken), default=math.inf)
+
+    @cached_property
+    def _shortest(self) -> list[float]:
+        return [min(math.dist(start, end) for start, end in path.creases(self.ridges.skeleton)) for path in self.paths]
 
     def require_ends(self) -> None:
         """Raise ``UnfoldableError`` if there is a node that needs a perpendicular, and none of its own ends."""

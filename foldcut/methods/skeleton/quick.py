@@ -1,22 +1,22 @@
 """Fold one outline exactly as it is, soon: for outlines that were drawn so that they fold.
 
 ``Shape`` on its sheet -> ``Skeletal``: a verified pattern. No corner is moved, and the first set of perpendiculars that
-has a layer order is taken: those with the fewest pieces come first.
+has a layer order is taken: those with the fewest folds come first.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import islice, zip_longest
+from itertools import zip_longest
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget
-from foldcut.methods.skeleton.choices import FEWEST, away_from_joints, away_from_roots, fewest_folds
-from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges, trace
+from foldcut.methods.skeleton.choices import CheapestSets, away_from_joints, away_from_roots, fewest_folds
+from foldcut.methods.skeleton.perpendiculars import Perpendiculars, trace
 from foldcut.methods.skeleton.search import ridges_of
-from foldcut.methods.skeleton.trial import Drawing, Skeletal, attempt
+from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt
 
 __all__ = ["TRIES", "fold_outline"]
 
@@ -27,35 +27,70 @@ TRIES = 8
 def fold_outline(
     shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, tries: int = TRIES, part: SheetPart | None = None
 ) -> Skeletal:
-    """Return the pattern of the first promising set of perpendiculars, of at most ``tries``, that can be folded.
+    """Return the pattern of the first set of perpendiculars, of at most ``tries``, that can be folded.
+
+    The set with the fewest folds is tried first. Then these come in the order of their folds: sets that do not repeat
+    what has failed, as many as are tried, and sets that fold all paper away from a joint or from a corridor, which can
+    mostly be folded.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
     refused. Where ``sheet`` is a part of a sheet, ``part`` says how the pattern of the whole sheet comes from it. Raises
     ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
-    problem = "no set of perpendiculars makes the creases at every node even"
     budget = Budget(float("inf"))
     ridges = ridges_of(shape, sheet, ribbon)
-    for number, (perpendiculars, taken) in enumerate(islice(_sets(ridges), tries)):
-        trial = attempt(Drawing(part or SheetPart(shape), 0.0, perpendiculars), frozenset(taken), budget)
-        if trial.made is not None:
-            return trial.made
-        if not number:
-            problem = trial.problem
-    raise UnfoldableError(problem)
-
-
-def _sets(ridges: Ridges) -> Iterator[tuple[Perpendiculars, list[int]]]:
-    """Yield sets of perpendiculars: of those with the fewest folds, away from a joint, and away from a corridor, in turns.
-
-    The last two are taken from the perpendiculars of all nodes; where all of these end, the last can mostly be folded.
-    """
     odd = trace(ridges, ridges.odd)
     odd.require_ends()
-    every = trace(ridges, ridges.nodes) if len(ridges.nodes) > len(ridges.odd) else odd
-    for fewest, *rooted in zip_longest(fewest_folds(odd, FEWEST), away_from_joints(every), away_from_roots(every)):
-        if fewest is not None:
-            yield odd, fewest
-        for taken in rooted:
-            if taken is not None:
-                yield every, taken
+    fewest = fewest_folds(odd, 1)
+    if not (fewest and tries):
+        raise UnfoldableError("no set of perpendiculars makes the creases at every node even")
+
+    def fold(perpendiculars: Perpendiculars, taken: frozenset[int]) -> Trial:
+        return attempt(Drawing(part or SheetPart(shape), 0.0, perpendiculars), taken, budget)
+
+    first = trial = fold(odd, frozenset(fewest[0]))
+    if trial.made is None:
+        every = trace(ridges, ridges.nodes) if len(ridges.nodes) > len(ridges.odd) else odd
+        others, lessons = _away(every), _Lessons(odd)
+        lessons.learn(trial)
+        other = next(others, None)
+        for _ in range(tries - 1):
+            taken = lessons.cheapest
+            if taken is not None and (other is None or odd.line_count(taken) <= every.line_count(other)):
+                trial = fold(odd, taken)
+                lessons.learn(trial)
+            elif other is not None:
+                trial = fold(every, other)
+                other = next(others, None)
+            else:
+                break
+            if trial.made is not None:
+                break
+    if trial.made is None:
+        raise UnfoldableError(first.problem)
+    return trial.made
+
+
+def _away(perpendiculars: Perpendiculars) -> Iterator[frozenset[int]]:
+    """Yield sets that fold all paper away from a joint and away from a corridor, in turns, each once."""
+    seen: set[frozenset[int]] = set()
+    for both in zip_longest(away_from_joints(perpendiculars), away_from_roots(perpendiculars)):
+        for one in both:
+            if one is not None and (taken := frozenset(one)) not in seen:
+                seen.add(taken)
+                yield taken
+
+
+class _Lessons:
+    """What failed trials teach: the cheapest set that repeats none of what has failed."""
+
+    def __init__(self, perpendiculars: Perpendiculars) -> None:
+        self._sets = CheapestSets(perpendiculars)
+        self._every = frozenset(range(len(perpendiculars.paths)))
+        self.cheapest: frozenset[int] | None = None
+
+    def learn(self, trial: Trial) -> None:
+        """Leave out from now on what made a trial fail."""
+        for cause in trial.causes or (self._every,):
+            self._sets.forbid(trial.taken, cause)
+        self.cheapest = self._sets.cheapest()

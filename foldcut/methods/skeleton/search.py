@@ -18,12 +18,12 @@ from foldcut.core.errors import UnfoldableError, UnfoldableWhereError
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.sheet_part import SheetPart
 from foldcut.methods.skeleton.budget import Budget, order_cost
-from foldcut.methods.skeleton.choices import exchanges, promising_sets
+from foldcut.methods.skeleton.choices import CheapestSets, exchanges, promising_sets
 from foldcut.methods.skeleton.facets import divide_sheet
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Ridges
 from foldcut.methods.skeleton.skeleton_faces import skeleton_of
 from foldcut.methods.skeleton.snap import tie_nodes, tie_perpendiculars
-from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered
+from foldcut.methods.skeleton.trial import Drawing, Skeletal, Trial, attempt, conditions_of, ordered, promise
 
 __all__ = ["Skeletal", "fold_ridges", "fold_skeletal"]
 
@@ -41,6 +41,12 @@ SETS_PART = 3 / 4
 
 LEAST_SETS = 2
 """How many sets of each drawing are tried even if nothing is left to spend: one of both kinds (``promising_sets``)."""
+
+MOST_LESSONS = 12
+"""How many times the cheapest set is tried that does not repeat what has failed, while there is no pattern."""
+
+STALLED = 1 / 3
+"""A walk from a pattern ends when nothing has become better in this part of its time."""
 
 PARTS = (1.0, 0.5, 0.1)
 """Corners are moved by no more than these parts of what is allowed: less is sometimes better."""
@@ -171,13 +177,39 @@ class Search:
         Raises ``UnfoldableError`` where there are no sets, or none with few enough creases.
         """
         nearest: Trial | None = None
+        first: Trial | None = None
         for number, (perpendiculars, taken) in enumerate(promising_sets(ridges_of(shape, self.sheet, self.ribbon))):
             spent = self.budget.spent > (self.budget.limit / 2 if self.best else SETS_PART * patience)
             if spent and number >= LEAST_SETS:
                 break
-            trial = self.attempt(Drawing(part, moved, perpendiculars), frozenset(taken))
+            drawing = Drawing(part, moved, perpendiculars)
+            if self.best is not None and promise(drawing, frozenset(taken)) >= self.best.quality:
+                continue
+            trial = self.attempt(drawing, frozenset(taken))
+            first = first or trial
+            if number == 1 and self.best is None:
+                trial = min(trial, self._learn(first, patience), key=lambda one: one.quality)
             if nearest is None or trial.quality < nearest.quality:
                 nearest = trial
+        return nearest
+
+    def _learn(self, first: Trial, patience: float) -> Trial:
+        """Try the cheapest set that does not repeat what has failed, again and again; return the best trial.
+
+        From each failure it is learned what has to change.
+        """
+        sets = CheapestSets(first.drawing.perpendiculars)
+        nearest = trial = first
+        for _ in range(MOST_LESSONS):
+            if trial.made is not None or self.budget.spent > patience:
+                break
+            for cause in trial.causes or (frozenset(range(len(first.drawing.perpendiculars.paths))),):
+                sets.forbid(trial.taken, cause)
+            taken = sets.cheapest()
+            if taken is None:
+                break
+            trial = self.attempt(first.drawing, taken)
+            nearest = min(nearest, trial, key=lambda one: one.quality)
         return nearest
 
     def improve(self) -> None:
@@ -195,17 +227,22 @@ class Search:
         perpendiculars, folds = here.drawing.perpendiculars, here.made is not None
         every = exchanges(perpendiculars)
         random, seen = np.random.default_rng(0), {here.taken}
+        stalled, patience = self.budget.spent, (end - self.budget.spent) * STALLED
         while self.budget.spent + (order_cost(len(here.made.creases.faces_vertices)) if here.made else 0.0) <= end:
             ways = [one for one in every if one & here.cause and here.taken ^ one not in seen]
             if folds and ways:
-                counts = [perpendiculars.line_count(here.taken ^ one) for one in ways]
-                fewest = min(*counts, perpendiculars.line_count(here.taken))
-                ways = [one for one, count in zip(ways, counts, strict=True) if count == fewest]
-            if not ways:
+                promises = [promise(here.drawing, here.taken ^ one) for one in ways]
+                most = min(promises)[:3]
+                ways = [
+                    one for one, best in zip(ways, promises, strict=True) if best < here.quality and best[:3] <= most
+                ]
+            if not ways or (folds and self.budget.spent - stalled > patience):
                 break
             taken = here.taken ^ ways[int(random.integers(len(ways)))]
             seen.add(taken)
             trial = self.attempt(here.drawing, taken)
+            if trial.quality < here.quality:
+                stalled = self.budget.spent
             if trial.quality <= here.quality:
                 here = trial
             if trial.made and not folds:
@@ -215,7 +252,8 @@ class Search:
         """Try a set of perpendiculars, and keep the trial if it is the best."""
         if self.progress is not None:
             self.progress("layer orders", self.budget.part)
-        trial = attempt(drawing, taken, self.budget)
+        to_beat = self.best.quality if self.best is not None else None
+        trial = attempt(drawing, taken, self.budget, to_beat)
         if trial.problem and self.problem is None:
             self.problem = UnfoldableError(trial.problem)
         if trial.made and (self.best is None or trial.quality < self.best.quality):

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -117,6 +117,7 @@ class Skeleton:
         return {vertex: frozenset(flanks) for vertex, flanks in around.items()}
 
 
+@lru_cache(maxsize=32)  # drawings are looked at several times
 def skeleton_of(shape: Shape, sheet: Sheet) -> Skeleton:
     """Return the straight skeleton of the plane around a shape on its sheet, as far as a frame far beyond the sheet.
 

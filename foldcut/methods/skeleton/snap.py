@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -97,7 +98,7 @@ def tie_perpendiculars(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, 
     Returns the shape, and how far in mm its corners were moved at most. If the shape with its nodes tied has a straight
     skeleton whose perpendiculars end, the one that is returned has, too.
     """
-    moves = _tied(shape, sheet, near)
+    moves = replace(_tied(shape, sheet, near))
     with suppress(UnfoldableError):  # without a skeleton, or where perpendiculars do not end, nothing more is moved
         missed = _misses(moves.now, sheet, PASSING * near)
         refused: set[Tie | Meeting] = set()
@@ -116,6 +117,7 @@ def tie_perpendiculars(shape: Shape, sheet: Sheet, near: float) -> tuple[Shape, 
     return moves.now, _farthest(moves.now, shape)
 
 
+@lru_cache(maxsize=8)
 def _tied(shape: Shape, sheet: Sheet, near: float) -> Moves:
     """Tie nodes that are near to each other, all at once; then shrink ridges to nothing, one after the other."""
     lines = {tuple(flank.side for flank in face.flanks) for face in skeleton_of(shape, sheet).faces}

@@ -24,6 +24,8 @@ from foldcut.pattern.foldability import crease_numbers
 from foldcut.pattern.ranking import rank, shortest_crease
 from foldcut.proof.verify import verify
 
+NOT_BETTER = "another pattern is easier to fold"
+
 
 @dataclass(frozen=True, eq=False)
 class Skeletal:
@@ -57,7 +59,8 @@ class Trial:
     """A set of perpendiculars that was tried, and what it ``made``, if anything, else the ``problem``.
 
     ``contradictory`` counts its contradictions as ``OrderConditions`` does, and is infinite where these are not known.
-    ``cause`` is a set of perpendiculars: unless one of them changes, some contradiction stays.
+    ``cause`` is a set of perpendiculars: unless one of them changes, some contradiction stays; ``causes`` are more such
+    sets.
     """
 
     drawing: Drawing
@@ -66,6 +69,7 @@ class Trial:
     problem: str
     contradictory: tuple[float, float]
     cause: frozenset[int]
+    causes: tuple[frozenset[int], ...] = ()
 
     @cached_property
     def quality(self) -> tuple[float, ...]:
@@ -75,8 +79,21 @@ class Trial:
         return (0.0, *rank(crease_numbers(self.made.part).lines, shortest_crease(self.made.creases)))
 
 
-def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget) -> Trial:
-    """Try a set of perpendiculars, and spend what that costs."""
+def promise(drawing: Drawing, taken: frozenset[int], shortest: float = np.inf) -> tuple[float, ...]:
+    """Return the quality, as a ``Trial`` has it, of a set of perpendiculars if it can be folded, or of a better one.
+
+    ``shortest`` is what is known about the length of its shortest crease, in mm.
+    """
+    perpendiculars = drawing.perpendiculars
+    lines = perpendiculars.ridge_lines + perpendiculars.line_count(taken)
+    return (0.0, *rank(lines, min(shortest, perpendiculars.shortest(taken))))
+
+
+def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget, to_beat: tuple[float, ...] | None = None) -> Trial:
+    """Try a set of perpendiculars, and spend what that costs.
+
+    No order is looked for if the pattern would not be better than ``to_beat``, another trial's quality.
+    """
     contradictory: tuple[float, float] = (np.inf, np.inf)
     cause = frozenset(range(len(drawing.perpendiculars.paths)))
     try:
@@ -86,9 +103,13 @@ def attempt(drawing: Drawing, taken: frozenset[int], budget: Budget) -> Trial:
         conditions = conditions_of(facets)
         contradictory = conditions.contradictory
         if contradictory[0]:
-            cause = perpendiculars_in(drawing.perpendiculars, facets, conditions.facets_of_contradiction())
+            found = conditions.facets_of_contradictions()
+            causes = tuple(perpendiculars_in(drawing.perpendiculars, facets, some) for some in found)
+            return Trial(drawing, taken, None, NO_ORDER, contradictory, causes[0], causes)
         if any(contradictory):
             return Trial(drawing, taken, None, NO_ORDER, contradictory, cause)
+        if to_beat is not None and promise(drawing, taken, facets.shortest) >= to_beat:
+            return Trial(drawing, taken, None, NOT_BETTER, contradictory, cause)
         try:
             made = ordered(drawing.part, drawing.moved, facets, conditions, len(taken))
         finally:

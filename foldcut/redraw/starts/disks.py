@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 from itertools import pairwise
-from types import ModuleType
 
 import numpy as np
 
 from foldcut.core.arrays import Floats
-from foldcut.core.compiled import compiled_copy, is_installed
+from foldcut.core.compiled import compiled_copy
 from foldcut.redraw.starts import disks_code, pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
 
@@ -50,7 +48,7 @@ def fit_disks(
     disks = _disks(along, tolerance, paired or (0, m - 1))
     ends = [end.array() if end.kind == pieces.DIRECTED else ANY.array() for end in (first, last)]
     cost, previous = np.empty(len(disks)), np.empty(len(disks), dtype=np.int64)
-    end = int(_code().fit_disks(points, disks, tolerance, weight, *ends, cost, previous))
+    end = int(compiled_copy(disks_code).fit_disks(points, disks, tolerance, weight, *ends, cost, previous))
     if end < 0:
         return None
     taken = [end]
@@ -111,9 +109,3 @@ def _disks(along: Floats, tolerance: float, paired: tuple[int, int]) -> Floats:
                 radius = usual + step * round((radii[place] + larger * tolerance - usual) / step)
                 rows.append((column, x, y, radius))
     return np.array(rows)
-
-
-@cache
-def _code() -> ModuleType:
-    """Return the dynamic program, compiled where that is possible."""
-    return compiled_copy(disks_code) if is_installed() else disks_code
