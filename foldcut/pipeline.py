@@ -198,7 +198,7 @@ def fold(
     wishes = Wishes(ribbon, min_crease, symmetry, adjust)
     stages = Stages(progress)
     stages.up_to(READ)
-    if exact and (simplify or symmetry or adjust):
+    if (exact or level == "exact") and (simplify or symmetry or adjust):
         raise BadInputError("exact forbids to move corners; leave out simplify, symmetry and adjust, or exact")
     if tolerance is None and simplify > 0 and not level:
         tolerance = simplify
