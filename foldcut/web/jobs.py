@@ -68,7 +68,8 @@ class Upload:
     """One drawing that is being folded, or was: its folder, how far it is, and the report or the error.
 
     ``state`` is "waiting", "folding", "done" or "failed"; ``stage`` and ``fraction``, from 0 to 1, are what the command
-    tells of its progress; ``started`` is in seconds of the monotonic clock.
+    tells of its progress, ``patterns`` the numbers of those found so far; ``started`` is in seconds of the monotonic
+    clock.
     """
 
     folder: Path
@@ -76,6 +77,7 @@ class Upload:
     state: str = "waiting"
     stage: str = ""
     fraction: float = 0.0
+    patterns: list[dict[str, Any]] = field(default_factory=list)
     error: str = ""
     report: dict[str, Any] = field(default_factory=dict)
     started: float = field(default_factory=time.monotonic)
@@ -234,6 +236,8 @@ async def _follow(process: asyncio.subprocess.Process, upload: Upload) -> None:
         told = _parsed(line)
         if told.keys() >= {"stage", "fraction"}:
             upload.stage, upload.fraction = str(told["stage"]), float(told["fraction"])
+        if isinstance(told.get("pattern"), dict):
+            upload.patterns.append(told["pattern"])
 
 
 def _parsed(data: bytes) -> dict[str, Any]:
