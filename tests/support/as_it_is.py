@@ -15,5 +15,5 @@ def as_it_is() -> Iterator[None]:
 
     ``exact=True`` is not the same: it forbids the methods to move corners by hairs, too.
     """
-    with mock.patch.object(Bounds, "tolerances", lambda *_: (0.0,)):
+    with mock.patch.object(Bounds, "tolerances", return_value=(0.0,)):
         yield
