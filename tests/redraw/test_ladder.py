@@ -30,9 +30,9 @@ from foldcut.redraw.small_parts import treated, width
 A4 = parse_sheet("a4")
 
 
-def uneven(seed: int, wide: float, high: float, waves: float = 0.0) -> np.ndarray:
-    """Return an oval with 90 corners at angles that are not even, so that each tolerance leaves another number."""
-    angles = np.sort(np.random.default_rng(seed).uniform(0, 2 * np.pi, 90))
+def uneven(seed: int, wide: float, high: float, waves: float = 0.0, count: int = 60) -> np.ndarray:
+    """Return an oval with corners at angles that are not even, so that each tolerance leaves another number."""
+    angles = np.sort(np.random.default_rng(seed).uniform(0, 2 * np.pi, count))
     return np.column_stack([wide * np.cos(angles), high * np.sin(angles)]) * (1 + waves * np.cos(5 * angles))[:, None]
 
 
@@ -296,12 +296,19 @@ def test_if_nothing_folds_the_drawing_as_it_is_is_left_to_the_last_resorts() -> 
 
 
 def test_a_drawing_with_too_many_corners_is_not_tried_as_it_is_unless_it_is_asked_for() -> None:
-    many = np.array(regular(240))
+    many = uneven(4, 1.0, 0.8, count=70)
     folder = Folder(lambda _: 50)
     ladder = climb(drawn(many), folder)
-    assert ladder.levels[0].failure.startswith("not tried: 240 corners")
-    assert folder.asked[0][0] < 240
-    assert climb(drawn(many), folder, exact=True).level.corners == 240
+    assert ladder.levels[0].failure.startswith("not tried: 70 corners")
+    assert folder.asked[0][0] < 70
+    assert climb(drawn(many), folder, exact=True).level.corners == 70
+    assert climb(drawn(many), folder, folds=80).level.corners == 70
+    half = uneven(4, 1.0, 0.8, count=90)
+    half = half[half[:, 1] > 0.02]
+    symmetric = {"one axis": np.concatenate([half, half[::-1] * (1, -1)]), "many": np.array(regular(240))}
+    assert len(symmetric["one axis"]) > 60
+    for name, loop in symmetric.items():
+        assert climb(drawn(loop), folder).taken == 0, name
 
 
 def test_an_outline_has_no_more_corners_than_were_asked_for() -> None:
