@@ -268,9 +268,9 @@ def after(pattern: FoldedPattern, look: LineStyle) -> Panel:
 
 PANELS: dict[str, Callable[[FoldedPattern, LineStyle], Panel]] = {
     "pattern": creases,
-    "outline": outlines,
     "folded": front,
     "layers": apart,
     "pieces": after,
+    "outline": outlines,
 }
 """The pictures of a pattern, by name."""

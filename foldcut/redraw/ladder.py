@@ -283,13 +283,13 @@ class _Search:
             self._progress_to(last=number == len(tolerances) - 1)
             try:
                 level = self._as_it_is(alone=alone) if not tolerance else self._redrawn(tolerance)
+                if level is not None:
+                    self._keep(level)
             except KeyboardInterrupt:
                 if not any(level.verified for level in self.levels):
                     raise
                 self.interrupted = True
                 break
-            if level is not None:
-                self._keep(level)
             if self._is_enough():
                 break
         if not any(level.tried for level in self.levels) and not alone and not self.interrupted:

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 from support.programs import require_program, run_node
@@ -315,7 +316,9 @@ def test_what_takes_too_long_is_stopped() -> None:
 def test_what_takes_too_long_goes_on_with_the_best_pattern_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("foldcut.web.jobs.GRACE_S", 60.0)
     with running_app(Settings(job_seconds=60.0)) as running:
-        token = send(running, sample="cat", effort="normal")
+        angles = np.sort(np.random.default_rng(2).uniform(0, 2 * np.pi, 70))
+        oval = np.column_stack([90 * np.cos(angles), 60 * np.sin(angles)]).tolist()
+        token = send(running, json.dumps({"loops": [oval]}).encode(), ending=".json", folds="1")
         job = jobs_of(running).get(token)
         for _ in range(1200):
             if job.patterns or job.state in ("done", "failed"):
