@@ -10,6 +10,7 @@ work is counted, so that the result is the same on every machine.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
@@ -25,6 +26,7 @@ from foldcut.core.model import Finding, FoldedPattern, Shape
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.geometry.curves import CurvedLoop
+from foldcut.geometry.mirror_axes import mirror_axes
 from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
 from foldcut.methods.base import Effort, Made, Wishes
 from foldcut.methods.frame import ADJUST
@@ -40,14 +42,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Drawn", "Fold", "Ladder", "Level", "Tried", "redraw_and_fold"]
 
-CORNERS_FOR_A_FOLD = 2
-"""A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands."""
-
-FEWER_CORNERS_FOR_A_FOLD = 1
-"""The same where outlines that are far off the drawing may be tried, too."""
-
-FAR_OFF = 1.0
-"""Outlines that are at least this far off, in mm of the frame, are far off."""
+CORNERS_FOR_A_FOLD = 1.0
+"""A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands. Of a
+symmetric drawing those on one side of its axes count."""
 
 FOLDS_FOR_A_CORNER = 2.0
 """Patterns of curved drawings have at least this many folds for each corner of an outline, or of its part between axes.
@@ -78,6 +75,9 @@ LATER = {"best": "normal", "normal": "fast", "fast": "fast"}
 
 NOT_MOVED = 1e-6
 """An outline that is no farther than this from the drawing, in mm of the frame, has not moved."""
+
+RIGHT_ANGLE = 1e-5
+"""Axes whose angle differs from a right one by less than this, in radians, are perpendicular."""
 
 SEEN_MM = 0.05
 """What moved by less than this, in mm on the sheet, is not drawn as it was before."""
@@ -294,17 +294,14 @@ class _Search:
             self._progress_to(last=number == len(tolerances) - 1)
             try:
                 last = number == len(tolerances) - 1
-                far = tolerances[-1] >= FAR_OFF
-                level = (
-                    self._redrawn(tolerance, last=last) if tolerance else self._as_it_is(alone=alone, may_be_far=far)
-                )
+                level = self._redrawn(tolerance, last=last) if tolerance else self._as_it_is(alone=alone)
+                if level is not None:
+                    self._keep(level)
             except KeyboardInterrupt:
                 if not any(level.verified for level in self.levels):
                     raise
                 self.interrupted = True
                 break
-            if level is not None:
-                self._keep(level)
             if self._is_enough():
                 break
         if not any(level.tried for level in self.levels) and not alone and not self.interrupted:
@@ -317,14 +314,13 @@ class _Search:
 
     # ---- one level ----
 
-    def _as_it_is(self, *, alone: bool, may_be_far: bool) -> Level:
+    def _as_it_is(self, *, alone: bool) -> Level:
         """Fold the drawing as it is; if it may be drawn anew, only where that has a chance to be one for hands."""
         laying = self.drawn.laying
         corners = laying.outline.corner_count
         start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
         if not alone:
-            most = FEWER_CORNERS_FOR_A_FOLD if may_be_far else CORNERS_FOR_A_FOLD
-            if corners > most * self.bounds.folds:
+            if self._corners_beside_axes() > CORNERS_FOR_A_FOLD * self.bounds.folds:
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
@@ -333,6 +329,13 @@ class _Search:
                     return look
                 self._tell(look)
         return self._folded(start, laying, 0.0, only="" if alone else HANDS)
+
+    def _corners_beside_axes(self) -> float:
+        """Return how many corners the drawing has on one side of its mirror axes, of two of them if they cross."""
+        shape = self.drawn.laying.outline
+        angles = [axis.angle for axis in mirror_axes(shape, self.wishes.symmetry / (self.scale * self.frame.unit))]
+        crossing = any(abs(math.cos(one - other)) < RIGHT_ANGLE for one in angles for other in angles)
+        return shape.corner_count / (4 if crossing else 2 if angles else 1)
 
     def _redrawn(self, tolerance: float, *, last: bool) -> Level | None:
         """Draw the outline anew within a tolerance in mm of the frame, and fold it.

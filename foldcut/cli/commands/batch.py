@@ -27,7 +27,7 @@ MOST_LETTERS = 120
 EXAMPLES = """\
 examples:
   foldcut batch icons -o out --profile laser-dxf --effort fast
-  foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --simplify 0.3mm
+  foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --tolerance 1mm
   foldcut batch icons -o out --dask tcp://scheduler:8786 --parquet
   foldcut batch --text HELLO --font foldcut -o out --profile printer-a4
 
@@ -90,7 +90,8 @@ def batch(args: Namespace) -> int:
     formats = endings(args.formats, machine.profile)
     Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", machine).check_formats(folding.sheet)
     out = Path(args.output)
-    recipe = Recipe(folding.keywords(), options.reading(args), formats, machine.profile, machine.job)
+    fold = folding.keywords() | {"next_level": False}  # nobody reads what it would cost
+    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job)
     done = ""
     with ProgressBar(console.draws_progress) as bar:
 
