@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 from itertools import pairwise
-from types import ModuleType
 
 import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Indices
-from foldcut.core.compiled import compiled_copy, is_installed
+from foldcut.core.compiled import compiled_copy
 from foldcut.redraw.starts import arcs_code, pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
 
@@ -77,7 +75,7 @@ def _fit(
     count = len(anchors)
     cost, along = np.empty(count), np.empty(count)
     previous, between = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
-    end = _code().fit_arcs(
+    end = compiled_copy(arcs_code).fit_arcs(
         points, theta, reach, half, tolerance, weight, anchors, price, cost, previous, between, along
     )
     if end < 0:
@@ -188,9 +186,3 @@ def straight_parts(points: Floats, least: float) -> list[tuple[int, int]]:
 def _turn(angles: Floats) -> Floats:
     turns: Floats = (angles + math.pi) % (2 * math.pi) - math.pi
     return turns
-
-
-@cache
-def _code() -> ModuleType:
-    """Return the dynamic program, compiled where that is possible."""
-    return compiled_copy(arcs_code) if is_installed() else arcs_code

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
-from types import ModuleType
 
 import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Indices
-from foldcut.core.compiled import compiled_copy, is_installed
+from foldcut.core.compiled import compiled_copy
 from foldcut.redraw.starts import pieces
 
 __all__ = ["ANY", "End", "Sides", "fit", "straight_as_far_as"]
@@ -81,7 +79,7 @@ def fit(
     bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
     cost, previous, normals = np.empty(m), np.empty(m, dtype=np.int64), np.empty((m, 2))
     ends, sums = (first.array(), last.array()), np.empty((m, 5))
-    _code().fit_freely(points, stops, bound, tolerance, weight, *ends, sums, cost, previous, normals)
+    compiled_copy(pieces).fit_freely(points, stops, bound, tolerance, weight, *ends, sums, cost, previous, normals)
     if cost[-1] >= pieces.INFINITE:
         return None
     cuts = [m - 1]
@@ -94,7 +92,7 @@ def fit(
 def straight_as_far_as(row: Floats, tolerance: float) -> Indices:
     """Return for each place of a row ``(m, 2)`` how far a piece from there is straight within ``tolerance`` mm."""
     reach = np.empty(len(row), dtype=np.int64)
-    _code().straight_as_far_as(np.ascontiguousarray(row), tolerance, np.empty((len(row), 5)), reach)
+    compiled_copy(pieces).straight_as_far_as(np.ascontiguousarray(row), tolerance, np.empty((len(row), 5)), reach)
     return reach
 
 
@@ -106,7 +104,7 @@ def _fit_directed(
     cost = np.empty((m, count + 1))
     previous, before = np.empty((m, count + 1), dtype=np.int64), np.empty((m, count + 1), dtype=np.int64)
     ends = first.array(), last.array()
-    _code().fit_directed(points, stops, tolerance, weight, *ends, directions, APART, cost, previous, before)
+    compiled_copy(pieces).fit_directed(points, stops, tolerance, weight, *ends, directions, APART, cost, previous, before)
     every = np.concatenate([directions, [first.normal]])
     j, d = m - 1, int(cost[-1].argmin())
     total = float(cost[j, d])
@@ -144,9 +142,3 @@ def _sides(points: Floats, cuts: list[int], normals: Floats, first: End, last: E
         if end.kind == pieces.GIVEN and (normals[s] == np.array(end.normal)).all():
             offsets[0, s] = end.offset
     return Sides(np.array(cuts), normals[None], offsets, cost)
-
-
-@cache
-def _code() -> ModuleType:
-    """Return the dynamic programs, compiled where that is possible."""
-    return compiled_copy(pieces) if is_installed() else pieces
