@@ -106,6 +106,7 @@ KINDS = (
     Kind("in", 0.0, 0.95, arcs=True, lead=2),
     Kind("in", 0.0, 0.95, disks=True),
     Kind("in", 0.0, 0.7, lead=2),
+    Kind("in", 0.0, 0.95, disks=True, weight=1.5),
     Kind("", 0.0, 0.95, exact=True),
     Kind("", 0.0, 0.95, arcs=True, exact=True),
     Kind("", 0.0, 0.95),
@@ -117,10 +118,8 @@ KINDS = (
     Kind("", 0.0, 0.7),
     Kind("in", 0.0, 0.7, disks=True),
     Kind("", 0.0, 0.7, arcs=True),
-    Kind("in", 0.0, 0.95, disks=True, weight=1.5),
-    *(Kind("", step, 0.95) for step in (15.0, 18.0, 22.5, 30.0, 45.0, 90.0)),
+    *(Kind("", step, 0.95) for step in (15.0, 18.0, 22.5, 30.0)),
     Kind("in", 0.0, 0.5, lead=1),
-    Kind("out", 0.0, 0.95, disks=True),
     Kind("", 0.0, 0.5),
 )
 """The kinds of outlines: those first that were the best, or nearly, for most letters."""
