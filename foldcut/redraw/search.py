@@ -24,6 +24,15 @@ REACH = 10.0, 10.0
 LEAST_GAIN = 0.05
 """A change that saves less than this is not made."""
 
+LOOK = 0.35
+"""The part of the work for a short look at each of the outlines to begin with."""
+
+LONG_LOOK = 0.35
+"""The part of the rest for a longer look at the best of them."""
+
+FINALISTS = 4
+"""How many get a longer look."""
+
 FAR_MISS = 0.6
 """Perpendiculars are moved to nodes that they miss by up to this part of the reach."""
 
@@ -107,22 +116,27 @@ class Search:
         if all(abs(one.cost - other.cost) > 1e-6 for other in self.pool):
             self.pool = sorted([*self.pool, one], key=lambda other: other.key)[:12]
 
-    def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]], share: float = 0.5) -> Assessment | None:
+    def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]]) -> Assessment | None:
         """Search from some outlines; returns the best one."""
         begun = [one for points, sizes in starts if (one := self.assess(points, sizes)) is not None]
         if not begun:
             return None
         begun.sort(key=lambda one: one.cost + 0.7 * len(one.points))
-        done: list[Assessment] = []
         end, first = self.most, self.spent
-        for number, one in enumerate(begun):
-            self.most = first + int(share * (end - first) * (number + 1) / len(begun))
-            done.append(self.greedy(one, 400))
-            if self.ends(min(1.0, self.spent / self.all)):
-                break
+        # all get a short look, and the best of them a longer one
+        for share, few in ((LOOK, len(begun)), (LONG_LOOK, FINALISTS)):
+            begun = sorted(begun, key=lambda one: one.key)[:few]
+            for number, one in enumerate(begun):
+                self.most = first + int(share * (end - first) * (number + 1) / len(begun))
+                begun[number] = self.greedy(one, 400)
+                if self.ends(min(1.0, self.spent / self.all)):
+                    break
+            first = self.spent
+            self.last_gain = first
         self.most = end
-        for one in sorted(done, key=lambda one: one.key)[:4]:
+        for one in sorted(begun, key=lambda one: one.key):
             self.keep(one)
+        done = begun
         self.last_gain = self.spent
         self.anneal(sorted(done, key=lambda one: one.key))
         return self.best
