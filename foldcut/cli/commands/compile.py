@@ -35,8 +35,8 @@ def compile_(args: Namespace) -> int:
 
 
 COMPILE = Command(
-    "Compile once, for this machine, what folding spends most of its time in: about a minute. Otherwise that is done when "
-    "the first outline is drawn anew.",
+    "Compile once, for this machine, what folding spends most of its time in: about a minute. Otherwise that is done "
+    "when the first outline is drawn anew.",
     EXAMPLES,
     add_options,
     compile_,
