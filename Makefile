@@ -10,6 +10,7 @@ CODE := foldcut exporters profiles samples tests
 ## Fold three samples out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
 	@mkdir -p out
+	$(BIN)/foldcut compile
 	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold --force
 	$(BIN)/foldcut make samples/star.svg --sheet a4 -o out/star.svg -o out/star.fold --force
 	$(BIN)/foldcut make samples/letter-a.svg --sheet a4 -o out/letter-a.svg -o out/letter-a.fold --force

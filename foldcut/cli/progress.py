@@ -1,6 +1,7 @@
 """Progress on stderr: a bar for people, or lines of JSON for programs that ask for them with ``--progress``.
 
-The bar appears when stderr is a terminal and the work takes longer than a second; it disappears when the work is done.
+The bar appears when stderr is a terminal and the work takes longer than a second, or something has to be compiled; it
+disappears when the work is done.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 PATIENCE_S = 1.0
 """Work that is done sooner shows no bar."""
+AT_ONCE = "compiling"
+"""A stage whose name begins with this shows it at once: it takes long, and tells nothing until it is over."""
 BETWEEN_LINES_S = 0.1
 """A stage writes no more than one line in this time."""
 
@@ -76,7 +79,8 @@ class ProgressBar:
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Show that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
-        if not self._enabled or time.monotonic() - self._started < PATIENCE_S:
+        is_early = time.monotonic() - self._started < PATIENCE_S and not stage.startswith(AT_ONCE)
+        if not self._enabled or is_early:
             return
         if self._progress is None:
             from rich.console import Console

@@ -1,8 +1,9 @@
 """When compiled code does the work: an explicit setting, never what happens to be loaded.
 
-A few loops exist twice, in numpy and compiled with numba. Loading the compiled code takes about 0.3 s of processor time,
-so a process that folds one drawing loads it only where it saves more than that. A process that folds many drawings calls
-``expect_many_drawings()`` once, at its start. The setting changes how long folding takes, not the result.
+A few loops exist twice, in numpy and compiled with numba. Loading the compiled code takes about 0.3 s of processor
+time, so a process that folds one drawing loads it only where it saves more than that. A process that folds many
+drawings calls ``expect_many_drawings()`` once, at its start. The setting changes how long folding takes, not the
+result.
 
 A module may also be written once and run in both ways: its functions are marked with ``compiled_in(__name__)``, which
 leaves them as they are, and ``compiled_copy`` loads the same file a second time, compiled. What was compiled is kept in
@@ -16,7 +17,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
@@ -29,7 +30,6 @@ __all__ = [
     "copy_of",
     "expect_many_drawings",
     "forget_unreadable",
-    "is_installed",
     "is_ready",
 ]
 
@@ -91,8 +91,8 @@ def compiled_in(module: str, *, inline: bool = False) -> Callable[[Function], Fu
 def _kept() -> type:
     """Return the class of numba's cache of a function, in which what is found is used at once.
 
-    Numba's own first gets everything ready that is needed to compile, which takes most of the time; compiling does that,
-    too. That something cannot be written is no error.
+    Numba's own first gets everything ready that is needed to compile, which takes most of the time; compiling does
+    that, too. That something cannot be written is no error.
     """
     from numba.core.caching import FunctionCache
 
@@ -130,11 +130,6 @@ def copy_of(module: ModuleType, suffix: str) -> ModuleType:
     return copy
 
 
-def is_installed() -> bool:
-    """Tell whether numba is there."""
-    return find_spec("numba") is not None
-
-
 def is_ready(function: Any) -> bool:
     """Tell whether a compiled function is in numba's cache for this machine, so that nobody waits for the compiler."""
     if function.signatures:
@@ -151,9 +146,10 @@ def forget_unreadable(module: ModuleType) -> None:
     """Remove what an earlier version has left in numba's cache for a compiled copy, if it cannot be read any more."""
     for function in vars(module).values():
         if hasattr(function, "signatures"):
-            file = getattr(function._cache, "_cache_file", None)  # None where nothing can be kept
+            file: Any = getattr(function._cache, "_cache_file", None)  # None where nothing can be kept
+            if file is None:
+                continue
             try:
-                if file is not None:
-                    file._load_index()
+                file._load_index()
             except Exception:
                 Path(file._index_path).unlink(missing_ok=True)

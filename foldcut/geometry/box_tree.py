@@ -35,7 +35,7 @@ SHIFT = 3
 
 
 def _compiled_search() -> Callable[..., tuple[int, int]] | None:
-    """Return the search in compiled code, or None without numba (extra ``fast``)."""
+    """Return the search in compiled code, or None where numba does not work."""
     try:
         from foldcut.geometry.box_tree_compiled import search
     except ImportError:

@@ -1,6 +1,6 @@
 """The search of ``box_tree.LayerTree``, compiled: each query walks down the tree on its own.
 
-It needs numba (extra ``fast``) and is imported only for many boxes.
+It imports numba, so it is imported only for many boxes.
 """
 
 from __future__ import annotations

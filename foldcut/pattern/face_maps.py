@@ -97,7 +97,7 @@ def fold_faces(pattern: CreasePattern, faces_of_edges: Ints) -> FaceMaps:
 
 
 def compiled_fold() -> Callable[..., None] | None:
-    """Return the function that folds faces in compiled code, or None without numba (extra ``fast``)."""
+    """Return the function that folds faces in compiled code, or None where numba does not work."""
     try:
         from foldcut.pattern.face_maps_compiled import fold
     except ImportError:

@@ -1,6 +1,6 @@
 """Face maps with compiled code: a tree of faces across long edges, and each face folded over its edge of the tree.
 
-It needs numba (extra ``fast``) and is imported only for many faces.
+It imports numba, so it is imported only for many faces.
 """
 
 from __future__ import annotations

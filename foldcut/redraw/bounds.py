@@ -42,7 +42,7 @@ class Bounds:
     which is one of ``LEVELS`` or empty for the last of ``TOLERANCES``. ``exact``: the drawing's corners stay where they
     are. ``folds``: how many folds a pattern for two hands has at most. ``corners``: how many corners an outline has at
     most, None for any number. ``small_parts``: one of ``SMALL_PARTS``. ``next_level``: once there is an outline for two
-    hands, one more tolerance is tried, to say what it would cost.
+    hands, one more tolerance is tried, to say what it would cost, unless the drawing folds as it is.
 
     Raises ``BadInputError`` for what makes no sense.
     """

@@ -528,6 +528,8 @@ class _Search:
             return True
         if self.bounds.takes_fewest:
             return False
+        if self.levels and self.levels[0].for_hands and not self.levels[0].tolerance_mm:
+            return True  # the drawing folds as it is, so nobody asks what else it would cost
         hands = any(level.for_hands for level in self.levels)
         return hands and self.more >= self.bounds.next_level
 

@@ -1,14 +1,21 @@
-"""``foldcut compile`` fills numba's cache, and says what is missing."""
+"""``foldcut compile`` fills numba's cache; where it is not filled, or cannot be, what is needed is compiled."""
 
 from __future__ import annotations
 
 import os
 import subprocess
 import sys
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from typing import Any
 
+import pytest
+from numba.core import caching
+
+from foldcut.cli.progress import ProgressBar
 from foldcut.core import compiled
 from foldcut.geometry.straight_skeleton import motion, skeleton, wavefront
+from foldcut.redraw import compiling
 
 COMMAND = [sys.executable, "-c", "import sys; from foldcut.cli.main import main; sys.exit(main(['compile']))"]
 
@@ -20,15 +27,87 @@ def test_what_is_compiled_is_kept_for_other_processes() -> None:
     assert compiled.is_ready(copy.run)
     assert compiled.is_ready(copy.gather_faces)
     assert compiled.is_ready(compiled.compiled_copy(motion).move)
+    assert compiling.is_compiled()
 
 
-def test_without_numba_the_extra_is_named(tmp_path: Path) -> None:
-    (tmp_path / "numba.py").write_text("raise ImportError('no numba')")
-    code = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); " + COMMAND[-1]
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert done.returncode == 2
-    assert "pip install 'foldcut[fast]'" in done.stderr
-    assert "Traceback" not in done.stderr
+SMALL = """
+from foldcut.core.compiled import compiled_in
+__all__ = ["twice"]
+compiled = compiled_in(__name__)
+@compiled
+def twice(x):
+    return 2.0 * x
+"""
+
+
+def small(folder: Path, name: str) -> Any:
+    """Return the compiled copy of a module with one function."""
+    file = folder / f"{name}.py"
+    file.write_text(SMALL)
+    spec = spec_from_file_location(name, file)
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return compiled.copy_of(module, compiled.COPY)
+
+
+def test_what_was_compiled_is_read_from_the_cache(tmp_path: Path) -> None:
+    first = small(tmp_path, "first_of_two").twice
+    assert not compiled.is_ready(first)
+    assert first(1.0) == 2.0
+    assert compiled.is_ready(first)
+    again = compiled.copy_of(sys.modules["first_of_two_compiled"], "").twice
+    assert again is not first
+    assert compiled.is_ready(again)
+    assert again(1.5) == 3.0
+    assert (sum(first.stats.cache_hits.values()), sum(again.stats.cache_hits.values())) == (0, 1)
+    assert again(2) == 4.0, "other types are compiled"
+
+
+@pytest.mark.parametrize("fault", ["no folder", "full", "gone"])
+def test_where_nothing_can_be_kept_everything_is_compiled_in_memory(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError("no space left on device")
+
+    if fault == "no folder":
+        monkeypatch.setattr(caching.CacheImpl, "_locator_classes", [])
+    if fault == "full":
+        monkeypatch.setattr(caching.IndexDataCacheFile, "save", refuse)
+    copy = small(tmp_path, f"nothing_kept_{fault.replace(' ', '_')}")
+    if fault == "gone":
+        monkeypatch.setattr(caching.IndexDataCacheFile, "load", refuse)
+    assert not compiled.is_ready(copy.twice)
+    compiled.forget_unreadable(copy)
+    assert copy.twice(1.0) == 2.0
+    assert compiled.is_ready(copy.twice), "in memory"
+
+
+def test_outlines_are_searched_by_what_is_compiled_ahead() -> None:
+    compiling.compile_ahead()
+    told: list[str] = []
+    assert compiling.get_ready(told.append) == 0.0
+    assert told == []
+
+
+def test_what_is_not_compiled_is_said_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[str] = []
+    monkeypatch.setattr(compiling, "is_compiled", lambda: told.count("compiled") > 0)
+    monkeypatch.setattr(compiling, "compile_ahead", lambda: told.append("compiled"))
+    assert compiling.get_ready(told.append) > 0.0
+    assert compiling.get_ready(told.append) == 0.0
+    assert told == [compiling.COMPILING, "compiled"]
+
+
+def test_a_bar_tells_of_compiling_at_once(capsys: pytest.CaptureFixture[str]) -> None:
+    with ProgressBar(enabled=True) as bar:
+        bar("reading", 0.0)
+        assert bar._progress is None
+        bar(compiling.COMPILING, 0.1)
+        assert bar._progress is not None
+    assert capsys.readouterr().out == ""
 
 
 LEFT_BEHIND = """

@@ -26,6 +26,7 @@ HEAVY = (
     "highspy",
     "pysat",
     "rich",
+    "numba",
 )
 STAR = ["make", str(SAMPLES / "star.svg"), "--effort", "fast", "--quiet"]
 
@@ -47,7 +48,7 @@ def test_help_imports_nothing_heavy(tmp_path: Path, arguments: list[str]) -> Non
 
 
 def test_a_small_pattern_takes_no_scipy_and_only_its_own_formats(tmp_path: Path) -> None:
-    others = {"scipy", "highspy", "reportlab", "PIL", "rich"}
+    others = {"scipy", "highspy", "reportlab", "PIL", "rich", "numba"}
     assert loaded(tmp_path, *STAR, "-o", "star.fold") & {*others, "ezdxf", "fontTools"} == set()
     dxf = loaded(tmp_path, *STAR, "-o", "star.dxf", "--profile", "laser-dxf")
     assert "ezdxf" in dxf

@@ -81,6 +81,7 @@ def batch(args: Namespace) -> int:
     from foldcut.batch.worker import Recipe
     from foldcut.cli.progress import ProgressBar
     from foldcut.readers.typed_text import letter_names
+    from foldcut.redraw.compiling import get_ready
 
     if (args.text is None) == (not args.drawings):
         raise BadInputError(f"give FOLDER|GLOB or a --text{'' if args.text is None else ', not both'}")
@@ -101,6 +102,8 @@ def batch(args: Namespace) -> int:
             bar(text, part)
 
         try:
+            if not folding.exact:
+                get_ready(lambda text: progress(text, 0.0))  # once, and not in each process
             made = run_batch(
                 args.drawings,
                 out,

@@ -7,7 +7,6 @@ from time import perf_counter
 
 from foldcut.cli.commands import Command
 from foldcut.cli.console import DONE, Console
-from foldcut.core.errors import BadInputError, needed_extra
 
 EXAMPLES = """\
 examples:
@@ -23,22 +22,21 @@ def add_options(command: ArgumentParser) -> None:
 
 def compile_(args: Namespace) -> int:
     """Compile, and say how long it took."""
-    from foldcut.geometry.straight_skeleton.moving import compile_ahead
+    from foldcut.geometry.straight_skeleton import moving
+    from foldcut.redraw import compiling
 
     console = Console(args.json)
     started = perf_counter()
-    try:
-        compile_ahead()
-    except ImportError as error:
-        raise BadInputError(needed_extra("compiled functions", "fast")) from error
+    moving.compile_ahead()
+    compiling.compile_ahead()
     seconds = perf_counter() - started
     console.report({"ok": True, "seconds": seconds}, [f"compiled in {seconds:.1f} s, and kept for later"])
     return DONE
 
 
 COMPILE = Command(
-    "Compile once, for this machine, what folding spends most of its time in: half a minute. Patterns are the same "
-    "without it; only long searches take longer. It needs the extra fast.",
+    "Compile once, for this machine, what folding spends most of its time in: about a minute. Otherwise that is done "
+    "when the first outline is drawn anew.",
     EXAMPLES,
     add_options,
     compile_,

@@ -49,6 +49,8 @@ def serve(args: Namespace) -> int:
         raise BadInputError(f"--port {port} is not a port; give a number from 1 to 65535")
     if not 0 < job_seconds < 1e8:
         raise BadInputError(f"--job-seconds is {job_seconds:g}; give a positive number below 1e8")
+    from foldcut.redraw.compiling import get_ready
+
     name = f"[{host}]" if ":" in host else host
     own = Settings().hosts
     everywhere = host in ("0.0.0.0", "::")
@@ -63,6 +65,8 @@ def serve(args: Namespace) -> int:
         what = (error.strerror or str(error)).partition(" (while")[0]
         raise BadInputError(f"cannot listen at {name}:{port}: {what}; give another --port or --host") from None
     with listening:
+        # a drawing has less time than that takes
+        get_ready(lambda text: print(f"foldcut: {text}", file=sys.stderr, flush=True))
         print(f"http://{name}:{port}/ until Ctrl-C; nothing is kept afterwards", flush=True)
         if name not in own:
             print("everyone who reaches this address can use it, and there is no password", file=sys.stderr)

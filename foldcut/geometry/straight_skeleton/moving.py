@@ -172,8 +172,7 @@ def _arcs_of_outlines(skeleton: StraightSkeleton) -> Indices:
 def compile_ahead() -> None:
     """Compile all that straight skeletons have to be compiled, and keep it in numba's cache.
 
-    ``ImportError`` without the extra ``fast``. It takes about half a minute of the processor, or a second if that was
-    done before.
+    It takes about half a minute of the processor, or a second if that was done before.
     """
     skeletons.compile_ahead()
     forget_unreadable(compiled_copy(motion))

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import Floats, Indices, Ints, Ragged, index_array, sealed
-from foldcut.core.compiled import COMPILED, compiled_copy, forget_unreadable, is_installed, is_ready
+from foldcut.core.compiled import COMPILED, compiled_copy, forget_unreadable, is_ready
 from foldcut.geometry.straight_skeleton import wavefront
 from foldcut.geometry.straight_skeleton.decimals import ZERO, decimal_copy
 from foldcut.geometry.straight_skeleton.decimals import run_with_decimals as run_decimal
@@ -95,7 +95,7 @@ def straight_skeleton(points: ArrayLike, edges: ArrayLike, *, tables: Tables | N
 class Solver:
     """Makes the straight skeletons of one graph with its points at many places.
 
-    ``tables``: where the work is done: ``Arrays()`` (compiled; ``ImportError`` without the extra ``fast``), ``Lists()``
+    ``tables``: where the work is done: ``Arrays()`` (compiled), ``Lists()``
     (plain Python), or what is faster for the time that this process has spent on skeletons so far. The bits are the
     same. A solver is for one thread at a time.
     """
@@ -227,10 +227,9 @@ class Default:
         """Return what to use now."""
         if not self.is_decided and (COMPILED.many_drawings or self.spent > PATIENCE):
             self.is_decided = True
-            if is_installed():
-                kernel: Any = compiled_copy(wavefront)
-                if is_ready(kernel.run) and is_ready(kernel.gather_faces):
-                    self.made = Arrays()
+            kernel: Any = compiled_copy(wavefront)
+            if is_ready(kernel.run) and is_ready(kernel.gather_faces):
+                self.made = Arrays()
         return self.made
 
 
@@ -239,7 +238,7 @@ DEFAULT = Default()
 
 
 def compile_ahead() -> None:
-    """Compile the wavefront and keep it in numba's cache; ``ImportError`` without the extra ``fast``.
+    """Compile the wavefront and keep it in numba's cache.
 
     It takes about 20 s of the processor, or a second if that was done before.
     """

@@ -222,7 +222,7 @@ class _ByCompiledCode:
 
 
 def _compiled_filler(tolerance: Tolerance) -> GapFiller | None:
-    """Return what fills large gaps in compiled code, or None without numba (extra ``fast``)."""
+    """Return what fills large gaps in compiled code, or None where numba does not work."""
     try:
         from foldcut.methods.disks.packing_compiled import GapFiller
     except ImportError:

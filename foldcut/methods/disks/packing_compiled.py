@@ -13,7 +13,7 @@ structures differ:
 - the rolled disks of each gap are in a skew heap (which needs no sizes), the largest first. When a gap is divided, its
   largest part keeps the heap, and only the disks of the other parts are sorted anew.
 
-It needs numba (extra ``fast``) and is imported only where there are many disks: importing it takes a third of a second.
+It imports numba, so it is imported only where there are many disks: importing it takes a third of a second.
 """
 
 from __future__ import annotations

@@ -38,8 +38,8 @@ FEWEST_LOOKS = 3
 """How many candidates get a first look however little effort there is."""
 
 EASY, HARD = 1.5, 2.0
-"""A first look goes on after a third of its time if its pattern takes no more than this many times what is to be beaten,
-where that is easy or hard to fold by hand."""
+"""A first look goes on after a third of its time if its pattern takes no more than this many times what is to be
+beaten, where that is easy or hard to fold by hand."""
 
 MOST_IN_VAIN = 2
 """After so many first looks in a row that bring nothing better there are no more."""

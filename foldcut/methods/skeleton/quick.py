@@ -34,8 +34,8 @@ def fold_outline(
     mostly be folded.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
-    refused. Where ``sheet`` is a part of a sheet, ``part`` says how the pattern of the whole sheet comes from it. Raises
-    ``UnfoldableError`` with the first reason where none of the sets can be folded.
+    refused. Where ``sheet`` is a part of a sheet, ``part`` says how the pattern of the whole sheet comes from it.
+    Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
     budget = Budget(float("inf"))
     ridges = ridges_of(shape, sheet, ribbon)

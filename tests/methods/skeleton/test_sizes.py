@@ -76,7 +76,7 @@ def test_one_sheet_for_all_sizes_is_cut_down_where_that_takes_fewer_folds(name: 
 def test_ctrl_c_while_less_paper_is_tried_keeps_the_pattern_for_the_whole_sheet(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(pipeline, "MANY_FOLDS", 0)
+    monkeypatch.setattr(pipeline, "HANDS_FOLDS", 1)
     fold_in_turn, turns = pipeline._folded, []
 
     def folded(*problem: Any) -> Any:
