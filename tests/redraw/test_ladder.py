@@ -322,7 +322,7 @@ def test_bounds_that_make_no_sense_are_refused() -> None:
         ({"exact": True, "level": "easy"}, "exact forbids"),
     ):
         with pytest.raises(BadInputError, match=message):
-            Bounds(**bounds)  # type: ignore[arg-type]
+            Bounds(**bounds)
     with pytest.raises(BadInputError, match="exact forbids to move corners"):
         foldcut.fold([rectangle(3, 1)], exact=True, simplify=1.0)
 
