@@ -12,13 +12,11 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
@@ -33,7 +31,7 @@ from foldcut.methods.frame import ADJUST
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
-from foldcut.redraw.bounds import HANDS_CREASE_MM, Bounds
+from foldcut.redraw.bounds import HANDS_CREASE_MM, HANDS_FOLDS, Bounds
 from foldcut.redraw.distance import apart
 
 if TYPE_CHECKING:
@@ -323,7 +321,7 @@ class _Search:
         corners = laying.outline.corner_count
         start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
         if not alone:
-            if self._corners_beside_axes() > CORNERS_FOR_A_FOLD * self.bounds.folds:
+            if self._corners_beside_axes() > CORNERS_FOR_A_FOLD * max(self.bounds.folds, HANDS_FOLDS):
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
@@ -382,7 +380,8 @@ class _Search:
                 raise
             self.interrupted = True
         if best is None:
-            return replace(start, failure="no outline with a pattern was found", seconds=time.perf_counter() - started)
+            failure = "no outline with a pattern was found"
+            return replace(start, laid=drawing.laid, failure=failure, seconds=time.perf_counter() - started)
         return replace(best, seconds=time.perf_counter() - started)
 
     def _drawing(self, tolerance: float) -> Drawing:

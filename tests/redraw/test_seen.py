@@ -142,7 +142,7 @@ def test_the_report_has_the_ladder_and_says_what_was_taken(result: Result, as_dr
     assert report["ladder"]["levels"][report["ladder"]["taken"]]["folds"] == result.actions
     text = "\n".join(make_lines(report))
     rows = [line for line in text.splitlines() if " mm  " in line and "outline" not in line]
-    assert len(rows) >= len(ladder.levels)
+    assert len(rows) >= sum(level.tried is not None for level in ladder.levels)
     assert sum(line.strip().startswith(">") for line in text.splitlines()) == 1
     assert "taken     the outline" in text
     assert "for two hands, with at most 10 folds" in text
