@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
-from support.several_loops import random_loops
-from support.strategies import star_shaped, two_opt
 
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import ShapeError
@@ -21,6 +19,8 @@ from foldcut.methods.mirror.unfold import Half
 from foldcut.readers import read_shape
 from foldcut.redraw.proxy import Engine, Field
 from foldcut.samples import sample_path
+from support.several_loops import random_loops
+from support.strategies import star_shaped, two_opt
 
 A4 = Sheet(210.0, 297.0)
 
@@ -68,9 +68,9 @@ def mirrored_outline(seed: int, axes: tuple[int, ...]) -> Shape:
     return on_a4([np.array([(z.real, z.imag) for z in points])])
 
 
-def half_of(shape: Shape, axes: tuple[int, ...]) -> Half:
-    """Return the part of A4 by which a symmetric shape is folded that is folded along its axes first."""
-    return next(halves_of(shape, A4, axes))
+def half_of(shape: Shape, axes: tuple[int, ...], sheet: Sheet = A4) -> Half:
+    """Return the part of the sheet that is left to fold for a symmetric shape, once it is folded along its axes."""
+    return next(halves_of(shape, sheet, axes))
 
 
 @cache

@@ -31,8 +31,9 @@ class Counted(NamedTuple):
 
 
 class Slow(NamedTuple):
-    """Of an outline: how many odd nodes it has; of how many of them no perpendicular ends; whether all perpendiculars end;
-    and ``counted``, for each set of perpendiculars away from a corridor, if all end.
+    """How many nodes are odd, of how many of them no perpendicular ends, and whether all perpendiculars end.
+
+    ``counted``: for each set of perpendiculars away from a corridor, if all end.
     """
 
     odd: int
@@ -94,7 +95,9 @@ def _counted(every: Perpendiculars, taken: list[int], sheet: Sheet, axes: tuple[
     number = np.full(len(points), -1)
     number[used] = np.arange(len(used))
     kinds = np.array(["M"] * len(edges))
-    creases = CreasePattern(points_array(points[used]), index_array(number[np.array(edges)]), kinds, Ragged.from_rows([]))
+    creases = CreasePattern(
+        points_array(points[used]), index_array(number[np.array(edges)]), kinds, Ragged.from_rows([])
+    )
     numbers = crease_numbers(creases)
     lengths = [numbers.shortest_crease_mm or np.inf]
     for axis in axes:
