@@ -216,7 +216,7 @@ class Field:
 
     ``loops``: dense polylines, ``(n, 2)`` each. What lies beyond the sheet, which is ``width`` by ``height``, does not
     count. ``tolerance``: how far the outline may be from the drawing, and the drawing from the outline. ``axes``: the
-    sheet is the part to the right of an upright axis (0), above a level one (1), or both: it is folded along them first.
+    sheet is the part to the right of an upright axis (0), above a level one (1), or both; it is folded there first.
     """
 
     loops: tuple[Floats, ...]
