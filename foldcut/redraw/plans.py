@@ -1,6 +1,7 @@
 """In which ways a drawing may be folded that is redrawn within a tolerance: as a whole, or along its mirror axes first.
 
-``Drawing``, with its curves and a tolerance -> ``Plan``s: the drawing in a frame, with the axes in the middle of the sheet.
+``Drawing``, with its curves and a tolerance -> ``Plan``s: the drawing in a frame, with the axes in the middle of
+the sheet.
 """
 
 from __future__ import annotations
@@ -61,10 +62,10 @@ Corners = tuple[Floats, tuple[int, ...]]
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """A drawing in a frame, and the axes along which the sheet is folded first: 0 its upright middle line, 1 the level one.
+    """A drawing in a frame, and the axes the sheet is folded along first: 0 its upright middle line, 1 the level one.
 
-    ``laid``: how the drawing lies on the sheet that is asked for, turned perhaps; ``target`` is in mm of the frame, with
-    the axes in the middle of the frame's sheet, and ``off`` mm from symmetric.
+    ``laid``: how the drawing lies on the sheet that is asked for, turned perhaps; ``target`` is in mm of the frame,
+    with the axes in the middle of the frame's sheet, and ``off`` mm from symmetric.
     """
 
     laid: Laid

@@ -61,8 +61,10 @@ side 2k + 1 against it."""
 
 
 class Meeting(NamedTuple):
-    """A perpendicular that is to come to a node: the sides of the node it starts at, of the faces on its way, and of
-    the node that it is to come to."""
+    """A perpendicular that is to come to a node.
+
+    It has the sides of the node it starts at, of the faces on its way, and of the node that it is to come to.
+    """
 
     start: Tie
     way: Tie
@@ -140,19 +142,28 @@ class Work(NamedTuple):
     ridge_length: Any
 
 
+def _zeros(*shape: int) -> Any:
+    return np.zeros(shape)
+
+
+def _numbers(*shape: int) -> Any:
+    return np.zeros(shape, dtype=np.int64)
+
+
 def _work(nodes: int, sides: int) -> Work:
     halves = 4 * (nodes + sides) + 64
     paths = 4 * nodes + 64
-    f, i = (lambda n: np.zeros(n)), (lambda n: np.zeros(n, dtype=np.int64))
+    f, i = _zeros, _numbers
     sizes = {
         "counts": i(20), "numbers": f(8), "sizes": f(12), "ints": i(16), "place": f(2),
         "first": i(sides + 1), "member": i(paths), "point_x": f(16 * paths), "point_y": f(16 * paths),
-        "group_first": i(paths), "group_best": i(paths), "sector_cost": f(paths), "exit_x": f(paths), "exit_y": f(paths),
+        "group_first": i(paths), "group_best": i(paths), "sector_cost": f(paths),
+        "exit_x": f(paths), "exit_y": f(paths),
         "key": np.full(1 << (2 * halves).bit_length(), -1, dtype=np.int64),
         "value": i(1 << (2 * halves).bit_length()),
     }  # fmt: skip
-    reals = {"x", "y", "z", "ax", "ay", "sx", "sy", "u0", "u1", "path_cost", "path_angle", "miss", "spoke_x", "spoke_y", "cut_part",
-             "ridge_length"}  # fmt: skip
+    reals = {"x", "y", "z", "ax", "ay", "sx", "sy", "u0", "u1", "path_cost", "path_angle", "miss", "spoke_x", "spoke_y",
+             "cut_part", "ridge_length"}  # fmt: skip
     for name in Work._fields:
         if name in sizes:
             continue
@@ -208,7 +219,7 @@ class Field:
 
     ``loops``: dense polylines, ``(n, 2)`` each. What lies beyond the sheet, which is ``width`` by ``height``, does not
     count. ``tolerance``: how far the outline may be from the drawing, and the drawing from the outline. ``axes``: the
-    sheet is the part to the right of an upright axis (0), above a level one (1), or both, along which it is folded first.
+    sheet is the part to the right of an upright axis (0), above a level one (1), or both; it is folded there first.
     """
 
     loops: tuple[Floats, ...]
@@ -328,12 +339,13 @@ class _Place:
         before = np.empty_like(following)
         before[following] = np.arange(count)
         rows = 4 * count + 60
-        f, i = (lambda *n: np.zeros(n)), (lambda *n: np.zeros(n, dtype=np.int64))
+        f, i = _zeros, _numbers
         self.moving = Moving(
             f(8), f(3), f(count), f(count), f(count), f(count), f(count), i(count), following, before,
             i(4 * count + 60), i(60 * count + 2000), i(64, 4), f(40, 40), f(rows, 2 * count), f(rows),
             f(2 * count, 2 * count), f(2 * count), f(2 * count),
-            np.ascontiguousarray(samples[:, 0]), np.ascontiguousarray(samples[:, 1]), grid, cell_first, cell_item, lines,
+            np.ascontiguousarray(samples[:, 0]), np.ascontiguousarray(samples[:, 1]), grid, cell_first, cell_item,
+            lines,
         )  # fmt: skip
         self.moving.sizes[:5] = engine.field.tolerance, EXACT * diagonal, FITS, width, height
         self.samples = len(samples)
@@ -460,9 +472,7 @@ class Details:
         around: dict[int, set[int]] = {}
         for node, side in zip(tails, faces, strict=True):
             around.setdefault(node, set()).add(side)
-        self.sides: dict[int, Tie] = {
-            node: tuple(sorted(sides)) for node, sides in around.items() if node >= corners
-        }
+        self.sides: dict[int, Tie] = {node: tuple(sorted(sides)) for node, sides in around.items() if node >= corners}
         nodes = int(counts[proxy_kernel.NODES])
         x, y, snap = work.x[:nodes], work.y[:nodes], work.sizes[proxy_kernel.SNAP]
         width, height = work.sizes[0], work.sizes[1]

@@ -26,13 +26,46 @@ inlined = compiled_in(__name__, inline=True)
 RIDGE, BASE, LEVEL = 0, 1, 2
 
 # places in ``counts``
-NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS, EXITS_X, EXITS_Y, LOOSE = range(19)
+(
+    NODES,
+    HALVES,
+    PATHS,
+    SPOKES,
+    CUTS,
+    RIDGES,
+    WAYS,
+    MISSES,
+    TAKEN,
+    ENDLESS,
+    LINES,
+    STUCK,
+    SHORT,
+    DEGREES,
+    POINTS,
+    GROUPS,
+    EXITS_X,
+    EXITS_Y,
+    LOOSE,
+) = range(19)
 
 # places in ``numbers``
 SHORTEST, PENALTY, COST, LEAST_HEIGHT = range(4)
 
 # places in ``sizes``
-WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST, FOLDED_X, FOLDED_Y, LOOSE_COST = range(12)
+(
+    WIDTH,
+    HEIGHT,
+    SNAP,
+    NEAR,
+    LEAST_CREASE,
+    ENDLESS_COST,
+    REACH,
+    SHORT_COST,
+    SHORTER_COST,
+    FOLDED_X,
+    FOLDED_Y,
+    LOOSE_COST,
+) = range(12)
 
 MOST_CROSSINGS = 30
 """A perpendicular that crosses more faces is given up."""
@@ -314,15 +347,14 @@ def walk(w, start, mode, path):
 
 @compiled
 def beyond_straight_ridge(w, node, face):
-    """Return the half-edge from a node into the face beyond it, if two faces are one there and it is no node; else -1."""
+    """Return the half-edge from a node into the face beyond it, where two faces are one and it is no node; or -1."""
     if w.level_at[node] < 0 or w.degree[node] != 2:
         return -1
     h = w.at_node[node]
     while h >= 0:
         other = w.face[h]
-        if other != face and way_in(w, h) != 0:
-            if w.ax[face] * w.ax[other] + w.ay[face] * w.ay[other] < 1 - 1e-12:
-                return h
+        if other != face and way_in(w, h) != 0 and w.ax[face] * w.ax[other] + w.ay[face] * w.ay[other] < 1 - 1e-12:
+            return h
         h = w.next_at_node[h]
     return -1
 
@@ -456,7 +488,7 @@ def find_paths(w, corners):
         h = w.at_node[node]
         while h >= 0:
             way = way_in(w, h)
-            if way != 0 or w.kind[h] == LEVEL and w.degree[node] > 2:
+            if way != 0 or (w.kind[h] == LEVEL and w.degree[node] > 2):
                 k = w.counts[PATHS]
                 if k >= len(w.path_cost):
                     return FULL

@@ -15,7 +15,6 @@ from foldcut.methods.base import Made, straight_folds
 from foldcut.methods.mirror.skeletal import made_of_half
 from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.methods.skeleton.trial import Skeletal
-from foldcut.pattern.foldability import crease_numbers
 from foldcut.pattern.ranking import shortest_crease
 from foldcut.redraw.plans import Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
@@ -65,7 +64,7 @@ def redraw(
     is_late: Callable[[], bool] = lambda: False,
     progress: Callable[[str, float], None] | None = None,
 ) -> Redrawn | None:
-    """Return the best pattern that is found for a drawing redrawn within ``tolerance`` mm of the frame, None if there is none.
+    """Return the best pattern found for a drawing redrawn within ``tolerance`` mm of the frame, or None.
 
     ``work`` is how much is done for each plan, in assessments of outlines. ``found`` is called with each pattern that
     is better than those before. The search ends early when ``is_late``. ``progress`` is called with a text and the part
@@ -84,11 +83,14 @@ def redraw(
         if is_late() or (best is not None and not plan.axes):
             break  # folded in half first, it is easier than as a whole
 
-        def tell(part: float, before: float = number / (number + 1), share: float = 1 / ((number + 1) * (number + 2))) -> None:
+        def ends(
+            part: float, before: float = number / (number + 1), share: float = 1 / ((number + 1) * (number + 2))
+        ) -> bool:
             if progress is not None:
                 progress(f"outlines within {tolerance:g} mm", before + share * part)
+            return is_late()
 
-        _Redrawing(plan, tolerance, keep).run(work, lambda part: (tell(part), is_late())[1])
+        _Redrawing(plan, tolerance, keep).run(work, ends)
     return best
 
 
@@ -121,7 +123,7 @@ class _Redrawing:
             shape, half = self.plan.outline(one.points, one.loop_sizes)
             off, _ = self.plan.target.off_by(shape.loops)
             if off > self.tolerance * (1 + 1e-6):
-                self.reasons.append('off %.3f' % off)
+                self.reasons.append(f"off {off:.3f}")
                 return REFUSED
             sheet = self.plan.frame.sheet if half is None else half.sheet
             outline = shape if half is None else half.outline

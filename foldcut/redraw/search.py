@@ -255,7 +255,9 @@ class Search:
         _, _, _, one, other = inner[self.random.randrange(len(inner))]
         ties = details.ties()
         gone = {one >> 1, other >> 1}
-        beside = {(self._beside(here.loop_sizes, side >> 1, step), side & 1) for side in (one, other) for step in (-1, 1)}
+        beside = {
+            (self._beside(here.loop_sizes, side >> 1, step), side & 1) for side in (one, other) for step in (-1, 1)
+        }
         if len(gone) == 2 and not gone & {edge for edge, _ in beside}:
             ties = [*ties, tuple(sorted(2 * edge + flank for edge, flank in beside))]
         return self._without(here, sorted(gone, reverse=True), ties, chord=False)
@@ -447,7 +449,7 @@ def _spans(sizes: Sequence[int]) -> Iterator[tuple[int, int]]:
 
 
 def _renumbered(ties: Iterable[Tie], number: dict[int, int]) -> list[Tie]:
-    """Return ties with their sides' edges renumbered; sides that are gone are left out, and ties that then say nothing."""
+    """Return ties with their sides' edges renumbered, without sides that are gone and ties that then say nothing."""
     new = [tuple(sorted(2 * number[s >> 1] + (s & 1) for s in tie if s >> 1 in number)) for tie in ties]
     return [tie for tie in new if len(tie) > 3]
 

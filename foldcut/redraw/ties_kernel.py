@@ -476,7 +476,7 @@ def distance_to_drawing(t, px, py):
 
 @compiled
 def deviation(t, n, samples, most):
-    """Return the distance between outline and drawing, both ways, on the sheet; infinite if it is more than ``most``."""
+    """Return the distance between outline and drawing, both ways, on the sheet; infinite if more than ``most``."""
     if not set_sides(t, n):
         return inf
     worst = deviation_of_samples(t, n, samples)

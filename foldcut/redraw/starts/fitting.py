@@ -104,7 +104,9 @@ def _fit_directed(
     cost = np.empty((m, count + 1))
     previous, before = np.empty((m, count + 1), dtype=np.int64), np.empty((m, count + 1), dtype=np.int64)
     ends = first.array(), last.array()
-    compiled_copy(pieces).fit_directed(points, stops, tolerance, weight, *ends, directions, APART, cost, previous, before)
+    compiled_copy(pieces).fit_directed(
+        points, stops, tolerance, weight, *ends, directions, APART, cost, previous, before
+    )
     every = np.concatenate([directions, [first.normal]])
     j, d = m - 1, int(cost[-1].argmin())
     total = float(cost[j, d])
