@@ -6,6 +6,7 @@ than the best pattern so far are folded, and where the layers of one have no ord
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -29,6 +30,9 @@ TRIES = 9, 300
 
 REFUSED = 30.0
 """What is added to the cost of an outline whose layers have no order."""
+
+MOST_REFUSED = 2
+"""So many outlines with the same skeleton are refused before no more of them are folded."""
 
 WORK = {"fast": 6_000, "normal": 20_000, "best": 200_000}
 """How much work a search by one plan is, by effort, in assessments of outlines."""
@@ -100,6 +104,7 @@ class _Redrawing:
         self.tolerance = tolerance
         self.keep = keep
         self.folded = 0
+        self.refused: Counter[object] = Counter()
         self.best: Redrawn | None = None
         self.reasons: list[str] = []
         self.engine = Engine(plan.field(tolerance))
@@ -114,15 +119,17 @@ class _Redrawing:
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""
-        if self.folded >= MOST_FOLDED:
+        skeleton = one.lines, one.loop_sizes, frozenset(one.details.sides.values())
+        if self.folded >= MOST_FOLDED or self.refused[skeleton] >= MOST_REFUSED:
             return REFUSED
-        self.folded += 1
+        self.refused[skeleton] += 1
         try:
             shape, half = self.plan.outline(one.points, one.loop_sizes)
             off, _ = self.plan.target.off_by(shape.loops)
             if off > self.tolerance * (1 + 1e-6):
                 self.reasons.append('off %.3f' % off)
                 return REFUSED
+            self.folded += 1
             sheet = self.plan.frame.sheet if half is None else half.sheet
             outline = shape if half is None else half.outline
             tries = max(TRIES[0], TRIES[1] // outline.corner_count)
@@ -131,6 +138,7 @@ class _Redrawing:
         except FoldcutError as error:
             self.reasons.append(str(error))
             return REFUSED
+        self.refused[skeleton] -= 1
         if self.best is None or redrawn.key < self.best.key:
             self.best = redrawn
         self.keep(redrawn)
