@@ -122,7 +122,6 @@ class _Redrawing:
         skeleton = one.lines, one.loop_sizes, frozenset(one.details.sides.values())
         if self.folded >= MOST_FOLDED or self.refused[skeleton] >= MOST_REFUSED:
             return REFUSED
-        self.refused[skeleton] += 1
         try:
             shape, half = self.plan.outline(one.points, one.loop_sizes)
             off, _ = self.plan.target.off_by(shape.loops)
@@ -136,9 +135,9 @@ class _Redrawing:
             made = fold_outline(outline, sheet, tries=tries, part=half)
             redrawn = self._on_sheet(shape, made, off)
         except FoldcutError as error:
+            self.refused[skeleton] += 1
             self.reasons.append(str(error))
             return REFUSED
-        self.refused[skeleton] -= 1
         if self.best is None or redrawn.key < self.best.key:
             self.best = redrawn
         self.keep(redrawn)
