@@ -1,4 +1,4 @@
-"""Fit tangents of few circles to smooth rows of points: rows -> ``Sides``, by the dynamic program of ``arcs_code``."""
+"""Fit tangents of few circles to a smooth row of points: points -> ``Sides``, by the program of ``arcs_code``."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from foldcut.core.compiled import compiled_copy
 from foldcut.redraw.starts import arcs_code, pieces
 from foldcut.redraw.starts.fitting import ANY, End, Sides
 
-__all__ = ["directions_along", "fit_bends"]
+__all__ = ["directions_along", "fit_bends", "straight_parts"]
 
-MOST_PLACES = 70
+MOST_PLACES = 60
 """The largest number of places whose tangents are anchors."""
 
 ASIDE = (0.0, 0.55, 0.95)
@@ -29,28 +29,26 @@ def fit_bends(
     tolerance: float,
     weight: float = 0.3,
     *,
-    shift: Floats | None = None,
     breaks: Bools | None = None,
     reach: Indices | None = None,
     half: Indices | None = None,
     first: End = ANY,
     last: End = ANY,
 ) -> Sides | None:
-    """Return few lines for rows of ``points`` ``(k, m, 2)``, in each bend tangents of one circle, or None.
+    """Return few lines for a row of ``points`` ``(m, 2)``, in each bend tangents of one circle, or None.
 
-    Parameters as for ``fitting.fit``. ``half`` ``(m,)``: where that part of an anchor's piece ends at the latest that is
-    beside one bend.
+    Parameters as for ``fitting.fit``. ``half`` ``(m,)``: where that part of an anchor's piece that is
+    beside one bend ends at the latest.
     """
-    rows, m = points.shape[:2]
-    shift = np.zeros(rows) if shift is None else np.asarray(shift, dtype=np.float64)
+    m = len(points)
     stops = [0, *(np.flatnonzero(breaks[1:-1]) + 1).tolist(), m - 1] if breaks is not None else [0, m - 1]
     bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
     part_bound = bound if half is None else half
     cuts, normals, offsets, total = [0], [], [], 0.0
     for a, b in pairwise(stops):
         ends = first if a == 0 else ANY, last if b == m - 1 else ANY
-        row = np.ascontiguousarray(points[:, a : b + 1])
-        part = _fit(row, shift, bound[a : b + 1] - a, part_bound[a : b + 1] - a, tolerance, weight, *ends)
+        row = np.ascontiguousarray(points[a : b + 1])
+        part = _fit(row, bound[a : b + 1] - a, part_bound[a : b + 1] - a, tolerance, weight, *ends)
         if part is None:
             return None
         some, angles, middle, cost = part
@@ -58,23 +56,27 @@ def fit_bends(
         normals += [(-math.sin(t), math.cos(t)) for t in angles]
         offsets += middle
         total += cost
-    return Sides(
-        np.array(cuts), np.repeat(np.array(normals)[None], rows, axis=0), np.array(offsets) + shift[:, None], total
-    )
+    return Sides(np.array(cuts), np.array(normals)[None], np.array(offsets)[None], total)
 
 
 def _fit(
-    points: Floats, shift: Floats, reach: Indices, half: Indices, tolerance: float, weight: float, first: End, last: End
+    points: Floats,
+    reach: Indices,
+    half: Indices,
+    tolerance: float,
+    weight: float,
+    first: End,
+    last: End,
 ) -> tuple[list[int], list[float], list[float], float] | None:
     """Return cuts, directions and middle offsets of the fewest lines for a smooth row."""
-    m = points.shape[1]
-    theta = directions_along(points)
-    anchors, price = _anchors(points, shift, theta, tolerance, first, last)
+    m = len(points)
+    theta = directions_along(points[None])
+    anchors, price = _anchors(points, theta, tolerance, first, last)
     count = len(anchors)
     cost, along = np.empty(count), np.empty(count)
     previous, between = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
     end = compiled_copy(arcs_code).fit_arcs(
-        points, shift, theta, reach, half, tolerance, weight, anchors, price, cost, previous, between, along
+        points, theta, reach, half, tolerance, weight, anchors, price, cost, previous, between, along
     )
     if end < 0:
         return None
@@ -118,26 +120,24 @@ def directions_along(points: Floats) -> Floats:
     return angles
 
 
-def _anchors(
-    points: Floats, shift: Floats, theta: Floats, tolerance: float, first: End, last: End
-) -> tuple[Floats, Floats]:
+def _anchors(points: Floats, theta: Floats, tolerance: float, first: End, last: End) -> tuple[Floats, Floats]:
     """Return the anchors ``(n, 4)`` of a row, and what each costs."""
-    m = points.shape[1]
+    m = len(points)
     found: list[tuple[float, float, float, float, float]] = []
     curving = np.gradient(theta) if m > 2 else np.zeros(m)
-    straight = _straight_parts(points, theta, max(5.0, 2.5 * tolerance))
+    straight = straight_parts(points, max(5.0, 2.5 * tolerance))
     covered = np.zeros(m, dtype=bool)
     for a, b in straight:
-        ahead = (points[:, b] - points[:, a]).sum(axis=0)
+        ahead = points[b] - points[a]
         angle = _near(math.atan2(ahead[1], ahead[0]), float(theta[(a + b) // 2]))
-        found.append((a, b, angle, _middle(points, shift, a, b, angle), 1.0))
+        found.append((a, b, angle, _middle(points, a, b, angle), 1.0))
         covered[a + 1 : b] = True
     stride = max(1, math.ceil(m / MOST_PLACES))
     for place in range(0, m, stride):
         if covered[place]:
             continue
         angle = float(theta[place])
-        offset = _middle(points, shift, place, place, angle)
+        offset = _middle(points, place, place, angle)
         sign = float(np.sign(curving[place]))
         found += [(place, place, angle, offset + sign * part * tolerance, 1.0) for part in ASIDE]
     for end, place in ((first, 0), (last, m - 1)):
@@ -148,7 +148,7 @@ def _anchors(
         if end.kind == pieces.GIVEN:
             found.append((place, place, angle, end.offset, 0.0))
             continue
-        offset = _middle(points, shift, place, place, angle)
+        offset = _middle(points, place, place, angle)
         inward = 1 if place == 0 else m - 2
         sign = float(np.sign(curving[inward]))
         found += [(place, place, angle, offset + sign * part * tolerance, end.price) for part in ASIDE]
@@ -156,8 +156,8 @@ def _anchors(
     return np.ascontiguousarray(array[:, :4]), np.ascontiguousarray(array[:, 4])
 
 
-def _middle(points: Floats, shift: Floats, a: int, b: int, angle: float) -> float:
-    heights = points[:, a : b + 1] @ _normal(angle) - shift[:, None]
+def _middle(points: Floats, a: int, b: int, angle: float) -> float:
+    heights = points[a : b + 1] @ _normal(angle)
     return float(heights.min() + heights.max()) / 2
 
 
@@ -166,26 +166,18 @@ def _near(angle: float, other: float) -> float:
     return other + math.remainder(angle - other, 2 * math.pi)
 
 
-def _straight_parts(points: Floats, theta: Floats, least: float) -> list[tuple[int, int]]:
-    """Return the longest parts, first and last place, along which all rows are straight, longer than ``least`` mm."""
-    steps = np.diff(points, axis=1)
-    angles = np.arctan2(steps[..., 1], steps[..., 0])
-    moves = np.hypot(steps[..., 0], steps[..., 1])
-    # a row that stands still between two places has the direction of the others
-    angles = np.where(moves > 1e-9, angles, (theta[:-1] + theta[1:])[None] / 2)
+def straight_parts(points: Floats, least: float) -> list[tuple[int, int]]:
+    """Return the longest parts, first and last place, along which a row is straight, longer than ``least`` mm."""
+    steps = np.diff(points, axis=0)
+    angles = np.arctan2(steps[:, 1], steps[:, 0])
     parts: list[tuple[int, int]] = []
-    start = 0
-    count = angles.shape[1]
+    start, count = 0, len(angles)
     while start < count:
-        end = start
-        while end + 1 < count and (np.abs(_turn(angles[:, end + 1] - angles[:, start])) < STRAIGHT).all():
-            end += 1
-        length = float(np.hypot(*(points[0, end + 1] - points[0, start])))
-        if len(points) > 1:
-            length = min(length, float(np.hypot(*(points[-1, end + 1] - points[-1, start]))))
-        if length > least:
-            parts.append((start, end + 1))
-            start = end + 1
+        same = np.abs(_turn(angles[start:] - angles[start])) < STRAIGHT
+        end = start + (count - start if same.all() else int(same.argmin()))
+        if float(np.hypot(*(points[end] - points[start]))) > least:
+            parts.append((start, end))
+            start = end
         else:
             start += 1
     return parts

@@ -20,6 +20,9 @@ MOST_PLACES = 60
 ASIDE = (-0.5, 0.0, 0.5, 0.9)
 """How far disks are moved to the outside of a bend, as parts of the tolerance."""
 
+GRID = 0.25
+"""Radii differ from the usual one by multiples of this part of the tolerance, so that sides may be parallel."""
+
 LARGER = (-0.5, 0.0, 0.5)
 """How much larger disks are made, as parts of the tolerance."""
 
@@ -97,10 +100,12 @@ def _disks(along: Floats, tolerance: float, paired: tuple[int, int]) -> Floats:
     turn = np.array([angles[min(m - 1, p + window)] - angles[max(0, p - window)] for p in places])
     outward = -np.sign(turn)
     rows = []
+    usual, step = float(np.median(radii)), GRID * tolerance
     for place, sign in zip(places.tolist(), outward.tolist(), strict=True):
         for aside in ASIDE:
             for larger in LARGER:
                 x, y = middle[place] + sign * aside * tolerance * left[place]
                 column = 0 if place == start else m - 1 if place == end else place
-                rows.append((column, x, y, radii[place] + larger * tolerance))
+                radius = usual + step * round((radii[place] + larger * tolerance - usual) / step)
+                rows.append((column, x, y, radius))
     return np.array(rows)

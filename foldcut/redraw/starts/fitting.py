@@ -1,4 +1,4 @@
-"""Fit straight sides to rows of points: rows -> ``Sides``, by the dynamic programs of ``pieces``."""
+"""Fit straight sides to a row of points: points -> ``Sides``, by the dynamic programs of ``pieces``."""
 
 from __future__ import annotations
 
@@ -20,23 +20,17 @@ APART = np.sin(np.radians(8))
 class End:
     """How the first or last piece of a row has to be: ``kind`` of ``pieces``, the left normal of its line, its offset.
 
-    ``price``: what the piece costs, where others cost 1. ``optional``: whether it may have another direction.
+    ``price``: what such a piece costs, where others cost 1.
     """
 
     kind: float = pieces.FREE
     normal: tuple[float, float] = (0.0, 0.0)
     offset: float = 0.0
     price: float = 1.0
-    optional: bool = True
 
     def array(self) -> Floats:
         """The form that ``pieces`` takes."""
-        return np.array([self.kind, *self.normal, self.offset, self.price, float(self.optional)])
-
-    def reversed(self) -> End:
-        """The same for rows that run the other way."""
-        x, y = self.normal
-        return End(self.kind, (-x, -y), -self.offset, self.price, self.optional)
+        return np.array([self.kind, *self.normal, self.offset, self.price])
 
 
 ANY = End()
@@ -62,81 +56,62 @@ def fit(
     tolerance: float,
     weight: float = 0.3,
     *,
-    shift: Floats | None = None,
     breaks: Bools | None = None,
     reach: Indices | None = None,
-    own: bool = False,
     first: End = ANY,
     last: End = ANY,
     directions: Floats | None = None,
 ) -> Sides | None:
-    """Return the fewest lines for rows of ``points`` ``(k, m, 2)``, each within ``tolerance`` of its piece, or None.
+    """Return the fewest lines for a row of ``points`` ``(m, 2)``, each within ``tolerance`` mm of its piece, or None.
 
-    ``shift`` ``(k,)``: how far each row's line is to the left of the middle one; with ``own`` the lines of a piece are
-    parallel at any distance. ``breaks`` ``(m,)``: where a piece has to end.
-    ``reach`` ``(m,)``: where a piece that begins at a place ends at the latest, if lines may have any direction.
-    ``directions`` ``(d, 2)``: the left normals
-    that lines may have, if not any. Lengths in mm.
+    ``weight``: what a line costs more that is off by the tolerance; each costs 1. ``breaks`` ``(m,)``: where a piece
+    has to end. ``reach`` ``(m,)``: where a piece that begins at a place ends at the latest, if lines may have any
+    direction.
+    ``directions`` ``(d, 2)``: the left normals that lines may have, if not any.
     """
-    rows, m = points.shape[:2]
-    points = np.ascontiguousarray(points)
-    shift = np.zeros(rows) if shift is None else np.asarray(shift, dtype=np.float64)
-    stops = np.zeros(m, dtype=np.int64) if breaks is None else breaks.astype(np.int64)
-    ends = first.array(), last.array()
+    m = len(points)
     if m < 2:
         return None
-    code = compiled_copy(pieces)
-    if directions is None:
-        cost, previous, normals = np.empty(m), np.empty(m, dtype=np.int64), np.empty((m, 2))
-        sums = np.empty((rows, m, 5))
-        bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
-        code.fit_freely(points, shift, stops, bound, tolerance, weight, own, *ends, sums, cost, previous, normals)
-        if cost[-1] >= pieces.INFINITE:
-            return None
-        cuts = [m - 1]
-        while cuts[-1] > 0:
-            cuts.append(int(previous[cuts[-1]]))
-        cuts.reverse()
-        chosen, total = normals[cuts[1:]], float(cost[-1])
-    else:
-        found = _fit_directed(points, shift, stops, tolerance, weight, own, first, last, directions)
-        if found is None:
-            return None
-        cuts, chosen, total = found
-    return _sides(points, shift, np.array(cuts), chosen, own, first, last, total)
+    points = np.ascontiguousarray(points)
+    stops = np.zeros(m, dtype=np.int64) if breaks is None else breaks.astype(np.int64)
+    if directions is not None:
+        return _fit_directed(points, stops, tolerance, weight, first, last, directions)
+    bound = np.full(m, m - 1, dtype=np.int64) if reach is None else reach
+    cost, previous, normals = np.empty(m), np.empty(m, dtype=np.int64), np.empty((m, 2))
+    ends, sums = (first.array(), last.array()), np.empty((m, 5))
+    compiled_copy(pieces).fit_freely(points, stops, bound, tolerance, weight, *ends, sums, cost, previous, normals)
+    if cost[-1] >= pieces.INFINITE:
+        return None
+    cuts = [m - 1]
+    while cuts[-1] > 0:
+        cuts.append(int(previous[cuts[-1]]))
+    cuts.reverse()
+    return _sides(points, cuts, normals[cuts[1:]], first, last, float(cost[-1]))
 
 
 def straight_as_far_as(row: Floats, tolerance: float) -> Indices:
-    """Return for each place of a row ``(m, 2)`` how far a piece that begins there is straight within ``tolerance`` mm."""
+    """Return for each place of a row ``(m, 2)`` how far a piece from there is straight within ``tolerance`` mm."""
     reach = np.empty(len(row), dtype=np.int64)
-    compiled_copy(pieces).straight_as_far_as(np.ascontiguousarray(row)[None], tolerance, np.empty((1, len(row), 5)), reach)
+    compiled_copy(pieces).straight_as_far_as(np.ascontiguousarray(row), tolerance, np.empty((len(row), 5)), reach)
     return reach
 
 
 def _fit_directed(
-    points: Floats,
-    shift: Floats,
-    stops: Indices,
-    tolerance: float,
-    weight: float,
-    own: bool,
-    first: End,
-    last: End,
-    directions: Floats,
-) -> tuple[list[int], Floats, float] | None:
-    """Return cuts, normals and cost of the fewest lines of given directions."""
-    m, count = points.shape[1], len(directions)
+    points: Floats, stops: Indices, tolerance: float, weight: float, first: End, last: End, directions: Floats
+) -> Sides | None:
+    """Return the fewest lines of given directions."""
+    m, count = len(points), len(directions)
     cost = np.empty((m, count + 1))
     previous, before = np.empty((m, count + 1), dtype=np.int64), np.empty((m, count + 1), dtype=np.int64)
     ends = first.array(), last.array()
-    compiled_copy(pieces).fit_directed(points, shift, stops, tolerance, weight, own, *ends, directions, APART, cost, previous, before)
+    compiled_copy(pieces).fit_directed(points, stops, tolerance, weight, *ends, directions, APART, cost, previous, before)
     every = np.concatenate([directions, [first.normal]])
     j, d = m - 1, int(cost[-1].argmin())
     total = float(cost[j, d])
     tail: list[int] = []
     if last.kind == pieces.GIVEN:  # the last pieces may be on the given line
-        heights = points @ np.array(last.normal) - last.offset - shift[:, None]
-        off = np.maximum.accumulate(np.abs(heights).max(axis=0)[::-1])[::-1]
+        heights = points @ np.array(last.normal) - last.offset
+        off = np.maximum.accumulate(np.abs(heights)[::-1])[::-1]
         apart = np.abs(every[:, 0] * last.normal[1] - every[:, 1] * last.normal[0]) >= APART
         for i in np.flatnonzero(off[:-1] <= tolerance)[::-1].tolist():
             if stops[i + 1 : -1].any():
@@ -154,28 +129,16 @@ def _fit_directed(
         cuts.append(int(previous[j, d]))
         normals.append(every[d])
         d = int(before[j, d])
-    return cuts[::-1], np.array(normals[::-1]), total
+    return _sides(points, cuts[::-1], np.array(normals[::-1]), first, last, total)
 
 
-def _sides(
-    points: Floats,
-    shift: Floats,
-    cuts: Indices,
-    normals: Floats,
-    own: bool,
-    first: End,
-    last: End,
-    cost: float,
-) -> Sides:
+def _sides(points: Floats, cuts: list[int], normals: Floats, first: End, last: End, cost: float) -> Sides:
     """Return the lines in the middle of their pieces."""
-    offsets = np.empty((len(points), len(normals)))
+    offsets = np.empty((1, len(normals)))
     for s, normal in enumerate(normals):
-        heights = points[:, cuts[s] : cuts[s + 1] + 1] @ normal - shift[:, None]
-        low, high = heights.min(axis=1), heights.max(axis=1)
-        if not own:
-            low, high = np.full(len(points), low.min()), np.full(len(points), high.max())
-        offsets[:, s] = (low + high) / 2 + shift
+        heights = points[cuts[s] : cuts[s + 1] + 1] @ normal
+        offsets[0, s] = (heights.min() + heights.max()) / 2
     for s, end in ((0, first), (-1, last)):
         if end.kind == pieces.GIVEN and (normals[s] == np.array(end.normal)).all():
-            offsets[:, s] = end.offset + shift
-    return Sides(cuts, np.repeat(normals[None], len(points), axis=0), offsets, cost)
+            offsets[0, s] = end.offset
+    return Sides(np.array(cuts), normals[None], offsets, cost)
