@@ -21,7 +21,7 @@ import numpy as np
 import shapely
 from numpy.typing import ArrayLike
 
-from foldcut.core.arrays import points_array
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import BadInputError, CreaseTooShortError, FoldcutError, UnfoldableError, VerificationError
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
 from foldcut.drawing.curved import curves_of
@@ -83,6 +83,11 @@ class Result:
     def foldability(self) -> Foldability:
         """How hard the pattern is to fold and to cut, if the sheet is office paper."""
         return foldability(self.folded_pattern, method=fewer_creases())
+
+    @property
+    def drawn(self) -> tuple[Floats, ...]:
+        """The loops of the drawing on the sheet, ``(n, 2)`` mm each, if another outline is cut out; otherwise none."""
+        return self.folded_pattern.drawn
 
     @property
     def construction(self) -> DiskStages | None:
@@ -198,7 +203,7 @@ def fold(
     wishes = Wishes(ribbon, min_crease, symmetry, adjust)
     stages = Stages(progress)
     stages.up_to(READ)
-    if exact and (simplify or symmetry or adjust):
+    if (exact or level == "exact") and (simplify or symmetry or adjust):
         raise BadInputError("exact forbids to move corners; leave out simplify, symmetry and adjust, or exact")
     if tolerance is None and simplify > 0 and not level:
         tolerance = simplify

@@ -31,6 +31,22 @@ def ctrl_c_interrupts() -> Iterator[None]:
     signal.signal(signal.SIGINT, before)
 
 
+WITH_THE_LADDER = ("batch", "cli", "redraw", "web")
+"""The folders of tests in which outlines are drawn anew, as users have it."""
+
+
+@pytest.fixture(autouse=True, scope="module")
+def drawings_are_folded_as_they_are(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Draw no outline anew where tests are about something else and only need a pattern: that is faster."""
+    from support.as_it_is import as_it_is
+
+    if set(request.path.parts) & set(WITH_THE_LADDER):
+        yield
+        return
+    with as_it_is():
+        yield
+
+
 @pytest.fixture(autouse=True, scope="session")
 def samples_are_folded_once(tmp_path_factory: pytest.TempPathFactory) -> None:
     """Name a folder for the folded samples that all workers of this run share."""

@@ -55,6 +55,9 @@ LADDER_COLUMNS = 3
 THIN = 0.2
 """The width of the drawing's line, in mm."""
 
+FIRM = 0.45
+"""The width of the line of the outline that is cut out, in mm."""
+
 WORDS = 60
 """The letters in a line of words under a picture."""
 
@@ -134,7 +137,7 @@ def _colour(inside: bool, folded: Floats) -> str:
 
 def outlines(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the outline that is cut out, and over it the drawing, if that is another."""
-    keys = [Key("the outline that is cut out", stroke=CUT_OUT, width=BOLD)]
+    keys = [Key("the outline that is cut out", stroke=CUT_OUT, width=FIRM)]
     keys += [Key("the drawing", stroke=DRAWN)] if pattern.drawn else []
     lines = _outlines(pattern.shape, pattern.drawn)
     return Panel([faces([pattern.sheet.corners], OUTSIDE), *_filled(pattern.shape), *lines], keys)
@@ -149,7 +152,7 @@ def _filled(shape: Shape) -> list[Item]:
 def _outlines(shape: Shape, drawn: Sequence[Floats]) -> list[Item]:
     """Return the lines of the outline, and over them those of the drawing, if that is another."""
     before = [Item(drawn, stroke=DRAWN, width=THIN, closed=True)] if drawn else []
-    return [Item(list(shape.loops), stroke=CUT_OUT, width=BOLD, closed=True), *before]
+    return [Item(list(shape.loops), stroke=CUT_OUT, width=FIRM, closed=True), *before]
 
 
 def _levels(ladder: Ladder, look: LineStyle) -> list[Panel]:
@@ -265,9 +268,9 @@ def after(pattern: FoldedPattern, look: LineStyle) -> Panel:
 
 PANELS: dict[str, Callable[[FoldedPattern, LineStyle], Panel]] = {
     "pattern": creases,
-    "outline": outlines,
     "folded": front,
     "layers": apart,
     "pieces": after,
+    "outline": outlines,
 }
 """The pictures of a pattern, by name."""

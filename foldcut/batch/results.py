@@ -23,7 +23,19 @@ PARQUET = "results.parquet"
 CONTACT_SHEET = "contact-sheet"
 """The name of the contact sheet, without its ending."""
 
-COLUMNS = ("file", "status", "method", "creases", "folds", "shortest_crease_mm", "seconds", "error", "outputs")
+COLUMNS = (
+    "file",
+    "status",
+    "method",
+    "creases",
+    "folds",
+    "shortest_crease_mm",
+    "off_by_mm",
+    "for_hands",
+    "seconds",
+    "error",
+    "outputs",
+)
 """The columns of the table."""
 
 Row = dict[str, Any]
@@ -45,7 +57,8 @@ def parquet_table(arrow: ModuleType, rows: Sequence[Row]) -> bytes:
     import pyarrow.parquet
 
     kinds = {"creases": arrow.int64(), "folds": arrow.int64(), "outputs": arrow.list_(arrow.string())}
-    kinds |= {"shortest_crease_mm": arrow.float64(), "seconds": arrow.float64()}
+    kinds |= dict.fromkeys(("shortest_crease_mm", "off_by_mm", "seconds"), arrow.float64())
+    kinds |= {"for_hands": arrow.bool_()}
     schema = arrow.schema([(name, kinds.get(name, arrow.string())) for name in COLUMNS])
     table = arrow.Table.from_pylist([row | {"outputs": list(row["outputs"])} for row in rows], schema=schema)
     out = io.BytesIO()

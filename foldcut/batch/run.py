@@ -171,6 +171,8 @@ def _keep(item: Item, digest: str, outcome: Outcome, out: Path) -> Record:
         "creases": outcome.creases if made else None,
         "folds": outcome.folds if made else None,
         "shortest_crease_mm": outcome.shortest_crease_mm if made else None,
+        "off_by_mm": outcome.off_by_mm if made else None,
+        "for_hands": outcome.for_hands if made else None,
         "seconds": round(outcome.seconds, 3),
         "error": error,
         "outputs": {name: len(data) for name, data in files.items()},

@@ -91,7 +91,10 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a drawing: the ``files`` by name, or a ``status`` and an ``error`` that say why there are none."""
+    """What came of a drawing: the ``files`` by name, or a ``status`` and an ``error`` that say why there are none.
+
+    ``off_by_mm``: how far the outline is from the drawing; ``for_hands``: whether the pattern is for two hands.
+    """
 
     status: str
     error: str = ""
@@ -99,6 +102,8 @@ class Outcome:
     creases: int | None = None
     folds: int | None = None
     shortest_crease_mm: float | None = None
+    off_by_mm: float | None = None
+    for_hands: bool | None = None
     seconds: float = 0.0
     files: Mapping[str, bytes] = field(default_factory=dict)
     thumbnail: Thumbnail | None = None
@@ -113,6 +118,7 @@ def work(recipe: Recipe, task: Task) -> Outcome:
         drawing = read_shape(task.name, recipe.reading, task.data)
         result = pipeline.fold(drawing, **recipe.fold)
         pattern = result.require_verified()
+        level = None if result.ladder is None else result.ladder.level
         maker = Maker(pattern, recipe.profile, recipe.job)
         files: dict[str, bytes] = {}
         for ending in recipe.endings:
@@ -129,6 +135,8 @@ def work(recipe: Recipe, task: Task) -> Outcome:
         creases=result.foldability.creases,
         folds=result.actions,
         shortest_crease_mm=result.foldability.shortest_crease_mm,
+        off_by_mm=None if level is None else round(level.off_by_mm, 4),
+        for_hands=None if level is None else level.for_hands,
         seconds=time.perf_counter() - started,
         files=files,
         thumbnail=thumbnail(pattern),

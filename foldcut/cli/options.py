@@ -131,9 +131,8 @@ def add_text(command: ArgumentParser, what: str) -> None:
     command.add_argument(
         "--font",
         default="sans",
-        help="the font of --text: the path of a font file, the name of a family, or foldcut, a font of capitals and "
-        "digits made for folding: at most 25 folds a letter, small letters are drawn as capitals (default: "
-        "%(default)s)",
+        help="the font of --text: the path of a font file, the name of a family, or foldcut, a font made for "
+        "folding: A to Z, a to z and digits with at most 25 folds each (default: %(default)s)",
     )
 
 

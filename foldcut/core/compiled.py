@@ -17,7 +17,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
@@ -30,7 +30,6 @@ __all__ = [
     "copy_of",
     "expect_many_drawings",
     "forget_unreadable",
-    "is_installed",
     "is_ready",
 ]
 
@@ -129,11 +128,6 @@ def copy_of(module: ModuleType, suffix: str) -> ModuleType:
     sys.modules[name] = copy
     spec.loader.exec_module(copy)
     return copy
-
-
-def is_installed() -> bool:
-    """Tell whether numba is there."""
-    return find_spec("numba") is not None
 
 
 def is_ready(function: Any) -> bool:

@@ -170,7 +170,7 @@ class Layout:
 
         The shape is turned by ``turn`` degrees in addition. ``like``: the shape, in the same units, whose angle, size
         and place are asked for, by default ``shape``. An outline that was drawn anew lies as the drawing does, except
-        that it is centred, and fitted into the margin, by itself. Errors are as for ``place``.
+        that it is centred by itself, and is smaller if it would otherwise not fit. Errors are as for ``place``.
         """
         like = shape if like is None else like
         given = self.rotation if isinstance(self.rotation, int | float) else 0.0
@@ -185,11 +185,14 @@ class Layout:
         quarter = free and _lies_better_turned(like, on, margin=self.margin, scale=scale, rotation=angle)
         angle += 90.0 * quarter
         offset = self.offset
-        if offset is not None and like is not shape:
-            corner = [(np.concatenate(one.loops) @ _rotation_matrix(angle).T).min(axis=0) for one in (like, shape)]
-            factor = place(like, on, margin=self.margin, scale=scale, offset=offset, rotation=angle)[1].scale
-            x, y = (offset + factor * (corner[1] - corner[0])).tolist()
-            offset, scale = (x, y), factor
+        if like is not shape:
+            one, other = (np.concatenate(some.loops) @ _rotation_matrix(angle).T for some in (like, shape))
+            room = np.array([on.width, on.height]) - 2 * self.margin
+            sizes = np.ptp(one, axis=0), np.ptp(other, axis=0)
+            scale = min(float((room / size).min()) for size in sizes) if scale == "fit" else float(scale)
+            if offset is not None:
+                x, y = (offset + scale * (other.min(axis=0) - one.min(axis=0))).tolist()
+                offset = (x, y)
         placed, placement = place(shape, on, margin=self.margin, scale=scale, offset=offset, rotation=angle)
         return on, placed, placement, quarter
 

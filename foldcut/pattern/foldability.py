@@ -34,8 +34,8 @@ PAPER_MM = 0.1
 COMFORTABLE_CREASE_MM = 3.0
 """Creases that are shorter than this are hard to fold by hand."""
 
-COMFORTABLE_LAYERS = 120
-"""More layers than this are hard to cut at once: they are 12 mm of office paper."""
+COMFORTABLE_LAYERS = 30
+"""More layers than this are hard to cut at once: they are 3 mm of office paper."""
 
 LARGEST_FACTOR = 10.0
 """No sheet is proposed that is more than this many times as large as the present one."""

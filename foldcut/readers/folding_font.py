@@ -1,4 +1,4 @@
-"""The font made for folding, ``--font foldcut``: capitals and digits whose outlines need few folds.
+"""The font made for folding, ``--font foldcut``: letters and digits whose outlines need few folds.
 
 ``folding_font.toml`` has the centre lines of all strokes on a small grid -> the outline of each glyph, as loops. All
 strokes are equally wide and have mitred bends, so that both sides of a stroke bend together: then the ridges between
@@ -47,7 +47,7 @@ class Glyph:
 class FoldingFont:
     """All glyphs by their letters; lengths in units of the font: the ``stroke`` is as wide everywhere.
 
-    ``height`` is that of a letter, ``gap`` what is between two letters, ``line`` the distance between lines of text.
+    ``height`` is that of a capital, ``gap`` what is between two letters, ``line`` the distance between lines of text.
     """
 
     stroke: float
@@ -55,10 +55,6 @@ class FoldingFont:
     gap: float
     line: float
     glyphs: dict[str, Glyph]
-
-    def glyph(self, letter: str) -> Glyph | None:
-        """Return the glyph of a letter, None if there is none; small letters are drawn as capitals."""
-        return self.glyphs.get(letter) or self.glyphs.get(letter.upper())
 
 
 @cache

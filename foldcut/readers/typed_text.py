@@ -78,10 +78,7 @@ def draw_text(text: str, font: str = "sans", options: ReadOptions | None = None,
     Raises ``FileFormatError`` if the font cannot be read, and ``BadInputError`` if it lacks a letter.
     """
     drawing = svg.read(Source(text_svg(text, font, joined).encode(), text), options or ReadOptions())
-    drawing = replace(drawing, unit_mm=None, y_down=False)
-    if font == NAME and text != text.upper():
-        drawing = replace(drawing, notes=(*drawing.notes, f"the font {NAME} draws small letters as capitals"))
-    return drawing
+    return replace(drawing, unit_mm=None, y_down=False)
 
 
 def text_svg(text: str, font: str = "sans", joined: str | None = None) -> str:
@@ -106,24 +103,24 @@ def letter_svgs(text: str, font: str = "sans") -> dict[str, str]:
 
     Raises what ``draw_text`` raises.
     """
-    names = dict(zip(letter_names(text, font), _letters(text, font), strict=True))
+    names = dict(zip(letter_names(text), _letters(text), strict=True))
     return {name: text_svg(letter, font) for name, letter in names.items()}
 
 
-def letter_names(text: str, font: str = "sans") -> list[str]:
+def letter_names(text: str) -> list[str]:
     """Return what the files of each letter of ``text`` are called, without spaces.
 
     A letter or digit is its own name; a small one that also occurs as a capital is called "a-small", and other signs
     by their Unicode name, such as "exclamation-mark". So no two letters share a name, even where case is ignored.
     """
     _require_letters(text)
-    letters = _letters(text, font)
+    letters = _letters(text)
     return [_file_name(letter, letters) for letter in letters]
 
 
-def _letters(text: str, font: str) -> list[str]:
-    """Return the letters of a text as the font draws them, without spaces."""
-    return [letter for letter in (text.upper() if font == NAME else text) if not letter.isspace()]
+def _letters(text: str) -> list[str]:
+    """Return the letters of a text without spaces."""
+    return [letter for letter in text if not letter.isspace()]
 
 
 def _require_letters(text: str) -> None:
@@ -203,11 +200,11 @@ class _Built:
         self.bar, self.into_bar = self._font.stroke, 0.0
 
     def letter(self, letter: str) -> Letter:
-        glyph = self._font.glyph(letter)
+        glyph = self._font.glyphs.get(letter)
         if glyph is None:
             raise BadInputError(
-                f"the font {NAME} has no letter {letter!r}; it has A to Z, 0 to 9, and - . ! Leave it out or give "
-                "another --font"
+                f"the font {NAME} has no letter {letter!r}; it has A to Z, a to z, 0 to 9, and - . ! Leave it out or "
+                "give another --font"
             )
         width = glyph.width + self._font.gap
         if not glyph.loops:

@@ -13,15 +13,13 @@ from functools import cache
 
 import numpy as np
 
-from foldcut.core.arrays import Floats
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.compiled import compiled_copy, forget_unreadable, is_ready
+from foldcut.core.model import Shape
 from foldcut.geometry.straight_skeleton import wavefront
 from foldcut.redraw import proxy_kernel, ties_kernel
 from foldcut.redraw.proxy import Engine, Field, Meeting
-from foldcut.redraw.starts import arcs_code, disks_code, pieces
-from foldcut.redraw.starts.arcs import fit_bends
-from foldcut.redraw.starts.disks import fit_disks
-from foldcut.redraw.starts.fitting import fit, straight_as_far_as
+from foldcut.redraw.starts import all_starts, arcs_code, disks_code, pieces
 
 __all__ = ["COMPILING", "compile_ahead", "get_ready", "is_compiled"]
 
@@ -66,14 +64,10 @@ def compile_ahead() -> None:
     engine.assess(corners, sizes)
     engine.deviation(corners, sizes)
     engine.solve(corners, sizes, [(0, 2, 4, 6)], [Meeting((0, 2, 4), (0,), (0, 2, 6))])
-    row = _bend(50.0)
-    rows, inner = row[None], _bend(40.0)
-    fit(rows, 1.0)
-    fit(rows, 1.0, directions=np.array([(0.0, 1.0), (1.0, 0.0), (math.sqrt(0.5), math.sqrt(0.5))]))
-    straight_as_far_as(row, 1.0)
-    fit_bends(rows, 1.0)
-    strip = np.stack([row, inner])
-    fit_disks(strip, np.column_stack([_bend(45.0), np.full(len(row), 5.0)]), 1.0)
+    # a bent strip, which has every kind of outline
+    strip = np.concatenate([_bend(50.0), _bend(40.0)[::-1]])
+    for _ in all_starts(Shape((points_array(strip),), (-1,)), 2.0):
+        pass
 
 
 def _bend(radius: float) -> Floats:

@@ -10,14 +10,13 @@ work is counted, so that the result is the same on every machine.
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
@@ -25,13 +24,14 @@ from foldcut.core.model import Finding, FoldedPattern, Shape
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.geometry.curves import CurvedLoop
+from foldcut.geometry.mirror_axes import mirror_axes
 from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
 from foldcut.methods.base import Effort, Made, Wishes
 from foldcut.methods.frame import ADJUST
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
-from foldcut.redraw.bounds import HANDS_CREASE_MM, Bounds
+from foldcut.redraw.bounds import HANDS_CREASE_MM, HANDS_FOLDS, Bounds
 from foldcut.redraw.distance import apart
 
 if TYPE_CHECKING:
@@ -40,8 +40,21 @@ if TYPE_CHECKING:
 
 __all__ = ["Drawn", "Fold", "Ladder", "Level", "Tried", "redraw_and_fold"]
 
-CORNERS_FOR_A_FOLD = 2
-"""A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands."""
+CORNERS_FOR_A_FOLD = 1.0
+"""A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands. Of a
+symmetric drawing those on one side of its axes count."""
+
+FOLDS_FOR_A_CORNER = 2.0
+"""Patterns of curved drawings have at least this many folds for each corner of an outline, or of its part between axes.
+
+With more than are allowed, a tolerance is passed over if a larger one is to come. Measured: 2.2 and more as a whole,
+1.7 and more in halves (letters and icons at 2 and 4 mm)."""
+
+MOST_CORNERS_FOR_A_FOLD = 1.0
+"""With more corners than this for each fold, a tolerance is passed over even if there are mirror axes."""
+
+FIT = 0.6
+"""An outline whose lines lie on both sides of a curve has about this many corners for each that chords need."""
 
 LOOK_FIRST = 30
 """A drawing with more corners than this gets a short look first, and is folded in earnest only if that is promising."""
@@ -63,6 +76,9 @@ LATER = {"best": "normal", "normal": "fast", "fast": "fast"}
 
 NOT_MOVED = 1e-6
 """An outline that is no farther than this from the drawing, in mm of the frame, has not moved."""
+
+RIGHT_ANGLE = 1e-5
+"""Axes whose angle differs from a right one by less than this, in radians, are perpendicular."""
 
 SEEN_MM = 0.05
 """What moved by less than this, in mm on the sheet, is not drawn as it was before."""
@@ -299,14 +315,15 @@ class _Search:
             self.more += any(level.for_hands for level in self.levels)
             self._progress_to(last=number == len(tolerances) - 1)
             try:
-                level = self._as_it_is(alone=alone) if not tolerance else self._redrawn(tolerance)
+                last = number == len(tolerances) - 1
+                level = self._redrawn(tolerance, last=last) if tolerance else self._as_it_is(alone=alone)
+                if level is not None:
+                    self._keep(level)
             except KeyboardInterrupt:
                 if not any(level.verified for level in self.levels):
                     raise
                 self.interrupted = True
                 break
-            if level is not None:
-                self._keep(level)
             if self._is_enough():
                 break
         if not any(level.tried for level in self.levels) and not alone and not self.interrupted:
@@ -325,7 +342,7 @@ class _Search:
         corners = laying.outline.corner_count
         start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
         if not alone:
-            if corners > CORNERS_FOR_A_FOLD * self.bounds.folds:
+            if self._corners_beside_axes() > CORNERS_FOR_A_FOLD * max(self.bounds.folds, HANDS_FOLDS):
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
@@ -335,11 +352,27 @@ class _Search:
                 self._tell(look)
         return self._folded(start, laying, 0.0, only="" if alone else HANDS)
 
-    def _redrawn(self, tolerance: float) -> Level | None:
-        """Draw the outline anew within a tolerance in mm of the frame, and fold it; None where it is as before."""
+    def _corners_beside_axes(self) -> float:
+        """Return how many corners the drawing has on one side of its mirror axes, of two of them if they cross."""
+        shape = self.drawn.laying.outline
+        angles = [axis.angle for axis in mirror_axes(shape, self.wishes.symmetry / (self.scale * self.frame.unit))]
+        crossing = any(abs(math.cos(one - other)) < RIGHT_ANGLE for one in angles for other in angles)
+        return shape.corner_count / (4 if crossing else 2 if angles else 1)
+
+    def _redrawn(self, tolerance: float, *, last: bool) -> Level | None:
+        """Draw the outline anew within a tolerance in mm of the frame, and fold it.
+
+        Unless it is the ``last``, one at which the outline has too many corners is passed over.
+        """
         started = time.perf_counter()
         drawing = self._drawing(tolerance)
         start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(drawing, self))
+        if not last:
+            corners = round(FIT * drawing.chords())
+            most = self.bounds.folds
+            if corners > MOST_CORNERS_FOR_A_FOLD * most or FOLDS_FOR_A_CORNER * corners / drawing.copies() > most:
+                failure = f"not tried: about {corners} corners are too many for {self.bounds.folds} folds"
+                return replace(start, failure=failure)
         best: Level | None = None
 
         def found(one: Redrawn) -> None:
@@ -363,7 +396,8 @@ class _Search:
                 raise
             self.interrupted = True
         if best is None:
-            return replace(start, failure="no outline with a pattern was found", seconds=time.perf_counter() - started)
+            failure = "no outline with a pattern was found"
+            return replace(start, laid=drawing.laid, failure=failure, seconds=time.perf_counter() - started)
         return replace(best, seconds=time.perf_counter() - started)
 
     def _drawing(self, tolerance: float) -> Drawing:

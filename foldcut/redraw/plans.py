@@ -18,6 +18,7 @@ from foldcut.core.errors import ShapeError
 from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.shape import make_shape, polygon_loops
+from foldcut.drawing.simplify import simplify
 from foldcut.geometry.curves import CurvedLoop
 from foldcut.geometry.mirror_axes import symmetric
 from foldcut.methods.frame import Frame, frames
@@ -27,7 +28,7 @@ from foldcut.redraw.narrow_parts import SmallPart, treated
 from foldcut.redraw.proxy import Field
 from foldcut.redraw.starts import Axis as StartAxis
 from foldcut.redraw.starts import all_starts
-from foldcut.redraw.symmetry import Axis, symmetry
+from foldcut.redraw.symmetry import Axis, Symmetry, symmetry
 from foldcut.redraw.target import Target
 
 ALIGNED = 1e-5
@@ -173,6 +174,22 @@ class Drawing:
         target, parts = treated(Target.of_frame(frame, self.curves), self.tolerance, self.treatment)
         return replace(self, laid=laid, frame=frame, target=target, small_parts=tuple(parts))
 
+    def chords(self) -> int:
+        """Return how many chords of the drawing are within the tolerance of it: about as many as are needed."""
+        return simplify(self.target.shape, self.tolerance).shape.corner_count
+
+    def copies(self) -> int:
+        """Return into how many parts the drawing's mirror axes divide it: 1, 2 or 4."""
+        found = self.symmetry
+        if any(True for _ in _pairs(found.axes)):
+            return 4
+        return 2 if found.axes or found.others else 1
+
+    @cached_property
+    def symmetry(self) -> Symmetry:
+        """The symmetry that the drawing has within the tolerance."""
+        return symmetry(self.target, self.tolerance)
+
     def place(self, point: Floats) -> Floats:
         """Return a point of the frame on the sheet, ``(2,)`` mm."""
         place: Floats = self.frame.points(points_array([point]))[0]
@@ -185,8 +202,8 @@ class Drawing:
 
 def plans(drawing: Drawing) -> Iterator[Plan]:
     """Yield plans for a drawing: those with most axes come first."""
-    laid, frame, target, tolerance = drawing.laid, drawing.frame, drawing.target, drawing.tolerance
-    found = symmetry(target, tolerance)
+    laid, frame, target = drawing.laid, drawing.frame, drawing.target
+    found = drawing.symmetry
     sets = [*_pairs(found.axes), *((axis,) for axis in (*found.axes, *found.others))]
     turns: list[tuple[float, tuple[Axis, ...]]] = []
     for axes in sets:
@@ -217,7 +234,7 @@ def _with_axes_in_the_middle(drawing: Drawing, count: int, axes: Sequence[Axis],
     """
     frame, target, tolerance = drawing.frame, drawing.target, drawing.tolerance
     if turned:
-        again = symmetry(target, tolerance)
+        again = drawing.symmetry
         level = [one for one in (*again.axes, *again.others) if abs(math.remainder(one.angle, math.pi / 2)) < LEVEL]
         axes = sorted(level, key=lambda axis: axis.off)[:count]
     numbers = tuple(sorted({0 if abs(math.cos(axis.angle)) < 0.5 else 1 for axis in axes}))

@@ -31,6 +31,9 @@ SHORT_COST = 3.0, 7.0
 ENDLESS_COST = 25.0
 """What a node costs whose perpendiculars do not end: more lines than they would have."""
 
+LOOSE_COST = 6.0
+"""What each perpendicular costs that does not end, even if it is not folded: what lies beyond it is not known."""
+
 FRAME = 6.0
 """How far from the middle of the sheet the frame is that ends the skeleton, in diagonals."""
 
@@ -139,7 +142,7 @@ def _work(nodes: int, sides: int) -> Work:
     paths = 4 * nodes + 64
     f, i = (lambda n: np.zeros(n)), (lambda n: np.zeros(n, dtype=np.int64))
     sizes = {
-        "counts": i(20), "numbers": f(8), "sizes": f(11), "ints": i(16), "place": f(2),
+        "counts": i(20), "numbers": f(8), "sizes": f(12), "ints": i(16), "place": f(2),
         "first": i(sides + 1), "member": i(paths), "point_x": f(16 * paths), "point_y": f(16 * paths),
         "group_first": i(paths), "group_best": i(paths), "sector_cost": f(paths), "exit_x": f(paths), "exit_y": f(paths),
         "key": np.full(1 << (2 * halves).bit_length(), -1, dtype=np.int64),
@@ -288,6 +291,12 @@ class Assessment:
     is_believed: bool = False
 
     @property
+    def structure(self) -> tuple[object, ...]:
+        """What the creases of the outline have in common with those of outlines of nearly the same corners."""
+        details = self.details
+        return self.loop_sizes, tuple(sorted((path[:3] for path in details.paths if path[3]), key=str)), details.ties()
+
+    @property
     def key(self) -> tuple[float, float]:
         """Less is better."""
         return self.cost, -self.shortest
@@ -308,7 +317,7 @@ class _Place:
         diagonal = engine.field.diagonal
         self.work.sizes[:] = (
             width, height, SNAP * diagonal, NEAR * diagonal, engine.least_crease, ENDLESS_COST, 0.0, *SHORT_COST,
-            *(float(axis in engine.field.axes) for axis in (0, 1)),
+            *(float(axis in engine.field.axes) for axis in (0, 1)), LOOSE_COST,
         )  # fmt: skip
         samples = engine.field.samples
         grid, cell_first, cell_item, lines = engine.field.grid

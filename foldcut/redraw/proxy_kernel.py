@@ -26,13 +26,13 @@ inlined = compiled_in(__name__, inline=True)
 RIDGE, BASE, LEVEL = 0, 1, 2
 
 # places in ``counts``
-NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS, EXITS_X, EXITS_Y = range(18)
+NODES, HALVES, PATHS, SPOKES, CUTS, RIDGES, WAYS, MISSES, TAKEN, ENDLESS, LINES, STUCK, SHORT, DEGREES, POINTS, GROUPS, EXITS_X, EXITS_Y, LOOSE = range(19)
 
 # places in ``numbers``
 SHORTEST, PENALTY, COST, LEAST_HEIGHT = range(4)
 
 # places in ``sizes``
-WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST, FOLDED_X, FOLDED_Y = range(11)
+WIDTH, HEIGHT, SNAP, NEAR, LEAST_CREASE, ENDLESS_COST, REACH, SHORT_COST, SHORTER_COST, FOLDED_X, FOLDED_Y, LOOSE_COST = range(12)
 
 MOST_CROSSINGS = 30
 """A perpendicular that crosses more faces is given up."""
@@ -294,7 +294,8 @@ def walk(w, start, mode, path):
             w.ints[1] = pieces
             w.ints[3] = lines
             if not ends_outside:
-                w.ints[2] = face
+                # along the line between two faces the way back begins in the other one
+                w.ints[2] = w.face[w.twin[start]] if crossing == 0 and w.kind[start] == LEVEL else face
             return True
         twin = beyond if h < 0 else w.twin[h]
         if twin < 0:
@@ -404,6 +405,34 @@ def add_cut(w, h, x, y):
     w.counts[CUTS] += 1
 
 
+@inlined
+def is_continued(w, node, x, y):
+    """Return whether a ridge goes on beyond a node straight away from a point."""
+    dx, dy = w.x[node] - x, w.y[node] - y
+    h = w.at_node[node]
+    while h >= 0:
+        if w.kind[h] == RIDGE:
+            ex, ey = w.x[w.head[h]] - w.x[node], w.y[w.head[h]] - w.y[node]
+            if dx * ex + dy * ey > (1 - 1e-11) * sqrt((dx * dx + dy * dy) * (ex * ex + ey * ey)):
+                return True
+        h = w.next_at_node[h]
+    return False
+
+
+@compiled
+def saved(w, k):
+    """Return how many lines a perpendicular saves that was traced just now: at its ends it may be one with a ridge."""
+    first, last = w.path_point[k], w.counts[POINTS] - 1
+    if last <= first or last + 1 >= len(w.point_x):
+        return 0
+    count = 0
+    if is_continued(w, w.path_start[k], w.point_x[first + 1], w.point_y[first + 1]):
+        count += 1
+    if w.path_end[k] >= 0 and is_continued(w, w.path_end[k], w.point_x[last - 1], w.point_y[last - 1]):
+        count += 1
+    return count
+
+
 @compiled
 def find_paths(w, corners):
     """Trace the perpendiculars of all nodes, counter-clockwise around each.
@@ -414,10 +443,13 @@ def find_paths(w, corners):
     w.counts[PATHS] = 0
     w.counts[POINTS] = 0
     w.counts[DEGREES] = 0
+    w.counts[LOOSE] = 0
     for node in range(w.counts[NODES]):
         w.node_path[node] = -1
         if w.root[node] != node or node < corners or w.degree[node] == 0 or not on_sheet(w, w.x[node], w.y[node]):
             continue
+        if w.level_at[node] >= 0 and w.degree[node] == 2:
+            continue  # a ridge goes straight on here: no node
         if w.degree[node] % 2 == 1:
             w.counts[DEGREES] += 1
         first = w.counts[PATHS]
@@ -452,10 +484,12 @@ def find_paths(w, corners):
             w.path_group[k] = -1
             w.path_point[k] = w.counts[POINTS]
             w.path_end[k] = -2
+            w.counts[LOOSE] += 1
             w.path_cost[k] = w.sizes[ENDLESS_COST]
             if walk(w, w.path_half[k], 0, k):
                 w.path_end[k] = w.ints[0]
-                w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1]
+                w.counts[LOOSE] -= 1
+                w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1] - saved(w, k)
                 w.path_last[k] = w.ints[2]
     w.path_point[w.counts[PATHS]] = w.counts[POINTS]
     for k in range(w.counts[PATHS]):
@@ -528,6 +562,22 @@ def find_groups(w):
             if cost < best:
                 best = cost
                 w.group_best[groups] = first
+        # corridors that do not come to the border, with perpendiculars all around them
+        for at in range(size):
+            first = w.member[at]
+            if w.path_sector[first] >= 0:
+                continue
+            cost, p, steps = total, first, 0
+            while p >= 0 and w.path_sector[p] < 0 and steps < 200:
+                steps += 1
+                w.path_sector[p] = first
+                q = w.path_next[p]
+                cost -= w.path_cost[q]
+                p = w.path_mate[q]
+            w.sector_cost[first] = cost
+            if cost < best:
+                best = cost
+                w.group_best[groups] = first
         groups += 1
         if groups >= len(w.group_first):
             return FULL
@@ -590,8 +640,8 @@ def choose(w):
         if w.group_best[one] < 0:
             continue
         here = w.path_start[w.group_first[one]]
-        if w.path_next[w.group_first[one]] == w.path_before[w.group_first[one]] and root >= 0:
-            continue  # two perpendiculars or one: nothing new beyond
+        if root >= 0 and is_small(w, one):
+            continue  # nothing new beyond
         total = w.sector_cost[w.group_best[one]]
         for other in range(groups):
             if other != one and w.group_best[other] >= 0:
@@ -637,12 +687,19 @@ def choose(w):
     return 0
 
 
+@inlined
+def is_small(w, group):
+    """Return whether a group is one perpendicular or two, which cost the same seen from anywhere."""
+    first = w.group_first[group]
+    following = w.path_next[first]
+    return following == w.path_before[first] and w.path_mate[first] < 0 and w.path_mate[following] < 0
+
+
 @compiled
 def group_cost(w, group, node):
     """Return what a group costs if paper is folded away from a node."""
-    first = w.group_first[group]
-    if w.path_next[first] == w.path_before[first] and w.path_mate[first] < 0:
-        return w.sector_cost[w.group_best[group]]  # one perpendicular or two
+    if is_small(w, group):
+        return w.sector_cost[w.group_best[group]]
     sector = sector_towards(w, group, w.x[node], w.y[node])
     return w.sector_cost[sector] if sector >= 0 else w.sector_cost[w.group_best[group]]
 
@@ -759,6 +816,7 @@ def measure(w, corners):
         + w.sizes[SHORT_COST] * w.counts[SHORT]
         + w.sizes[SHORTER_COST] * w.numbers[PENALTY]
         + w.sizes[ENDLESS_COST] * w.counts[ENDLESS]
+        + w.sizes[LOOSE_COST] * w.counts[LOOSE]
     )
     return 0
 

@@ -24,10 +24,10 @@ from foldcut.redraw.search import Search
 MOST_FOLDED = 12
 """How many outlines of one plan are folded at most."""
 
-TRIES = 9
-"""How many sets of perpendiculars are tried for each."""
+TRIES = 9, 300
+"""How many sets of perpendiculars are tried for each: so many, or more if there are few corners."""
 
-REFUSED = 8.0
+REFUSED = 30.0
 """What is added to the cost of an outline whose layers have no order."""
 
 WORK = {"fast": 6_000, "normal": 20_000, "best": 200_000}
@@ -125,7 +125,8 @@ class _Redrawing:
                 return REFUSED
             sheet = self.plan.frame.sheet if half is None else half.sheet
             outline = shape if half is None else half.outline
-            made = fold_outline(outline, sheet, tries=TRIES, part=half)
+            tries = max(TRIES[0], TRIES[1] // outline.corner_count)
+            made = fold_outline(outline, sheet, tries=tries, part=half)
             redrawn = self._on_sheet(shape, made, off)
         except FoldcutError as error:
             self.reasons.append(str(error))

@@ -24,6 +24,15 @@ REACH = 10.0, 10.0
 LEAST_GAIN = 0.05
 """A change that saves less than this is not made."""
 
+LOOK = 0.35
+"""The part of the work for a short look at each of the outlines to begin with."""
+
+LONG_LOOK = 0.35
+"""The part of the rest for a longer look at the best of them."""
+
+FINALISTS = 4
+"""How many get a longer look."""
+
 FAR_MISS = 0.6
 """Perpendiculars are moved to nodes that they miss by up to this part of the reach."""
 
@@ -69,6 +78,7 @@ class Search:
         self.best: Assessment | None = None
         self.pool: list[Assessment] = []
         self.last_gain = 0
+        self.refused: dict[str, float] = {}
         self.reach = REACH[0] * engine.field.tolerance + REACH[1]
         self.statistics: dict[str, list[int]] = {}
 
@@ -91,7 +101,14 @@ class Search:
     def keep(self, one: Assessment) -> None:
         """Remember an outline if it is among the best."""
         if self.believe is not None and not one.is_believed and (self.best is None or one.key < self.best.key):
-            one.cost += self.believe(one)
+            structure = str(one.structure)
+            if structure in self.refused:
+                one.cost += self.refused[structure]
+            else:
+                more = self.believe(one)
+                one.cost += more
+                if more > 0:
+                    self.refused[structure] = more
             one.is_believed = True
         if self.best is None or one.key < self.best.key:
             self.best = one
@@ -99,22 +116,27 @@ class Search:
         if all(abs(one.cost - other.cost) > 1e-6 for other in self.pool):
             self.pool = sorted([*self.pool, one], key=lambda other: other.key)[:12]
 
-    def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]], share: float = 0.5) -> Assessment | None:
+    def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]]) -> Assessment | None:
         """Search from some outlines; returns the best one."""
         begun = [one for points, sizes in starts if (one := self.assess(points, sizes)) is not None]
         if not begun:
             return None
         begun.sort(key=lambda one: one.cost + 0.7 * len(one.points))
-        done: list[Assessment] = []
         end, first = self.most, self.spent
-        for number, one in enumerate(begun):
-            self.most = first + int(share * (end - first) * (number + 1) / len(begun))
-            done.append(self.greedy(one, 400))
-            if self.ends(min(1.0, self.spent / self.all)):
-                break
+        # all get a short look, and the best of them a longer one
+        for share, few in ((LOOK, len(begun)), (LONG_LOOK, FINALISTS)):
+            begun = sorted(begun, key=lambda one: one.key)[:few]
+            for number, one in enumerate(begun):
+                self.most = first + int(share * (end - first) * (number + 1) / len(begun))
+                begun[number] = self.greedy(one, 400)
+                if self.ends(min(1.0, self.spent / self.all)):
+                    break
+            first = self.spent
+            self.last_gain = first
         self.most = end
-        for one in sorted(done, key=lambda one: one.key)[:4]:
+        for one in sorted(begun, key=lambda one: one.key):
             self.keep(one)
+        done = begun
         self.last_gain = self.spent
         self.anneal(sorted(done, key=lambda one: one.key))
         return self.best
@@ -167,7 +189,7 @@ class Search:
         others = list(starts[1:4])
         moves = (
             self._without_corner, self._with_corner_across, self._shaken, self._slid,
-            self._without_sides, self._without_sides, self._with_bend, self._without_bend,
+            self._without_sides, self._without_sides, self._with_bend, self._without_bend, self._with_side_shifted,
         )  # fmt: skip
         first = self.spent
         while not self.is_over:
@@ -382,6 +404,27 @@ class Search:
         for k in which:
             points[k] += (self.random.gauss(0, size), self.random.gauss(0, size))
         return Outline(points, here.loop_sizes, here.details.ties())
+
+    def _with_side_shifted(self, here: Assessment) -> Outline | None:
+        """Move a side sideways, its corners along the sides beside it; sometimes all that are parallel and nearby."""
+        points, sizes = here.points.copy(), here.loop_sizes
+        edge = self.random.randrange(len(points))
+        before, after = self._beside(sizes, edge, -1), self._beside(sizes, edge, 1)
+        beyond = self._beside(sizes, after, 1)
+        along = points[after] - points[edge]
+        length = math.hypot(*along)
+        shift = self.engine.field.tolerance * self.random.uniform(-1, 1)
+        normal = np.array([-along[1], along[0]]) / length
+        moved = []
+        for start, end in ((before, edge), (beyond, after)):
+            way = points[end] - points[start]
+            across = float(way @ normal)
+            if abs(across) < 0.1 * math.hypot(*way):
+                return None
+            moved.append((end, points[end] + way * shift / across))
+        for corner, place in moved:
+            points[corner] = place
+        return Outline(points, sizes, here.details.ties())
 
     def _slid(self, here: Assessment) -> Outline | None:
         """Move a corner along one of its sides."""

@@ -129,6 +129,7 @@ async def state(request: Request) -> Response:
             "state": upload.state,
             "stage": upload.stage,
             "fraction": upload.fraction,
+            "pattern": upload.patterns[-1] if upload.patterns else None,
             "seconds": time.monotonic() - upload.started,
             "error": upload.error,
             "report": upload.report,

@@ -1,9 +1,9 @@
 """Drawings that the server folds: each by the real command line, in a process and a temporary folder of its own.
 
 So a bad drawing meets the same limits as on the command line, cannot reach another drawing's files, and cannot take
-the server down: its process is killed after ``Settings.job_seconds`` and may use ``Settings.job_bytes`` of memory.
-Formats that are not made at once are made from the FOLD file when the page asks for them. Folders are deleted with
-their drawing, after ``Settings.keep_seconds``, and all of them when the server stops.
+the server down: its process is told to end after ``Settings.job_seconds``, is killed soon after that, and may use
+``Settings.job_bytes`` of memory. Formats that are not made at once are made from the FOLD file when the page asks for
+them. Folders are deleted with their drawing, after ``Settings.keep_seconds``, and all of them when the server stops.
 """
 
 from __future__ import annotations
@@ -38,6 +38,8 @@ MACHINE_FILES = (PATTERN, "pattern.html", "pattern.png", "job.zip")
 """The files that are made at once for a machine, beside the job in the machine's own format."""
 GUIDES = {"guide.pdf": "guide", "guide.html": "guide", "pictures.svg": "draw", "pictures.png": "draw"}
 """Files that other commands than ``make`` write, and these commands."""
+GRACE_S = 5.0
+"""How long a command may take, once it is told to end, to verify the best pattern so far and to write it."""
 TOKEN_BYTES = 16
 """A drawing's token is so long that nobody can guess it: whoever knows it may take the files."""
 
@@ -66,7 +68,8 @@ class Upload:
     """One drawing that is being folded, or was: its folder, how far it is, and the report or the error.
 
     ``state`` is "waiting", "folding", "done" or "failed"; ``stage`` and ``fraction``, from 0 to 1, are what the command
-    tells of its progress; ``started`` is in seconds of the monotonic clock.
+    tells of its progress, ``patterns`` the numbers of those found so far; ``started`` is in seconds of the monotonic
+    clock.
     """
 
     folder: Path
@@ -74,6 +77,7 @@ class Upload:
     state: str = "waiting"
     stage: str = ""
     fraction: float = 0.0
+    patterns: list[dict[str, Any]] = field(default_factory=list)
     error: str = ""
     report: dict[str, Any] = field(default_factory=dict)
     started: float = field(default_factory=time.monotonic)
@@ -161,13 +165,16 @@ class Jobs:
             try:
                 _bound_memory(process.pid, self.settings.job_bytes)
                 assert process.stdout is not None
-                async with asyncio.timeout(seconds):
-                    out, _, status = await asyncio.gather(
-                        process.stdout.read(), _follow(process, upload), process.wait()
-                    )
-            except TimeoutError:
-                remedy = "press Fold to let it search longer" if upload.wanted.quick else "simplify the drawing"
-                return {}, f"it took more than {seconds:g} s; {remedy}"
+                ending = asyncio.gather(process.stdout.read(), _follow(process, upload), process.wait())
+                late = not (await asyncio.wait([ending], timeout=seconds))[0]
+                if late:  # as Ctrl-C does: it goes on with the best pattern so far
+                    with contextlib.suppress(ProcessLookupError):
+                        process.send_signal(signal.SIGINT)
+                    await asyncio.wait([ending], timeout=GRACE_S)
+                if not ending.done() or (late and process.returncode):
+                    remedy = "press Fold to let it search longer" if upload.wanted.quick else "simplify the drawing"
+                    return {}, f"it took more than {seconds:g} s; {remedy}"
+                out, _, status = ending.result()
             finally:
                 await _kill(process)
         report = _parsed(out.replace(f"{upload.made}/".encode(), b"").replace(f"{upload.folder}/".encode(), b""))
@@ -229,6 +236,8 @@ async def _follow(process: asyncio.subprocess.Process, upload: Upload) -> None:
         told = _parsed(line)
         if told.keys() >= {"stage", "fraction"}:
             upload.stage, upload.fraction = str(told["stage"]), float(told["fraction"])
+        if isinstance(told.get("pattern"), dict):
+            upload.patterns.append(told["pattern"])
 
 
 def _parsed(data: bytes) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from foldcut.jobs.marks import MARKS
 from foldcut.profiles import Treatment, load_profile, profile_names
 from foldcut.readers.folding_font import NAME as FOLDING_FONT
 from foldcut.readers.typed_text import font_families
+from foldcut.redraw.bounds import LEVELS, SMALL_PARTS
 from foldcut.samples import sample_names
 from foldcut.web.errors import RefusedError
 
@@ -25,8 +26,10 @@ __all__ = ["Wanted", "fonts", "machines", "read_query", "require_known"]
 
 EFFORTS = ("fast", "normal")
 """How long to search: the command line's "best" takes longer than people wait for a page."""
-LENGTHS = ("margin", "simplify", "min-crease", "symmetry", "ribbon")
+LENGTHS = ("margin", "tolerance", "simplify", "min-crease", "symmetry", "ribbon")
 """The options whose value is a length."""
+MOST_FOLDS = 10_000
+"""The largest number of folds that can be asked for."""
 LONGEST_TEXT = 100
 """Letters that a text may have."""
 
@@ -68,12 +71,22 @@ def _source(query: Mapping[str, str]) -> tuple[str, ...]:
 
 
 def _options(query: Mapping[str, str]) -> tuple[str, ...]:
-    """Return the words for sheet, effort and lengths."""
+    """Return the words for sheet, effort, how near the outline stays to the drawing, and lengths."""
     sheet, effort = query.get("sheet", "a4"), query.get("effort", "normal")
     parse_sheet(sheet)
     lengths = {name: query[name] for name in LENGTHS if query.get(name)}
+    near = []
+    if level := query.get("level", ""):
+        near += ["--level", require_known(level, "level", tuple(LEVELS))]
+    if parts := query.get("small-parts", ""):
+        near += ["--small-parts", require_known(parts, "treatment of small parts", SMALL_PARTS)]
+    if folds := query.get("folds", ""):
+        if not folds.isascii() or not folds.isdigit() or not 0 < int(folds[:9]) <= MOST_FOLDS:
+            raise RefusedError(400, f"give a number of folds from 1 to {MOST_FOLDS}")
+        near += ["--folds", folds]
     return (
         *("--sheet", sheet, "--effort", "fast" if "quick" in query else require_known(effort, "effort", EFFORTS)),
+        *near,
         *(f"--{name}={parse_length(length)!r}mm" for name, length in lengths.items()),
     )
 

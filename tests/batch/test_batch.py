@@ -84,7 +84,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 def test_the_letters_of_a_text_are_folded_once_each_and_not_again(
     tmp_path: Path, here: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    words = ["batch", "--text", "Ill LI", "--font", "foldcut", "--format", "fold", "--effort", "fast", "--jobs", "1"]
+    words = ["batch", "--text", "ILL LI", "--font", "foldcut", "--format", "fold", "--effort", "fast", "--jobs", "1"]
     assert main([*words, "-o", str(tmp_path / "out")]) == 0
     assert sorted(made(tmp_path / "out")) == ["I.fold", "L.fold"]
     assert sorted(here) == ["I", "L"]

@@ -7,6 +7,7 @@ Run it with ``make bench-redraw`` or ``python tests/bench/redraw.py [PART ...] [
   repository. Chosen are names of one word, with or without ``-fill`` or ``-outline``, with at most two loops, in the
   order that a seed gives, as they come.
 - ``letters``: the 62 letters and digits of DejaVu Sans, which fontconfig has to know.
+- ``font``: those of foldcut's own font, which have to take at most 25 folds each, with no crease under 3 mm.
 - ``prototype``: the drawings and tolerances of a prototype's table, beside its folds, shortest creases and seconds.
 - ``before``: all samples, and every shape in FOLDER and below, with a tolerance of 0.25 mm beside what foldcut made of
   them before it could redraw (``before_redraw.json``).
@@ -64,6 +65,9 @@ SETS = {
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
 FONT = "DejaVu Sans"
+
+FONT_FOLDS = 25
+"""The most folds that a letter of foldcut's own font may take."""
 
 HANDS_FOLDS = 60
 HANDS_CREASE_MM = 3.0
@@ -326,12 +330,20 @@ def shared(items: Iterator[Any], share: tuple[int, int]) -> Iterator[Any]:
 
 
 def fewest_within(drawing: Drawing, tolerance: float, limit: float) -> Row:
-    """Fold a drawing at all tolerances up to one, in mm of a drawing as large as A4 upright allows."""
-    width, height = drawing.size
-    rooms = [(190.0, 277.0), (277.0, 190.0)]
-    turned = max(min(a / width, b / height) for a, b in rooms)
-    upright = min(190.0 / width, 277.0 / height)
-    return measure(drawing, limit, tolerance=tolerance * turned / upright, folds=1)
+    """Fold a drawing on A4 at all tolerances up to one in mm: no pattern has so few folds that the search ends."""
+    return measure(drawing, limit, tolerance=tolerance, folds=1)
+
+
+def own_font(args: argparse.Namespace) -> list[Row]:
+    """Fold the letters of foldcut's own font."""
+    rows = []
+    for letter in shared(iter(LETTERS), args.share):
+        row = {"name": letter} | measure(draw_text(letter, "foldcut"), args.limit)
+        level = row["levels"][row["taken"]] if row["levels"] else None
+        good = level is not None and level["tolerance_mm"] == 0 and for_hands(level) and level["folds"] <= FONT_FOLDS
+        rows.append(row | {"good": good})
+        print(line_of(row), "" if good else "NOT GOOD", flush=True)
+    return rows
 
 
 def prototype(icons: Path | None, args: argparse.Namespace) -> list[Row]:
@@ -526,6 +538,9 @@ def report(results: dict[str, Any]) -> list[str]:
         lines += ["| | must be | is |", "| --- | --- | --- |"]
         fewer = [*results.get("icons, fewest", []), *results.get("letters, fewest", [])]
         lines += [*shares(usual_rows, fewer), "", *ladder_table(usual_rows), ""]
+    if rows := results.get("font"):
+        bad = ", ".join(row["name"] for row in rows if not row["good"])
+        lines += [f"Letters of the font foldcut that take too many folds: {bad or 'none'} of {len(rows)}.", ""]
     if rows := results.get("prototype"):
         lines += ["| drawing | was: folds | shortest mm | s | is: folds | shortest mm | s | |", "| --- " * 8 + "|"]
         lines += [prototype_line(row) for row in rows]
@@ -577,7 +592,7 @@ def prototype_line(row: Row) -> str:
 # --- the command
 
 
-PARTS = ("icons", "letters", "prototype", "before", "random")
+PARTS = ("icons", "letters", "font", "prototype", "before", "random")
 
 
 def main() -> int:
@@ -601,6 +616,8 @@ def main() -> int:
             results["icons"], results["icons, fewest"] = usual(chosen_icons(args.sets), "icons", args)
         if "letters" in parts:
             results["letters"], results["letters, fewest"] = usual(letters(), "letters", args)
+        if "font" in parts:
+            results["font"] = own_font(args)
         if "prototype" in parts:
             results["prototype"] = prototype(fetched(args.sets)["@mdi/svg@7.4.47"], args)
         if "before" in parts:

@@ -17,7 +17,7 @@ from foldcut.cli.main import main
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
-from foldcut.exporters.pictures.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, PANELS, draw
+from foldcut.exporters.pictures.pictures import CONSTRUCTION, INSIDE, INSIDE_BACK, OUTSIDE, OUTSIDE_BACK, draw
 from foldcut.methods.disks.method import DiskStages
 from foldcut.methods.disks.molecules import Kind
 from foldcut.pipeline import fold
@@ -88,7 +88,7 @@ def test_the_lowest_face_is_drawn_first_and_the_highest_last(end: int) -> None:
 def test_all_panels_are_on_one_picture_and_png_has_its_size(tmp_path: Path) -> None:
     out = tmp_path / "ring.png"
     assert main(["draw", "ring", "--effort", "fast", "-o", str(out), "--quiet"]) == 0
-    _, size = draw(folded("ring"), list(PANELS), load_profile())
+    _, size = draw(folded("ring"), ["pattern", "folded", "layers", "pieces"], load_profile())
     with Image.open(out) as image:
         assert_allclose(np.array(image.size) / 200 * 25.4, size, atol=0.2)
         assert len(image.getcolors(maxcolors=2**24) or []) > 50

@@ -14,6 +14,7 @@ import shapely
 import foldcut
 from foldcut.drawing.mend import Preparation
 from foldcut.readers import read_shape
+from support.as_it_is import as_it_is
 from support.places import TESTS
 
 NODE_MODULES = TESTS / "node" / "node_modules"
@@ -55,7 +56,8 @@ def fold_icon(path: Path, corners: int, effort: str = "fast") -> dict[str, Any]:
         drawing = read_shape(path)
         row |= {"loops": len(drawing.loops), "points": sum(map(len, drawing.loops))}
         if len(drawing.loops) == 1:
-            result = foldcut.fold(drawing, min_crease=0, effort=effort, preparation=Preparation(corners=corners))
+            with as_it_is():
+                result = foldcut.fold(drawing, min_crease=0, effort=effort, preparation=Preparation(corners=corners))
             row |= _folded(result)
     except foldcut.FoldcutError as error:
         row["failure"] = f"{type(error).__name__}: {error}"

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import httpx2
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 from support.programs import require_program, run_node
@@ -25,7 +26,9 @@ from support.programs import require_program, run_node
 from foldcut.cli.main import main
 from foldcut.samples import sample_path
 from foldcut.web.app import make_app
+from foldcut.web.errors import RefusedError
 from foldcut.web.jobs import Jobs, Settings
+from foldcut.web.options import read_query
 
 OWN = {"X-Foldcut": "1"}
 SQUARE = json.dumps({"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "units": "mm"}).encode()
@@ -308,6 +311,34 @@ def test_what_takes_too_long_is_stopped() -> None:
     with running_app(Settings(job_seconds=0.2)) as running:
         state = outcome(running, send(running, sample="swan", effort="normal"))
         assert "took more than 0.2 s" in state["error"]
+
+
+def test_what_takes_too_long_goes_on_with_the_best_pattern_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("foldcut.web.jobs.GRACE_S", 60.0)
+    with running_app(Settings(job_seconds=60.0)) as running:
+        angles = np.sort(np.random.default_rng(2).uniform(0, 2 * np.pi, 70))
+        oval = np.column_stack([90 * np.cos(angles), 60 * np.sin(angles)]).tolist()
+        token = send(running, json.dumps({"loops": [oval]}).encode(), ending=".json", folds="1")
+        job = jobs_of(running).get(token)
+        for _ in range(1200):
+            if job.patterns or job.state in ("done", "failed"):
+                break
+            time.sleep(0.05)
+        assert job.patterns, "the first pattern is told at once"
+        assert job.process is not None
+        job.process.send_signal(signal.SIGINT)
+        state = outcome(running, token)
+        assert state["state"] == "done", state["error"]
+        assert state["report"]["ladder"]["interrupted"]
+
+
+def test_how_near_the_outline_stays_is_told_to_the_command() -> None:
+    query = {"sample": "star", "level": "fine", "folds": "40", "small-parts": "keep", "tolerance": "1cm"}
+    words = read_query(query, uploaded=False).options
+    assert {"--level", "fine", "--folds", "40", "--small-parts", "keep", "--tolerance=10.0mm"} <= set(words)
+    for name, value in (("level", "rough"), ("folds", "-1"), ("folds", "1e9"), ("folds", "٣"), ("small-parts", "eat")):
+        with pytest.raises(RefusedError):
+            read_query({"sample": "star", name: value}, uploaded=False)
 
 
 def test_cancelling_kills_the_process(client: TestClient) -> None:

@@ -27,7 +27,7 @@ MOST_LETTERS = 120
 EXAMPLES = """\
 examples:
   foldcut batch icons -o out --profile laser-dxf --effort fast
-  foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --simplify 0.3mm
+  foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --tolerance 1mm
   foldcut batch icons -o out --dask tcp://scheduler:8786 --parquet
   foldcut batch --text HELLO --font foldcut -o out --profile printer-a4
 
@@ -85,13 +85,14 @@ def batch(args: Namespace) -> int:
 
     if (args.text is None) == (not args.drawings):
         raise BadInputError(f"give FOLDER|GLOB or a --text{'' if args.text is None else ', not both'}")
-    names = [] if args.text is None else letter_names(args.text, args.font)
+    names = [] if args.text is None else letter_names(args.text)
     letters = [] if args.text is None else letters_of(args.text, args.font)
     console, machine, folding = options.console(args), options.machine(args), options.folding(args)
     formats = endings(args.formats, machine.profile)
     Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", machine).check_formats(folding.sheet)
     out = Path(args.output)
-    recipe = Recipe(folding.keywords(), options.reading(args), formats, machine.profile, machine.job)
+    fold = folding.keywords() | {"next_level": False}  # nobody reads what it would cost
+    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job)
     done = ""
     with ProgressBar(console.draws_progress) as bar:
 

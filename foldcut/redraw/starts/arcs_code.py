@@ -25,24 +25,26 @@ LEAST_TURN = 0.05
 LARGEST_STEP = 1.6
 """The largest turn between two sides of one bend, in radians."""
 
+LEAST_RADIUS = 0.2
+"""The least radius of a circle, in mm."""
+
 MOST = 9
 """The largest number of sides between two anchors."""
 
 
 @inlined
-def _range(points, shift, i, j, x, y):
-    """Return the least and the largest distance of points i..j from the middle line through 0 with normal (x, y)."""
+def _range(points, i, j, x, y):
+    """Return the least and the largest distance of points i..j from the line through 0 with normal (x, y)."""
     low, high = INFINITE, -INFINITE
-    for k in range(points.shape[0]):
-        for p in range(i, j + 1):
-            v = points[k, p, 0] * x + points[k, p, 1] * y - shift[k]
-            low = min(low, v)
-            high = max(high, v)
+    for p in range(i, j + 1):
+        v = points[p, 0] * x + points[p, 1] * y
+        low = min(low, v)
+        high = max(high, v)
     return low, high
 
 
 @compiled
-def _bend(points, shift, theta, reach, half, tolerance, i, j, a, b, c, d):
+def _bend(points, theta, reach, half, tolerance, i, j, a, b, c, d):
     """Return how many sides at least lie between two lines, where on the bisector their circle is, and how far off.
 
     The lines have the directions a and b, in radians, and the offsets c and d, and are near the row up to place i, from
@@ -81,7 +83,7 @@ def _bend(points, shift, theta, reach, half, tolerance, i, j, a, b, c, d):
             if there > (half[here] if s == 0 or s == count + 1 else reach[here]):
                 possible = False
                 break
-            least, most = _range(points, shift, here, there, x, y)
+            least, most = _range(points, here, there, x, y)
             room = tolerance - (most - least) / 2
             if room < 0.0:
                 possible = False
@@ -111,27 +113,23 @@ def _bend(points, shift, theta, reach, half, tolerance, i, j, a, b, c, d):
             return 0, 0.0, worst
         along = (low + high) / 2
         radius = base + along * cos(wide)
-        fits = True
-        for k in range(points.shape[0]):
-            if sign * (radius - shift[k]) < 0.2:
-                fits = False
-        if fits:
+        if sign * radius > LEAST_RADIUS:
             return count, along, worst
     return -1, 0.0, 0.0
 
 
 @compiled
-def fit_arcs(points, shift, theta, reach, half, tolerance, weight, anchors, price, cost, previous, between, along):
-    """Find the fewest sides for rows: which anchors to take, and how many sides lie between two of them.
+def fit_arcs(points, theta, reach, half, tolerance, weight, anchors, price, cost, previous, between, along):
+    """Find the fewest sides for a row: which anchors to take, and how many sides lie between two of them.
 
-    ``theta`` ``(m,)``: the row's direction at each place, in radians, without jumps. ``reach`` ``(m,)``: where a piece that
-    begins at each place ends at the latest, and ``half``, where half the piece of an anchor does. ``anchors`` ``(n, 4)``, in order:
-    the first and last place where the row is on the anchor's line, the line's direction (near ``theta`` there), its
-    offset. ``price`` ``(n,)``. Results for each anchor: ``cost``, the ``previous`` anchor (-1: it is the first), the
-    number of sides ``between``, and where ``along`` the bisector the circle's middle is.
-    Returns the last anchor, or -1.
+    ``theta`` ``(m,)``: the row's direction at each place, in radians, without jumps. ``reach`` ``(m,)``: where a piece
+    that begins at each place ends at the latest, and ``half``, where half the piece of an anchor does. ``anchors``
+    ``(n, 4)``, in order: the first and last place where the row is on the anchor's line, the line's direction (near
+    ``theta`` there), its offset. ``price`` ``(n,)``. Results for each anchor: ``cost``, the ``previous`` anchor (-1: it
+    is the first), the number of sides ``between``, and where ``along`` the bisector the circle's middle is. Returns the
+    last anchor, or -1.
     """
-    m, count = points.shape[1], anchors.shape[0]
+    m, count = points.shape[0], anchors.shape[0]
     best, last = INFINITE, -1
     for n in range(count):
         cost[n] = INFINITE
@@ -140,7 +138,7 @@ def fit_arcs(points, shift, theta, reach, half, tolerance, weight, anchors, pric
         along[n] = 0.0
         i, j = int(anchors[n, 0]), int(anchors[n, 1])
         x, y = -sin(anchors[n, 2]), cos(anchors[n, 2])
-        low, high = _range(points, shift, 0, i, x, y)
+        low, high = _range(points, 0, i, x, y)
         if low >= anchors[n, 3] - tolerance and high <= anchors[n, 3] + tolerance:
             cost[n] = price[n]
         for b in range(n):
@@ -151,7 +149,6 @@ def fit_arcs(points, shift, theta, reach, half, tolerance, weight, anchors, pric
                 continue
             sides, place, off = _bend(
                 points,
-                shift,
                 theta,
                 reach,
                 half,
@@ -168,7 +165,7 @@ def fit_arcs(points, shift, theta, reach, half, tolerance, weight, anchors, pric
                 if total < cost[n]:
                     cost[n], previous[n], between[n], along[n] = total, b, sides, place
         if cost[n] < best:
-            low, high = _range(points, shift, j, m - 1, x, y)
+            low, high = _range(points, j, m - 1, x, y)
             if low >= anchors[n, 3] - tolerance and high <= anchors[n, 3] + tolerance:
                 best, last = cost[n], n
     return last

@@ -1,12 +1,13 @@
 """Strips whose inner edge leads in every bend, with sides there that touch one circle: rows -> ``Lead``.
 
-Then the ridges of the paper beside a bend, on its inner side, meet in one node. Between two bends to different sides the
-strip has a straight part, whose lines belong to both bends.
+Then the ridges of the paper beside a bend, on its inner side, meet in one node. Between two bends to different sides
+the strip has a straight part, whose lines belong to both bends.
 """
 
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -38,7 +39,7 @@ def lead_in_bends(
     m = points.shape[1]
     theta = directions_along(points)
     between = [_straight_part(points, place, STRAIGHT * tolerance) for place in _inflections(theta)]
-    if any(one[1][0] <= other[1][1] for other, one in zip(between, between[1:], strict=False)):
+    if any(one[1][0] <= other[1][1] for other, one in pairwise(between)):
         return None
     cuts: list[int] = [0]
     sides: list[Side] = []
@@ -54,7 +55,8 @@ def lead_in_bends(
         stop = _given(between[k][0], edge) if k < len(between) else last
         reach = straight_as_far_as(some[1 - edge], followed)
         half = straight_as_far_as(some[1 - edge], followed / 3)
-        fitted = fit_bends(some[edge : edge + 1], tolerance, weight, reach=reach, half=half, first=start, last=stop)
+        row = some[edge]
+        fitted = fit_bends(row, tolerance, weight, reach=reach, half=half, first=start, last=stop)
         if fitted is None:
             return None
         _add(cuts, sides, fitted, a, edge)
@@ -137,21 +139,16 @@ def _straight_part(points: Floats, place: int, tolerance: float) -> tuple[Sides,
 
 
 def _lines(points: Floats, a: int, b: int, tolerance: float) -> Sides | None:
-    """Return a line for each of both rows from column a to b, None if one is farther off than the tolerance."""
-    normals, offsets = np.empty((2, 1, 2)), np.empty((2, 1))
-    for edge in (0, 1):
-        row = points[edge, a : b + 1]
-        ahead = row[-1] - row[0]
-        length = float(np.hypot(*ahead))
-        if length < 1e-9:
-            return None
-        centred = row - row.mean(axis=0)
-        x, y = np.linalg.svd(centred, full_matrices=False)[2][0] if len(row) > 2 else ahead / length
-        if x * ahead[0] + y * ahead[1] < 0:
-            x, y = -x, -y
-        normal = np.array([-y, x])
-        heights = row @ normal
-        if float(np.ptp(heights)) > 2 * tolerance and b - a > 2:
-            return None
-        normals[edge, 0], offsets[edge, 0] = normal, (heights.min() + heights.max()) / 2
-    return Sides(np.array([0, b - a]), normals, offsets, 1.0)
+    """Return parallel lines for both rows from column a to b, None if a row is farther off its own."""
+    some = points[:, a : b + 1]
+    ahead = (some[:, -1] - some[:, 0]).sum(axis=0)
+    if float(np.hypot(*ahead)) < 1e-9:
+        return None
+    centred = np.concatenate([row - row.mean(axis=0) for row in some])
+    x, y = np.linalg.svd(centred, full_matrices=False)[2][0]
+    normal = np.array([-y, x]) if x * ahead[0] + y * ahead[1] > 0 else np.array([y, -x])
+    heights = some @ normal
+    if float(np.ptp(heights, axis=1).max()) > 2 * tolerance and b - a > 2:
+        return None
+    offsets = (heights.min(axis=1) + heights.max(axis=1)) / 2
+    return Sides(np.array([0, b - a]), np.broadcast_to(normal, (2, 1, 2)), offsets[:, None], 1.0)

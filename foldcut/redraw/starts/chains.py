@@ -98,14 +98,17 @@ class Chains:
     source: tuple[tuple[int, tuple[Axis, ...]], ...]
     axes: tuple[Axis, ...]
 
-    def loops(self, lines: Sequence[Sequence[Line]], reach: float) -> list[Floats] | None:
+    def loops(
+        self, lines: Sequence[Sequence[Line]], reach: float, *, true_corners: bool = False
+    ) -> list[Floats] | None:
         """Return the loops that fitted lines, chain by chain, make; None where lines do not meet.
 
-        A corner that would be farther than ``reach`` mm from the drawn line is put between both lines there.
+        A corner that would be farther than ``reach`` mm from the drawn line is put between both lines there;
+        with ``true_corners`` one that would be as far from a true corner is put there.
         """
         made = []
         for chain, fitted in zip(self.chains, lines, strict=True):
-            loop = loop_corners(chain, fitted, reach)
+            loop = loop_corners(chain, fitted, reach, true_corners=true_corners)
             if loop is None or len(loop) < 3:
                 return None
             made.append(loop)
@@ -282,35 +285,42 @@ def _sharp(points: Floats, turns: Floats, apart: float, *, closed: bool) -> Bool
     return sharp
 
 
-def loop_corners(chain: Chain, lines: Sequence[Line], reach: float) -> Floats | None:
+def loop_corners(chain: Chain, lines: Sequence[Line], reach: float, *, true_corners: bool = False) -> Floats | None:
     """Return the corners of the loop that a chain's fitted lines make, mirrored as its ends say; None without lines.
 
-    ``reach``: as for ``Chains.loops``.
+    ``reach``, ``true_corners``: as for ``Chains.loops``.
     """
     lines = _merged(chain, lines)
     if not lines:
         return None
     corners = []
     for a, b in pairwise(lines):
-        corners.append(_corner(chain, a, b, reach))
+        corners.append(_corner(chain, a, b, reach, true_corners))
     if chain.is_closed:
-        return np.array([_corner(chain, lines[-1], lines[0], reach), *corners])
+        return np.array([_corner(chain, lines[-1], lines[0], reach, true_corners), *corners])
     start, end = chain.ends
     assert start is not None
     assert end is not None
     row = np.array(corners).reshape(-1, 2)
-    row = np.concatenate([_on_axis(lines[0], start), row, _on_axis(lines[-1], end)])
+    tips = [_on_axis(lines[0], start), _on_axis(lines[-1], end)]
+    if true_corners:
+        for k, place in ((0, chain.points[:1]), (1, chain.points[-1:])):
+            if len(tips[k]) and float(np.hypot(*(tips[k] - place)[0])) > reach:
+                tips[k] = place
+    row = np.concatenate([tips[0], row, tips[1]])
     half = np.concatenate([row, _image(row, end)])
     return half if start is end else np.concatenate([half, _image(half, start)])
 
 
-def _corner(chain: Chain, a: Line, b: Line, reach: float) -> Floats:
+def _corner(chain: Chain, a: Line, b: Line, reach: float, true_corners: bool) -> Floats:
     """Return where two lines that follow each other meet, or a place between them if that is too far from the chain."""
     corner = _meeting(a.normal, a.offset, b.normal, b.offset)
-    place = chain.points[b.start]
+    place: Floats = chain.points[b.start]
     if corner is not None:
         if float(np.hypot(*(corner - place))) <= reach:
             return corner
+        if true_corners and chain.corners[b.start]:
+            return place
         low, high = min(a.start, b.start - 1), max(b.end, b.start + 1)
         some = chain.points[low : high + 1] if low < high else chain.points
         if float(shapely.distance(shapely.points(corner), shapely.linestrings(some))) <= reach:
@@ -347,7 +357,7 @@ def _merged(chain: Chain, lines: Sequence[Line]) -> list[Line]:
     if chain.is_closed and len(kept) > 3 and abs(_sine(kept[-1].normal, kept[0].normal)) < MEET:
         a, b = kept.pop(), kept[0]
         longer = a if a.end - a.start >= b.end - b.start else b
-        kept[0] = Line(b.start, b.end, longer.normal, longer.offset)
+        kept[0] = Line(a.start, b.end, longer.normal, longer.offset)
     return kept
 
 

@@ -26,44 +26,47 @@ ROUND = 0.2
 class Circle:
     """A chain, by its number, that is a circle: ``middle`` ``(2,)`` and ``radius`` in mm; ``off`` mm from it.
 
-    ``sides``: how many a regular polygon for it has at least; concentric ones have the same number.
+    ``largest``: the radius of the largest of those around the same middle.
     """
 
     chain: int
     middle: Floats
     radius: float
     off: float
-    sides: int
+    largest: float
+
+    def sides(self, tolerance: float) -> int:
+        """Return how many sides a polygon has, at least, that is within ``tolerance`` of all around its middle."""
+        bound = min((0.99 * tolerance - self.off) / self.largest, 0.9)
+        # a polygon of n sides, half of it outside, is off by r (1 - c) / (1 + c) with c = cos(pi / n)
+        n = math.ceil(math.pi / math.acos((1 - bound) / (1 + bound)) - 1e-9)
+        return max(4, n + n % 2)
 
 
 def circles_of(chains: Sequence[Chain], tolerance: float) -> list[Circle]:
-    """Return the circles among chains whose loops have no corners."""
-    found: list[Circle] = []
+    """Return the circles among chains without corners, the largest first; concentric ones share a middle."""
+    fitted: list[tuple[float, int, Floats, float]] = []
     for number, chain in enumerate(chains):
         if chain.corners.any() or len(chain.points) < 6:
             continue
         middle, radius = _fitted(chain)
-        off = float(np.abs(np.hypot(*(chain.points - middle).T) - radius).max())
+        fitted.append((radius, number, middle, _off(chain, middle, radius)))
+    found: list[Circle] = []
+    for radius, number, middle, off in sorted(fitted, key=lambda one: (-one[0], one[1])):
         if off > ROUND * tolerance:
             continue
-        bound = min((0.97 * tolerance - off) / radius, 0.9)
-        # a polygon of n sides, half of it outside: off by r (1 - c) / (1 + c) with c = cos(pi / n)
-        n = math.ceil(math.pi / math.acos((1 - bound) / (1 + bound)) - 1e-9)
-        found.append(Circle(number, middle, radius, off, max(4, n + n % 2)))
-    return [
-        Circle(
-            one.chain,
-            one.middle,
-            one.radius,
-            one.off,
-            max(other.sides for other in found if _concentric(one, other, tolerance)),
-        )
-        for one in found
-    ]
+        near = [one for one in found if float(np.hypot(*(one.middle - middle))) < ROUND * tolerance / 2]
+        if near:
+            shared = near[0].middle
+            found.append(Circle(number, shared, radius, _off(chains[number], shared, radius), near[0].largest))
+        else:
+            found.append(Circle(number, middle, radius, off, radius))
+    return found
 
 
-def _concentric(one: Circle, other: Circle, tolerance: float) -> bool:
-    return bool(np.hypot(*(one.middle - other.middle)) < ROUND * tolerance)
+def _off(chain: Chain, middle: Floats, radius: float) -> float:
+    """Return how far a chain is from a circle."""
+    return float(np.abs(np.hypot(*(chain.points - middle).T) - radius).max())
 
 
 def _fitted(chain: Chain) -> tuple[Floats, float]:
@@ -102,5 +105,6 @@ def regular_lines(chain: Chain, circle: Circle, sides: int, *, flat: bool) -> li
         normal = -inward * out
         lines.append(Line(a, b, normal, float(normal @ circle.middle) - inward * away))
     if chain.is_closed and len(lines) > 1 and np.allclose(lines[0].normal, lines[-1].normal):
-        lines.pop()
+        last, here = lines.pop(), lines[0]
+        lines[0] = Line(last.start, here.end, here.normal, here.offset)
     return lines

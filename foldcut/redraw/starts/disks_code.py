@@ -18,6 +18,9 @@ inlined = compiled_in(__name__, inline=True)
 
 INFINITE = 1e300
 
+TAPER = 0.3
+"""What a side costs more whose edges are not parallel."""
+
 
 @inlined
 def _off_line(points, k, i, j, x, y, c, known):
@@ -77,6 +80,8 @@ def fit_disks(points, disks, tolerance, weight, first, last, cost, previous):
             if other > tolerance:
                 continue
             total = cost[b] + 1.0 + weight * (max(worst, other) / tolerance) ** 2
+            if abs(s) > 1e-9:
+                total += TAPER
             if total < cost[n]:
                 cost[n], previous[n] = total, b
         if cost[n] >= INFINITE:

@@ -18,8 +18,17 @@ from foldcut.redraw.starts.fitting import ANY, End, Sides
 
 __all__ = ["Lead", "follow", "lead_of"]
 
-RADII = np.linspace(-1.6, 1.6, 17)
-"""By how much the radii that are tried differ from the one found, as parts of the tolerance."""
+RADII = np.arange(-8, 9)
+"""The radii that are tried: so many steps from the one found."""
+
+STEP = 0.2
+"""A step from one radius to the next, as a part of the tolerance."""
+
+TAPER = 1.0
+"""What a side costs whose edges are not parallel: the ridges across a strip go on straight between sides that are."""
+
+CLOSER = 0.3
+"""What a side costs that is off by all of the tolerance."""
 
 STEEPEST = 0.7
 """How fast a radius may change along a strip."""
@@ -58,9 +67,11 @@ def follow(
     first. ``first``, ``last``: only those of an axis matter. The other lines are within ``tolerance`` mm of their rows.
     """
     count = lead.known.shape[1]
+    step, usual = STEP * tolerance, float(np.median(along[:, 2]))
     nodes: list[Disks] = []
     for k in range(count + 1):
-        node = _node(points, along, lead, k, tolerance)
+        radii = usual + step * (RADII + round((float(along[lead.cuts[k], 2]) - usual) / step))
+        node = _node(points, radii.astype(np.float64), lead, k)
         if node is None:
             return None
         nodes.append(node)
@@ -83,7 +94,8 @@ def follow(
                 normal, offset, possible = _tangents(nodes[s], nodes[s + 1], known, edge)
             piece = points[edge, lead.cuts[s] : lead.cuts[s + 1] + 1]
             off = np.abs(normal @ piece.T - offset[..., None]).max(axis=2)
-            price = np.where(possible & (off <= tolerance), (off / tolerance) ** 2, np.inf)
+            taper = np.abs(normal @ np.array([known[1], -known[0]])) > 1e-9
+            price = np.where(possible & (off <= tolerance), CLOSER * (off / tolerance) ** 2 + TAPER * taper, np.inf)
         total = cost[:, None] + price
         behind.append(total.argmin(axis=0))
         cost = total.min(axis=0)
@@ -100,7 +112,7 @@ def follow(
     return Sides(lead.cuts, normals, offsets, float(count))
 
 
-def _node(points: Floats, along: Floats, lead: Lead, k: int, tolerance: float) -> Disks | None:
+def _node(points: Floats, radii: Floats, lead: Lead, k: int) -> Disks | None:
     """Return the disks that may lie between sides k - 1 and k, or at an end."""
     column, count = int(lead.cuts[k]), lead.known.shape[1]
     sides = [s for s in (k - 1, k) if 0 <= s < count]
@@ -119,7 +131,6 @@ def _node(points: Floats, along: Floats, lead: Lead, k: int, tolerance: float) -
     if len(rows) < 2:
         return None
     if len(rows) == 2:
-        radii = along[column, 2] + tolerance * RADII
         sine = float(system[0, 0] * system[1, 1] - system[0, 1] * system[1, 0])
         if abs(sine) < 0.03:
             return None
@@ -128,7 +139,7 @@ def _node(points: Floats, along: Floats, lead: Lead, k: int, tolerance: float) -
     found = np.linalg.lstsq(system, value, rcond=None)[0]
     if len(rows) > 3 and np.abs(system @ found - value).max() > 1e-9 * np.abs(value).max():
         return None
-    if abs(float(found[2]) - along[column, 2]) > 3 * tolerance:
+    if not radii.min() <= found[2] <= radii.max():
         return None
     return found[None, :2], found[2:]
 

@@ -6,8 +6,7 @@ hundredths of a millimetre.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import shapely
@@ -15,11 +14,16 @@ import shapely
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.model import Shape
 from foldcut.geometry.vectors import signed_area
+from foldcut.redraw.starts.chains import Axis
 
 __all__ = ["Near"]
 
 STEP = 1.0
 """The distance between samples, in mm of the frame."""
+
+
+STRAIGHT = 1e-4
+"""A corner that is nearer than this to the line between its neighbours, in mm, is none."""
 
 
 class Near:
@@ -49,9 +53,13 @@ class Near:
                 return worst
         return worst
 
-    @cached_property
-    def _turns(self) -> list[float]:
-        return [float(np.sign(signed_area(loop))) for loop in self.drawn.loops]
+    def asymmetry(self, axes: Iterable[Axis]) -> float:
+        """Return how far mirror images of the drawing's points are from it, at most, in mm."""
+        whole = shapely.multilinestrings(self._lines)
+        shapely.prepare(whole)
+        points = np.concatenate([sampled(loop, 2 * STEP) for loop in self.drawn.loops])
+        off = [float(shapely.distance(shapely.points(axis.mirrored(points)), whole).max()) for axis in axes]
+        return max(off, default=0.0)
 
     def shape(self, loops: Sequence[Floats], tolerance: float) -> Shape | None:
         """Return the shape of ``loops``, one for each drawn one, if it is near enough, else None.
@@ -59,7 +67,8 @@ class Near:
         Loops may not cross or touch, and must be nested as the drawn ones are.
         """
         turned = []
-        for loop in loops:
+        for drawn in loops:
+            loop = without_straight_corners(drawn)
             if len(loop) < 3 or not np.isfinite(loop).all():
                 return None
             turned.append(points_array(loop if signed_area(loop) > 0 else loop[::-1]))
@@ -77,6 +86,20 @@ class Near:
             ):
                 return None
         return Shape(tuple(turned), self.drawn.parent)
+
+
+def without_straight_corners(loop: Floats) -> Floats:
+    """Return a closed loop without corners that are within ``STRAIGHT`` of the line between those beside them."""
+    while len(loop) > 3:
+        before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
+        chord = before + after
+        length = np.maximum(np.hypot(*chord.T), 1e-12)
+        height = np.abs(before[:, 0] * chord[:, 1] - before[:, 1] * chord[:, 0]) / length
+        worst = int(height.argmin())
+        if height[worst] > STRAIGHT:
+            break
+        loop = np.delete(loop, worst, axis=0)
+    return loop
 
 
 def sampled(loop: Floats, step: float) -> Floats:

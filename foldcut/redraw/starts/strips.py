@@ -149,12 +149,18 @@ def _partners(samples: _Samples, inside: bool) -> tuple[Indices, Floats]:
 
 
 class Pairs:
-    """The samples of all chains and their partners, of paper inside (True) and outside (False)."""
+    """The samples of all chains and their partners, with paper of the shape between them or paper around it."""
 
     def __init__(self, chains: Chains) -> None:
         self.chains = chains
         self.samples = _samples(chains)
-        self.partners = {inside: _partners(self.samples, inside) for inside in (True, False)}
+        self._partners: dict[bool, tuple[Indices, Floats]] = {}
+
+    def partners(self, inside: bool) -> tuple[Indices, Floats]:
+        """Return for each sample its partner, -1 for none, and the diameter of the disk between them."""
+        if inside not in self._partners:
+            self._partners[inside] = _partners(self.samples, inside)
+        return self._partners[inside]
 
 
 def find_strips(pairs: Pairs, *, inside: bool, shortest: float = 0.8) -> list[Strip]:
@@ -177,7 +183,7 @@ def find_strips(pairs: Pairs, *, inside: bool, shortest: float = 0.8) -> list[St
 
 def _runs(pairs: Pairs, inside: bool) -> list[Strip]:
     """Return the runs of samples whose partners follow each other, each seen from both of its edges."""
-    samples, (partner, width) = pairs.samples, pairs.partners[inside]
+    samples, (partner, width) = pairs.samples, pairs.partners(inside)
     found: list[Strip] = []
     start = 0
     while start < samples.count:
