@@ -44,6 +44,12 @@ CORNERS_FOR_A_FOLD = 1.0
 """A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands. Of a
 symmetric drawing those on one side of its axes count."""
 
+FEWER_CORNERS_FOR_A_FOLD = 0.5
+"""The same where outlines that are far off may be tried: then it takes longer than those, and finds more folds."""
+
+FAR_OFF = 1.0
+"""Outlines that are at least so much off, in mm of the frame, are far off."""
+
 FOLDS_FOR_A_CORNER = 2.0
 """Patterns of curved drawings have at least this many folds for each corner of an outline, or of its part between axes.
 
@@ -341,7 +347,9 @@ class _Search:
         corners = laying.outline.corner_count
         start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
         if not alone:
-            if self._corners_beside_axes() > CORNERS_FOR_A_FOLD * max(self.bounds.folds, HANDS_FOLDS):
+            far = self.bounds.tolerances(self.scale)[-1] >= FAR_OFF
+            most = FEWER_CORNERS_FOR_A_FOLD if far else CORNERS_FOR_A_FOLD
+            if self._corners_beside_axes() > most * max(self.bounds.folds, HANDS_FOLDS):
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
