@@ -283,7 +283,6 @@ class _Search:
         self.deadline = None if self.effort.seconds is None else time.monotonic() + self.effort.seconds
         self.before = self.frame.shape.loops
         self.more = 0
-        self.doing = ""
         self.since = self.until = self.stages.done
 
     def run(self) -> Ladder:
@@ -310,7 +309,7 @@ class _Search:
             self.levels.insert(0, self.levels.pop())
         ladder = Ladder(tuple(self.levels), self._taken(), self.bounds.folds, self.interrupted)
         self.until = 1.0
-        self._progress(self.doing, 1.0)
+        self._progress("verify", 1.0)  # as each of them was
         return ladder
 
     # ---- one level ----
@@ -562,7 +561,6 @@ class _Search:
         self.since, self.until = self.until, 1.0 if last else (self.until + 1.0) / 2
 
     def _progress(self, text: str, fraction: float) -> None:
-        self.doing = text
         self.stages.start, self.stages.until = self.since, self.until
         self.stages.tell(text, fraction)
 

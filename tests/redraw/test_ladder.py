@@ -26,7 +26,6 @@ from foldcut.methods.auto import HANDS, LAST_RESORTS
 from foldcut.methods.base import Effort, Made, Wishes
 from foldcut.methods.progress import Stages
 from foldcut.pattern.ranking import shortest_crease
-from foldcut.redraw import ladder as module
 from foldcut.redraw.bounds import Bounds
 from foldcut.redraw.distance import apart
 from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
@@ -106,7 +105,7 @@ def climb(what: Drawn, folder: Folder, effort: Effort | None = None, **bounds: A
     wishes = bounds.pop("wishes", Wishes())
     on_pattern = bounds.pop("on_pattern", None)
     effort = effort or Effort("fast")
-    with mock.patch.object(module, "redraw", pretended(folder)):
+    with mock.patch("foldcut.redraw.redrawing.redraw", pretended(folder)):
         return redraw_and_fold(what, Bounds(**bounds), wishes, folder, effort, Stages(), on_pattern=on_pattern)
 
 
