@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
 
 ## Fold three samples out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
 demo: $(VENV)/installed
@@ -67,6 +67,10 @@ sweep-icons: $(VENV)/installed-test tools
 bench-redraw: $(VENV)/installed-test
 	$(BIN)/foldcut compile
 	$(BIN)/python tests/bench/redraw.py --out out $(if $(SHAPES),--shapes $(SHAPES)) $(if $(SHARE),--share $(SHARE))
+
+## How many outlines the search for outlines assesses in a second, beside the way of its prototype: out/outlines.json.
+bench-outlines: $(VENV)/installed-test
+	$(BIN)/python tests/bench/outlines.py --out out
 
 ## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz.
 READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold

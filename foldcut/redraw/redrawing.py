@@ -6,6 +6,7 @@ than the best pattern so far are folded, and where the layers of one have no ord
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -28,6 +29,9 @@ TRIES = 9, 300
 
 REFUSED = 30.0
 """What is added to the cost of an outline whose layers have no order."""
+
+MOST_REFUSED = 2
+"""So many outlines with the same skeleton are refused before no more of them are folded."""
 
 WORK = {"fast": 6_000, "normal": 20_000, "best": 200_000}
 """How much work a search by one plan is, by effort, in assessments of outlines."""
@@ -102,6 +106,7 @@ class _Redrawing:
         self.tolerance = tolerance
         self.keep = keep
         self.folded = 0
+        self.refused: Counter[object] = Counter()
         self.best: Redrawn | None = None
         self.reasons: list[str] = []
         self.engine = Engine(plan.field(tolerance))
@@ -116,21 +121,23 @@ class _Redrawing:
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""
-        if self.folded >= MOST_FOLDED:
+        skeleton = one.lines, one.loop_sizes, frozenset(one.details.sides.values())
+        if self.folded >= MOST_FOLDED or self.refused[skeleton] >= MOST_REFUSED:
             return REFUSED
-        self.folded += 1
         try:
             shape, half = self.plan.outline(one.points, one.loop_sizes)
             off, _ = self.plan.target.off_by(shape.loops)
             if off > self.tolerance * (1 + 1e-6):
                 self.reasons.append(f"off {off:.3f}")
                 return REFUSED
+            self.folded += 1
             sheet = self.plan.frame.sheet if half is None else half.sheet
             outline = shape if half is None else half.outline
             tries = max(TRIES[0], TRIES[1] // outline.corner_count)
             made = fold_outline(outline, sheet, tries=tries, part=half)
             redrawn = self._on_sheet(shape, made, off)
         except FoldcutError as error:
+            self.refused[skeleton] += 1
             self.reasons.append(str(error))
             return REFUSED
         if self.best is None or redrawn.key < self.best.key:

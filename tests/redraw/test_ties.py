@@ -194,7 +194,7 @@ def test_compiled_and_plain_kernels_move_corners_alike() -> None:
 
 def hausdorff(some: Sequence[Floats], others: Sequence[Floats]) -> float:
     """The Hausdorff distance by an independent library, of outlines with a point every 0.2 mm."""
-    lines = [shapely.segmentize(shapely.multilinestrings([np.concatenate([loop, loop[:1]]) for loop in loops]), 0.2)
+    lines = [shapely.segmentize(shapely.MultiLineString([np.concatenate([loop, loop[:1]]) for loop in loops]), 0.2)
              for loops in (some, others)]  # fmt: skip
     return float(shapely.hausdorff_distance(*lines))
 
@@ -223,8 +223,11 @@ def test_the_deviation_is_the_distance_between_outline_and_drawing(seed: int) ->
             # beyond 2.5 tolerances the distance is not looked for; too sharp corners are refused, too
             assert true > 2 * field.tolerance or not ring.is_simple or _sharpest(points) < 2.0
             continue
-        assert off <= true + 0.2
         assert off >= true - max(0.6, 0.1 * true)
+        if true < 2 * field.tolerance:  # beyond that, it may say more
+            assert off <= true + 0.2
+            compared += 1
+    assert compared
 
 
 def _sharpest(points: Floats) -> float:

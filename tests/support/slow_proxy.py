@@ -70,8 +70,8 @@ def slow_proxy(shape: Shape, sheet: Sheet, axes: tuple[int, ...] = ()) -> Slow:
     ended = sum(1 + (path.end in nodes) for path in every.paths)
     endless = sum(node not in ending for node in ridges.odd)
     all_end = begun == ended
-    counted = [_counted(every, taken, sheet, axes) for taken in away_from_roots(every) or [[]]] if all_end else []
-    return Slow(len(ridges.odd), endless, all_end, counted)
+    patterns = [counted(every, taken, sheet, axes) for taken in away_from_roots(every) or [[]]] if all_end else []
+    return Slow(len(ridges.odd), endless, all_end, patterns)
 
 
 def _begins(every: Perpendiculars, face: int, node: int, upper: int) -> bool:
@@ -89,7 +89,8 @@ def creases_of(every: Perpendiculars, taken: list[int]) -> tuple[Floats, list[tu
     return np.array(division.points), [edge for edge, _ in division.planar()[1]]
 
 
-def _counted(every: Perpendiculars, taken: list[int], sheet: Sheet, axes: tuple[int, ...]) -> Counted:
+def counted(every: Perpendiculars, taken: list[int], sheet: Sheet, axes: tuple[int, ...] = ()) -> Counted:
+    """Return what can be counted in the pattern of a set of perpendiculars, pieces of axes included."""
     points, edges = creases_of(every, taken)
     used = np.unique(edges)
     number = np.full(len(points), -1)
