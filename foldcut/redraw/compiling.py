@@ -17,6 +17,7 @@ from foldcut.core.arrays import Floats, points_array
 from foldcut.core.compiled import compiled_copy, forget_unreadable, is_ready
 from foldcut.core.model import Shape
 from foldcut.geometry.straight_skeleton import wavefront
+from foldcut.geometry.straight_skeleton.skeleton import use_compiled
 from foldcut.redraw import proxy_kernel, ties_kernel
 from foldcut.redraw.proxy import Engine, Field, Meeting
 from foldcut.redraw.starts import all_starts, arcs_code, disks_code, pieces
@@ -38,12 +39,15 @@ ENTRIES = (
 
 
 def get_ready(progress: Callable[[str], None]) -> float:
-    """Compile what is not compiled yet, and return the seconds that took; ``progress`` is told before that."""
-    if is_compiled():
-        return 0.0
+    """Compile what is not compiled yet, and return the seconds that took; ``progress`` is told before that.
+
+    From then on all skeletons of this process are made in compiled code.
+    """
     started = time.monotonic()
-    progress(COMPILING)
-    compile_ahead()
+    if not is_compiled():
+        progress(COMPILING)
+        compile_ahead()
+    use_compiled()
     return time.monotonic() - started
 
 

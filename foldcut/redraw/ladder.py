@@ -246,6 +246,27 @@ def redraw_and_fold(
     return _Search(drawn, bounds, wishes, fold, effort, stages, on_pattern).run()
 
 
+def redraw(
+    drawing: Drawing,
+    tolerance: float,
+    *,
+    effort: str,
+    found: Callable[[Redrawn], None],
+    is_late: Callable[[], bool],
+    progress: Callable[[str, float], None],
+    compiled: Callable[[float], None],
+) -> None:
+    """Search outlines as ``redrawing.redraw`` does, which is loaded now, and compiled where it has not been yet.
+
+    ``compiled`` is called with the seconds that compiling took.
+    """
+    from foldcut.redraw import compiling, redrawing
+
+    compiled(compiling.get_ready(lambda text: progress(text, 0.0)))
+    work = redrawing.WORK[effort]
+    redrawing.redraw(drawing, tolerance, work=work, found=found, is_late=is_late, progress=progress)
+
+
 class _Frame:
     """The drawing as large as fits on A4, where outlines are searched, and the way there and back.
 
@@ -342,12 +363,6 @@ class _Search:
 
         Unless it is the ``last``, one at which the outline has too many corners is passed over.
         """
-        from foldcut.redraw.compiling import get_ready
-        from foldcut.redraw.redrawing import WORK, redraw
-
-        compiling = get_ready(lambda text: self._progress(text, 0.0))
-        if self.deadline is not None:
-            self.deadline += compiling  # that is done once on a machine, and no part of the search
         started = time.perf_counter()
         drawing = self._drawing(tolerance)
         start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(drawing, self))
@@ -369,10 +384,11 @@ class _Search:
             redraw(
                 drawing,
                 tolerance,
-                work=WORK[self.effort.name],
+                effort=self.effort.name,
                 found=found,
                 is_late=self._is_late,
                 progress=self._progress,
+                compiled=self._wait,
             )
         except KeyboardInterrupt:
             if best is None:
@@ -530,6 +546,11 @@ class _Search:
             return True  # the drawing folds as it is, so nobody asks what else it would cost
         hands = any(level.for_hands for level in self.levels)
         return hands and self.more >= self.bounds.next_level
+
+    def _wait(self, seconds: float) -> None:
+        """Put off the end of the search by what is no part of it."""
+        if self.deadline is not None:
+            self.deadline += seconds
 
     def _is_late(self) -> bool:
         return self.deadline is not None and time.monotonic() > self.deadline

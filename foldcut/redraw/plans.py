@@ -119,7 +119,7 @@ class Plan:
         loops = tuple(np.split(corners, np.cumsum(sizes)[:-1]))
         if not self.axes:
             shape = make_shape(loops)
-            if len(shape.parent) != len(self.target.parent) or shape.corner_count != len(corners):
+            if len(shape.parent) != len(self.target.parent):
                 raise ShapeError("the redrawn outline is no shape")
             return shape, None
         area = shapely.Polygon()

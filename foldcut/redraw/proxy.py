@@ -31,6 +31,9 @@ SHORT_COST = 3.0, 7.0
 ENDLESS_COST = 25.0
 """What a node costs whose perpendiculars do not end: more lines than they would have."""
 
+FITS = 2
+"""How many steps the corners are fitted to the drawing while they are moved; then nothing but the ties counts."""
+
 LOOSE_COST = 6.0
 """What each perpendicular costs that does not end, even if it is not folded: what lies beyond it is not known."""
 
@@ -344,7 +347,7 @@ class _Place:
             np.ascontiguousarray(samples[:, 0]), np.ascontiguousarray(samples[:, 1]), grid, cell_first, cell_item,
             lines,
         )  # fmt: skip
-        self.moving.sizes[:5] = engine.field.tolerance, EXACT * diagonal, 0.0, width, height
+        self.moving.sizes[:5] = engine.field.tolerance, EXACT * diagonal, FITS, width, height
         self.samples = len(samples)
 
 
@@ -422,15 +425,24 @@ class Engine:
         return float(self.ties.deviation(at.moving, at.count, at.samples, most))
 
     def solve(
-        self, points: Floats, loop_sizes: tuple[int, ...], ties: Sequence[Tie], meetings: Sequence[Meeting] = ()
+        self,
+        points: Floats,
+        loop_sizes: tuple[int, ...],
+        ties: Sequence[Tie],
+        meetings: Sequence[Meeting] = (),
+        fits: int = FITS,
     ) -> Floats | None:
-        """Return the corners moved so that ties and meetings hold, None where that fails."""
+        """Return the corners moved so that ties and meetings hold, None where that fails.
+
+        They are fitted to the drawing in the first ``fits`` steps: more are needed where corners were left out.
+        """
         at = self.place(points, loop_sizes)
         if at is None or len(meetings) > len(at.moving.meeting) or len(ties) >= len(at.moving.tie_first):
             return None
         self.solved += 1
         self.load(at, points)
         moving, filled = at.moving, 0
+        moving.sizes[ties_kernel.FITS] = fits
         for k, tie in enumerate(ties):
             moving.tie_first[k] = filled
             moving.member[filled : filled + len(tie)] = tie

@@ -24,7 +24,7 @@ from foldcut.redraw.search import Search
 MOST_FOLDED = 12
 """How many outlines of one plan are folded at most."""
 
-TRIES = 9, 300
+TRIES = 8, 200
 """How many sets of perpendiculars are tried for each: so many, or more if there are few corners."""
 
 REFUSED = 30.0

@@ -24,6 +24,9 @@ REACH = 10.0, 10.0
 LEAST_GAIN = 0.05
 """A change that saves less than this is not made."""
 
+MORE_FITS = 8
+"""How many steps corners are fitted to the drawing after a change of their number."""
+
 LOOK = 0.35
 """The part of the work for a short look at each of the outlines to begin with."""
 
@@ -219,7 +222,7 @@ class Search:
     def _realised(self, outline: Outline) -> Assessment | None:
         """Return a changed outline with as many of its ties as can be had."""
         for ties in (outline.ties, [])[: 1 + bool(outline.ties)]:
-            points = self.engine.solve(outline.points, outline.loop_sizes, ties)
+            points = self.engine.solve(outline.points, outline.loop_sizes, ties, fits=MORE_FITS)
             if points is not None and self.engine.is_good(points, outline.loop_sizes):
                 return self.assess(points, outline.loop_sizes)
         return None

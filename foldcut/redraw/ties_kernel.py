@@ -38,7 +38,7 @@ DIFFERENCE = 1e-5
 SOLVED, FAILED = 1, 0
 
 # places in ``t.sizes``
-TOLERANCE, EXACT, MOST_DEVIATION, WIDTH, HEIGHT = range(5)
+TOLERANCE, EXACT, FITS, WIDTH, HEIGHT = range(5)
 
 
 @compiled
@@ -398,8 +398,8 @@ def step(t, n, rows):
 def solve(t, n, ties, meetings, samples):
     """Move the corners until ties and meetings hold exactly; returns whether they do."""
     exact = t.sizes[EXACT]
-    fits = 2
-    for turn in range(MOST_STEPS):
+    fits = int(t.sizes[FITS])
+    for turn in range(MOST_STEPS + fits):
         if not set_sides(t, n):
             return FAILED
         rows = 0
@@ -436,7 +436,7 @@ def solve(t, n, ties, meetings, samples):
         for k in range(n):
             t.x[k] += t.change[2 * k]
             t.y[k] += t.change[2 * k + 1]
-        if turn == 1:
+        if turn == fits - 1:
             if not set_sides(t, n):
                 return FAILED
             if deviation_of_samples(t, n, samples) > 2.0 * t.sizes[TOLERANCE]:

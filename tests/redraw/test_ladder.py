@@ -113,16 +113,24 @@ def told(ladder: Ladder) -> list[float]:
     return [round(level.tolerance_mm, 6) for level in ladder.levels]
 
 
-def test_a_drawing_for_two_hands_is_taken_as_it_is_and_one_more_tolerance_says_what_it_would_cost() -> None:
-    folder = Folder(lambda corners: corners // 2)
-    ladder = climb(drawn(CIRCLES["circle"]), folder)
-    assert (told(ladder), ladder.taken) == ([0, 0.25], 0)
+def test_a_drawing_for_two_hands_is_taken_as_it_is_and_nothing_else_is_tried() -> None:
+    ladder = climb(drawn(CIRCLES["circle"]), Folder(lambda corners: corners // 2))
+    assert (told(ladder), ladder.taken) == ([0], 0)
     assert ladder.level.off_by_mm == 0
     assert ladder.level.drawn == ()
+    assert ladder.after is None
+
+
+def test_one_more_tolerance_says_what_it_would_cost() -> None:
+    what = drawn(CIRCLES["circle"])
+    folder = Folder(lambda corners: 999 if corners == what.whole.corner_count else corners // 2)
+    ladder = climb(what, folder)
+    assert ladder.taken > 0
     assert ladder.after is not None
     assert ladder.after.folds is not None
-    assert ladder.after.folds < 45
-    assert len(climb(drawn(CIRCLES["circle"]), folder, next_level=False).levels) == 1
+    assert ladder.level.folds is not None
+    assert ladder.after.folds <= ladder.level.folds
+    assert len(climb(what, folder, next_level=False).levels) == ladder.taken + 1
 
 
 @pytest.mark.parametrize("name", CIRCLES)

@@ -232,9 +232,18 @@ class Default:
                 self.made = Arrays()
         return self.made
 
+    def use_compiled(self) -> None:
+        """Use compiled code from now on: it has been loaded for something else."""
+        self.made, self.is_decided = Arrays(), True
+
 
 DEFAULT = Default()
 """The choice of this process."""
+
+
+def use_compiled() -> None:
+    """Let this process make all skeletons in compiled code from now on."""
+    DEFAULT.use_compiled()
 
 
 def compile_ahead() -> None:

@@ -29,9 +29,9 @@ def fold_outline(
 ) -> Skeletal:
     """Return the pattern of the first set of perpendiculars, of at most ``tries``, that can be folded.
 
-    The set with the fewest folds is tried first. Then these come in the order of their folds: sets that do not repeat
-    what has failed, as many as are tried, and sets that fold all paper away from a joint or from a corridor, which can
-    mostly be folded.
+    The set with the fewest folds is tried first. Then these take turns: sets that fold all paper away from a corridor
+    or from a joint, which can mostly be folded, and the cheapest sets that do not repeat what has failed. Once one of
+    the former can be folded, only cheaper ones of the latter are tried.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
     refused. Where ``sheet`` is a part of a sheet, ``part`` says how the pattern of the whole sheet comes from it.
@@ -48,33 +48,36 @@ def fold_outline(
     def fold(perpendiculars: Perpendiculars, taken: frozenset[int]) -> Trial:
         return attempt(Drawing(part or SheetPart(shape), 0.0, perpendiculars), taken, budget)
 
-    first = trial = fold(odd, frozenset(fewest[0]))
-    if trial.made is None:
-        every = trace(ridges, ridges.nodes) if len(ridges.nodes) > len(ridges.odd) else odd
-        others, lessons = _away(every), _Lessons(odd)
-        lessons.learn(trial)
-        other = next(others, None)
-        for _ in range(tries - 1):
-            taken = lessons.cheapest
-            if taken is not None and (other is None or odd.line_count(taken) <= every.line_count(other)):
-                trial = fold(odd, taken)
-                lessons.learn(trial)
-            elif other is not None:
-                trial = fold(every, other)
-                other = next(others, None)
-            else:
-                break
-            if trial.made is not None:
-                break
-    if trial.made is None:
+    first = fold(odd, frozenset(fewest[0]))
+    if first.made is not None:
+        return first.made
+    every = trace(ridges, ridges.nodes) if len(ridges.nodes) > len(ridges.odd) else odd
+    others, lessons = _away(every), _Lessons(odd)
+    lessons.learn(first)
+    made, lines = None, 0
+    for number in range(tries - 1):
+        taken = lessons.cheapest
+        other = next(others, None) if made is None and (number % 2 == 0 or taken is None) else None
+        if other is not None:
+            trial, count = fold(every, other), every.line_count(other)
+        elif taken is not None and (made is None or odd.line_count(taken) < lines):
+            trial, count = fold(odd, taken), odd.line_count(taken)
+            lessons.learn(trial)
+        else:
+            break
+        if trial.made is not None:
+            if made is not None or other is None:
+                return trial.made
+            made, lines = trial.made, count
+    if made is None:
         raise UnfoldableError(first.problem)
-    return trial.made
+    return made
 
 
 def _away(perpendiculars: Perpendiculars) -> Iterator[frozenset[int]]:
-    """Yield sets that fold all paper away from a joint and away from a corridor, in turns, each once."""
+    """Yield sets that fold all paper away from a corridor and away from a joint, in turns, each once."""
     seen: set[frozenset[int]] = set()
-    for both in zip_longest(away_from_joints(perpendiculars), away_from_roots(perpendiculars)):
+    for both in zip_longest(away_from_roots(perpendiculars), away_from_joints(perpendiculars)):
         for one in both:
             if one is not None and (taken := frozenset(one)) not in seen:
                 seen.add(taken)
