@@ -73,7 +73,8 @@ def slow_proxy(shape: Shape, sheet: Sheet, axes: tuple[int, ...] = ()) -> Slow:
     )
     ended = sum(1 + (path.end in nodes) for path in every.paths)
     endless = sum(node not in ending for node in ridges.odd)
-    patterns = [counted(every, taken, sheet, axes) for taken in away_from_roots(every) or [[]]] if begun == ended else []
+    sets = (away_from_roots(every) or [[]]) if begun == ended else []
+    patterns = [counted(every, taken, sheet, axes) for taken in sets]
     return Slow(len(ridges.odd), endless, begun - ended, patterns)
 
 
