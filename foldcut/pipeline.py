@@ -210,7 +210,9 @@ def fold(
     if exact is None:
         exact = method != AUTO and METHODS[method].needs_ribbon and tolerance is None and not level
     corners = None if preparation is None else preparation.corners
-    bounds = Bounds(tolerance, level, exact, HANDS_FOLDS if folds is None else folds, corners, small_parts, next_level)
+    bounds = Bounds(
+        tolerance, level, exact, HANDS_FOLDS if folds is None else folds, corners, small_parts, next_level, method
+    )
     with stages("reading"):
         paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
         layout = Layout(paper, margin, scale, offset, rotation, width, height)

@@ -12,6 +12,11 @@ from foldcut.core.errors import BadInputError
 
 __all__ = ["FEWEST", "HANDS_CREASE_MM", "HANDS_FOLDS", "LEVELS", "SMALL_PARTS", "TOLERANCES", "Bounds"]
 
+ANY_METHOD = "auto"
+
+FOLD_REDRAWN = (ANY_METHOD, "mirror", "skeleton")
+"""The methods that fold outlines drawn anew; by others, drawings are folded as they are."""
+
 TOLERANCES = (0.25, 0.5, 1.0, 2.0, 4.0)
 """The tolerances that are tried after the drawing as it is, in mm of the frame."""
 
@@ -42,7 +47,8 @@ class Bounds:
     which is one of ``LEVELS`` or empty for the last of ``TOLERANCES``. ``exact``: the drawing's corners stay where they
     are. ``folds``: how many folds a pattern for two hands has at most. ``corners``: how many corners an outline has at
     most, None for any number. ``small_parts``: one of ``SMALL_PARTS``. ``next_level``: once there is an outline for two
-    hands, one more tolerance is tried, to say what it would cost, unless the drawing folds as it is.
+    hands, one more tolerance is tried, to say what it would cost, unless the drawing folds as it is. ``method``:
+    the one that is asked for, or ``ANY_METHOD``.
 
     Raises ``BadInputError`` for what makes no sense.
     """
@@ -54,6 +60,7 @@ class Bounds:
     corners: int | None = None
     small_parts: str = "drop"
     next_level: bool = True
+    method: str = ANY_METHOD
 
     def __post_init__(self) -> None:
         if self.tolerance is not None and not 0 <= self.tolerance < float("inf"):
@@ -82,7 +89,7 @@ class Bounds:
 
         ``scale``: mm on the sheet for each mm of the frame.
         """
-        if self.is_exact:
+        if self.is_exact or self.method not in FOLD_REDRAWN:
             return 0.0
         most = LEVELS[self.level] if self.level else TOLERANCES[-1]
         return most if self.tolerance is None else min(most if self.level else float("inf"), self.tolerance / scale)

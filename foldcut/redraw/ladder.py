@@ -31,6 +31,7 @@ from foldcut.methods.frame import ADJUST
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
+from foldcut.proof.verify import verify
 from foldcut.redraw.bounds import HANDS_CREASE_MM, HANDS_FOLDS, Bounds
 from foldcut.redraw.distance import apart
 
@@ -256,6 +257,7 @@ def redraw(
     drawing: Drawing,
     tolerance: float,
     *,
+    method: str,
     effort: str,
     found: Callable[[Redrawn], None],
     is_late: Callable[[], bool],
@@ -270,7 +272,7 @@ def redraw(
 
     compiled(compiling.get_ready(lambda text: progress(text, 0.0)))
     work = redrawing.WORK[effort]
-    redrawing.redraw(drawing, tolerance, work=work, found=found, is_late=is_late, progress=progress)
+    redrawing.redraw(drawing, tolerance, method=method, work=work, found=found, is_late=is_late, progress=progress)
 
 
 class _Frame:
@@ -384,7 +386,8 @@ class _Search:
 
         def found(one: Redrawn) -> None:
             nonlocal best
-            if self._has_few_corners(one.made.laid.shape):
+            long = self.wishes.min_crease is None or shortest_crease(one.made.creases) >= self.wishes.min_crease
+            if long and self._has_few_corners(one.made.laid.shape):
                 best = self._of_redrawn(start, drawing, one, time.perf_counter() - started)
                 self._tell(best)
 
@@ -392,6 +395,7 @@ class _Search:
             redraw(
                 drawing,
                 tolerance,
+                method=self.bounds.method,
                 effort=self.effort.name,
                 found=found,
                 is_late=self._is_late,
@@ -419,7 +423,11 @@ class _Search:
     def _of_redrawn(self, level: Level, drawing: Drawing, one: Redrawn, seconds: float) -> Level:
         """Return a level with the pattern of a redrawn outline."""
         made, on = one.made, one.made.laid
-        off = one.off * self.scale
+        off = 0.0 if one.off < NOT_MOVED else one.off * self.scale
+        started = time.perf_counter()
+        findings = tuple(verify(made.creases, made.folded.layers, on.shape))
+        spent = self.stages.seconds
+        spent["verify"] = spent.get("verify", 0.0) + time.perf_counter() - started
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
         corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
@@ -428,12 +436,13 @@ class _Search:
             level,
             off_by_mm=off,
             laid=on,
-            tried=Tried(made, (attempt,), (), made.laid.notes),
+            tried=Tried(made, (attempt,), findings),
             corners=on.shape.corner_count,
             folds=made.actions,
             shortest_mm=shortest,
             layers=layers_at_cut(made.creases.faces_vertices, made.folded),
-            for_hands=few and long,
+            for_hands=few and long and not findings,
+            failure=f"not verified: {findings[0]}" if findings else "",
             seconds=seconds,
             notes=(f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *level.notes),
             drawn=drawing.on_sheet(one.plan) if off > SEEN_MM else (),

@@ -17,6 +17,7 @@ from foldcut.methods.mirror.skeletal import made_of_half
 from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.ranking import shortest_crease
+from foldcut.redraw.bounds import ANY_METHOD
 from foldcut.redraw.plans import Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search
@@ -63,6 +64,7 @@ def redraw(
     drawing: Drawing,
     tolerance: float,
     *,
+    method: str = ANY_METHOD,
     work: int = WORK["normal"],
     found: Callable[[Redrawn], None] | None = None,
     is_late: Callable[[], bool] = lambda: False,
@@ -70,9 +72,9 @@ def redraw(
 ) -> Redrawn | None:
     """Return the best pattern found for a drawing redrawn within ``tolerance`` mm of the frame, or None.
 
-    ``work`` is how much is done for each plan, in assessments of outlines. ``found`` is called with each pattern that
-    is better than those before. The search ends early when ``is_late``. ``progress`` is called with a text and the part
-    done.
+    ``method`` folds: "mirror", "skeleton", or any. ``work`` is how much is done for each plan, in assessments of
+    outlines. ``found`` is called with each pattern that is better than those before. The search ends early when
+    ``is_late``. ``progress`` is called with a text and the part done.
     """
     best: Redrawn | None = None
 
@@ -84,6 +86,8 @@ def redraw(
                 found(one)
 
     for number, plan in enumerate(plans(drawing)):
+        if method != ANY_METHOD and method != ("mirror" if plan.axes else "skeleton"):
+            continue
         if is_late() or (best is not None and not plan.axes):
             break  # folded in half first, it is easier than as a whole
 

@@ -27,6 +27,7 @@ from foldcut.core.model import Finding, Sheet
 from foldcut.exporters import export
 from foldcut.methods import METHODS
 from foldcut.proof.verify import CHECKS
+from foldcut.redraw import ladder
 
 SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
 SMALL = ["--sheet", "60x60"]
@@ -301,7 +302,8 @@ def test_a_folder_and_an_archive_hold_all_files_and_say_what_they_are(
 def break_verification(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let verification find something in every pattern."""
     finding = Finding("layers", "faces 3 and 4 cross", (12.5, 7.0), 0.25)
-    monkeypatch.setattr(pipeline, "verify", lambda *_: [finding, finding])
+    for module in (pipeline, ladder):
+        monkeypatch.setattr(module, "verify", lambda *_: [finding, finding])
 
 
 def test_a_pattern_that_is_not_verified_is_not_written(

@@ -25,7 +25,7 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.pattern.foldability import crease_numbers
-from foldcut.redraw.proxy import ENDLESS_COST, LEAST_CREASE_MM, SHORT_COST, Assessment, Field
+from foldcut.redraw.proxy import ENDLESS_COST, LEAST_CREASE_MM, LOOSE_COST, SHORT_COST, Assessment, Field
 from foldcut.samples import sample_names
 
 pytestmark = pytest.mark.usefixtures("kernels_are_loaded")
@@ -115,9 +115,9 @@ def test_halves_of_samples_cost_what_their_patterns_cost(name: str, axes: tuple[
 
 @pytest.mark.parametrize("kind", ["star", "tour"])
 def test_patterns_are_as_promised_wherever_the_promised_set_is_folded(kind: str) -> None:
-    """The whole way, to verified patterns: others have other sets, but most have the lines that were promised."""
-    same = tried = 0
-    for seed in range(8):
+    """The whole way, to verified patterns: others have other sets, most of them easier to fold."""
+    same = easier = tried = 0
+    for seed in range(14):
         shape = random_outline(kind, seed)
         fast = assessed(shape)
         try:
@@ -126,9 +126,12 @@ def test_patterns_are_as_promised_wherever_the_promised_set_is_folded(kind: str)
             continue
         numbers = crease_numbers(made.creases)
         tried += 1
-        same += numbers.lines == fast.lines and abs((numbers.shortest_crease_mm or 0) - fast.shortest) < EXACT_MM
-    assert tried >= 5
+        shortest = numbers.shortest_crease_mm or 0
+        same += numbers.lines == fast.lines and abs(shortest - fast.shortest) < EXACT_MM
+        easier += numbers.lines < fast.lines or (numbers.lines == fast.lines and shortest > fast.shortest + EXACT_MM)
+    assert tried >= 9
     assert same >= 3
+    assert same + easier >= tried - 2
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -142,14 +145,18 @@ def test_compiled_and_plain_kernels_say_the_same(kind: str) -> None:
             assert getattr(plain.details, name) == getattr(compiled.details, name), (seed, name)
 
 
-def test_costs_are_lines_and_short_creases_and_endless_ones() -> None:
+def test_costs_are_lines_short_creases_and_endless_ones_taken_or_not() -> None:
+    loose = 0
     for seed in range(12):
-        one = assessed(random_outline("star", seed))
-        least = one.lines + ENDLESS_COST * one.endless + SHORT_COST[0] * one.short
+        shape = random_outline("star", seed)
+        one, slow = assessed(shape), slow_proxy(shape, A4)
+        loose += slow.loose
+        least = one.lines + ENDLESS_COST * one.endless + LOOSE_COST * slow.loose + SHORT_COST[0] * one.short
         assert least <= one.cost <= least + SHORT_COST[1] * one.short
         assert (one.short > 0) == (one.shortest < LEAST_CREASE_MM)
         if one.short == 1:
             assert one.cost == pytest.approx(least + SHORT_COST[1] * (1 - one.shortest / LEAST_CREASE_MM))
+    assert loose
 
 
 def test_a_square_in_the_middle_of_a_square_folds_along_diagonals_and_away_from_a_corridor() -> None:

@@ -146,9 +146,7 @@ def faults(case: Case, one: Redrawn) -> list[str]:
 
 CASES: list[Any] = [
     *(("path", name) for name in PATHS),
-    *((kind, seed) for kind in ("polygon", "blob", "mirrored") for seed in range(3)),
-    *(("stroke", seed) for seed in (1, 2)),
-    pytest.param("stroke", 0, marks=pytest.mark.xfail(reason="all outlines that are folded are refused", strict=False)),
+    *((kind, seed) for kind in ("polygon", "blob", "stroke", "mirrored") for seed in range(3)),
 ]
 
 

@@ -214,6 +214,7 @@ def test_the_deviation_is_the_distance_between_outline_and_drawing(seed: int) ->
     shape = blob(seed)
     field = Field(shape.loops, A4.width, A4.height, 4.0)
     engine = Engine(field)
+    compared = 0
     for count in (9, 14, 30, 40, 50):
         points = shape.loops[0][np.sort(rng.choice(len(shape.loops[0]), count, replace=False))]
         points = points + rng.normal(0, 0.5, points.shape)

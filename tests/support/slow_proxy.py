@@ -31,15 +31,19 @@ class Counted(NamedTuple):
 
 
 class Slow(NamedTuple):
-    """How many nodes are odd, of how many of them no perpendicular ends, and whether all perpendiculars end.
+    """How many nodes are odd, of how many of them no perpendicular ends, and how many perpendiculars do not end.
 
     ``counted``: for each set of perpendiculars away from a corridor, if all end.
     """
 
     odd: int
     endless: int
-    all_end: bool
+    loose: int
     counted: list[Counted]
+
+    @property
+    def all_end(self) -> bool:
+        return not self.loose
 
 
 @contextmanager
@@ -69,9 +73,9 @@ def slow_proxy(shape: Shape, sheet: Sheet, axes: tuple[int, ...] = ()) -> Slow:
     )
     ended = sum(1 + (path.end in nodes) for path in every.paths)
     endless = sum(node not in ending for node in ridges.odd)
-    all_end = begun == ended
-    patterns = [counted(every, taken, sheet, axes) for taken in away_from_roots(every) or [[]]] if all_end else []
-    return Slow(len(ridges.odd), endless, all_end, patterns)
+    sets = (away_from_roots(every) or [[]]) if begun == ended else []
+    patterns = [counted(every, taken, sheet, axes) for taken in sets]
+    return Slow(len(ridges.odd), endless, begun - ended, patterns)
 
 
 def _begins(every: Perpendiculars, face: int, node: int, upper: int) -> bool:

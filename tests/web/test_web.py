@@ -421,7 +421,7 @@ def test_fifty_uploads_at_once_five_of_them_hostile(server: Server) -> None:
         before = memory(server.pid)
         outcomes = list(pool.map(outcome_of, drawings))
         after = memory(server.pid)
-    assert [state for state, _ in outcomes] == ["done"] * 45 + ["failed"] * 4 + ["refused"]
+    assert [state for state, _ in outcomes] == ["done"] * 45 + ["failed"] * 4 + ["refused"], outcomes
     for _, error in outcomes[45:]:
         assert error
         assert "Traceback" not in error
@@ -445,6 +445,7 @@ def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
             "sheet",
             "margin",
             "effort",
+            "level",
             "summary",
             "profile",
             "material",
