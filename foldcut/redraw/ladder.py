@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
+from foldcut.core.units import rounded_up
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.geometry.curves import CurvedLoop
@@ -379,10 +380,13 @@ class _Search:
             if best is None:
                 raise
             self.interrupted = True
+        finally:
+            seconds = time.perf_counter() - started
+            self.stages.seconds["outlines"] = self.stages.seconds.get("outlines", 0.0) + seconds
         if best is None:
             failure = "no outline with a pattern was found"
-            return replace(start, laid=drawing.laid, failure=failure, seconds=time.perf_counter() - started)
-        return replace(best, seconds=time.perf_counter() - started)
+            return replace(start, laid=drawing.laid, failure=failure, seconds=seconds)
+        return replace(best, seconds=seconds)
 
     def _drawing(self, tolerance: float) -> Drawing:
         """Return the drawing as the search for outlines takes it."""
@@ -412,7 +416,7 @@ class _Search:
             layers=layers_at_cut(made.creases.faces_vertices, made.folded),
             for_hands=few and long,
             seconds=seconds,
-            notes=(f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *level.notes),
+            notes=(f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *level.notes),
             drawn=drawing.on_sheet(one.plan) if off > SEEN_MM else (),
         )
 
@@ -464,7 +468,7 @@ class _Search:
         notes = level.notes
         if level.tolerance_mm:
             corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
-            notes = (f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *notes)
+            notes = (f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *notes)
         return replace(
             level,
             off_by_mm=off,
@@ -511,14 +515,19 @@ class _Search:
         """Hand a pattern to whoever waits for one, if it is better than the one before."""
         if self.on_pattern is None or not level.verified:
             return
-        if self.told is None or self._key(level) < self._key(self.told):
+        same = self.told is not None and self.told.tolerance_mm == level.tolerance_mm
+        if self.told is None or self._key(level, exact=not same) < self._key(self.told, exact=not same):
             self.told = level
             self.on_pattern(level)
 
-    def _key(self, level: Level) -> tuple[bool, bool, float, Rank]:
-        """Return by what levels with patterns are compared: the least is taken."""
-        exact_first = level.for_hands and not self.bounds.takes_fewest
-        return (not level.verified, not level.for_hands, level.tolerance_mm if exact_first else 0.0, level.rank)
+    def _key(self, level: Level, *, exact: bool = True) -> tuple[bool, bool, float, Rank]:
+        """Return by what levels with patterns are compared: the least is taken.
+
+        ``exact``: the nearer to the drawing, the better, if both are for two hands. An outline that was found within a
+        larger tolerance may be the nearer one.
+        """
+        exact_first = exact and level.for_hands and not self.bounds.takes_fewest
+        return (not level.verified, not level.for_hands, level.off_by_mm if exact_first else 0.0, level.rank)
 
     def _is_enough(self) -> bool:
         """Whether no more tolerances need be tried."""
@@ -571,7 +580,7 @@ def _named(drawing: Drawing, search: _Search) -> tuple[str, ...]:
     """Return a note for each small part: what and where it is, and what became of it."""
     done = {"drop": "left out", "keep": "kept", "enlarge": "enlarged"}[search.bounds.small_parts]
     return tuple(
-        f"{done}: {part.named(drawing.place(part.place), drawing.frame.scale)}; it is smaller than the tolerance "
+        f"{done}: {part.named(drawing.place(part.place), drawing.frame.scale)}; it is too small for the tolerance "
         "(--small-parts)"
         for part in drawing.small_parts
     )

@@ -47,7 +47,7 @@ def check(args: Namespace) -> int:
     checked = report.check_report(read.pattern, findings, shape is not None, notes)
     remedy = "mend the pattern"
     if args.shape:
-        remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --adjust 0mm)"
+        remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --exact)"
     return options.console(args).verdict(checked, report.check_lines(checked), findings, remedy)
 
 
