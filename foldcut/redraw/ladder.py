@@ -549,6 +549,10 @@ class _Search:
         found = [(self._key(level), number) for number, level in enumerate(self.levels) if level.tried is not None]
         if found:
             return min(found)[1]
+        if self.interrupted and self.effort.seconds is not None:
+            raise UnfoldableError(
+                f"no pattern was found in {self.effort.seconds:g} s; allow more with --seconds, or a larger --tolerance"
+            )
         error = self.error or UnfoldableError(self.levels[-1].failure)
         if len(self.levels) == 1:
             raise error

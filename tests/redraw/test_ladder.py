@@ -301,6 +301,12 @@ def test_a_limit_in_seconds_takes_the_best_so_far(monkeypatch: pytest.MonkeyPatc
     assert given[0] == 2.0, "not all of it is for the drawing as it is"
 
 
+def test_if_there_is_no_pattern_when_the_seconds_are_over_that_is_said_plainly() -> None:
+    many = regular(400)
+    with pytest.raises(UnfoldableError, match=r"^no pattern was found in 0.001 s; allow more with --seconds"):
+        climb(drawn(many), Folder(lambda _: None), Effort("fast", 0.001))
+
+
 def test_if_nothing_folds_the_drawing_as_it_is_is_left_to_the_last_resorts() -> None:
     folder = Folder(lambda _: None)
     ladder = climb(drawn(CIRCLES["oval"]), folder)
