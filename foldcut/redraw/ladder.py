@@ -400,7 +400,7 @@ class _Search:
     def _of_redrawn(self, level: Level, drawing: Drawing, one: Redrawn, seconds: float) -> Level:
         """Return a level with the pattern of a redrawn outline."""
         made, on = one.made, one.made.laid
-        off = one.off * self.scale
+        off = 0.0 if one.off < NOT_MOVED else one.off * self.scale
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
         corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"

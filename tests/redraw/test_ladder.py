@@ -162,6 +162,19 @@ def test_a_length_is_rounded_up_so_that_at_most_is_true(length: float, text: str
     assert rounded_up(length) == text
 
 
+def test_an_outline_that_is_off_by_rounding_errors_only_is_not_off() -> None:
+    def redraw(drawing: Drawing, tolerance: float, *, found: Callable[[Redrawn], None], **_: Any) -> None:
+        pretended(folder)(drawing, tolerance, found=lambda one: found(replace(one, off=3e-14)))
+
+    folder = Folder(lambda count: 10 if count < 50 else 61)
+    with mock.patch.object(redrawing, "redraw", redraw):
+        given = drawn(CIRCLES["circle"])
+        ladder = redraw_and_fold(given, Bounds(), Wishes(), folder, Effort("fast"), Stages())
+    assert ladder.level.tolerance_mm > 0
+    assert ladder.level.off_by_mm == 0
+    assert any("at most 0 mm off" in note for note in ladder.level.notes)
+
+
 def test_a_crease_under_3_mm_of_the_frame_is_not_for_hands_on_any_sheet() -> None:
     many = CIRCLES["circle"]
     few = 30
