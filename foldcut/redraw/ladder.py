@@ -329,7 +329,14 @@ class _Search:
                 look = self._folded(start, laying, 0.0, effort=Effort("fast"))
                 if look.folds is None or look.folds > PROMISING * self.bounds.folds:
                     return look
-                self._tell(look)
+                try:
+                    self._tell(look)
+                    return self._folded(start, laying, 0.0)
+                except KeyboardInterrupt:
+                    if not look.verified:
+                        raise
+                    self.interrupted = True
+                    return look
         return self._folded(start, laying, 0.0, only="" if alone else HANDS)
 
     def _corners_beside_axes(self) -> float:

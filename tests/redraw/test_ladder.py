@@ -283,6 +283,20 @@ def test_ctrl_c_takes_the_best_so_far(at: int) -> None:
     assert ladder.taken == at - 2
 
 
+def test_ctrl_c_takes_the_pattern_of_the_short_look_at_the_drawing_as_it_is() -> None:
+    class Impatient(Folder):
+        def fold(self, laid: Laid, wishes: Wishes, effort: Effort, only: str) -> Tried:
+            if effort.name != "fast":
+                raise KeyboardInterrupt
+            return super().fold(laid, wishes, effort, only)
+
+    ladder = climb(drawn(CIRCLES["circle"]), Impatient(lambda _: 65), Effort("normal"))
+    assert ladder.interrupted
+    assert (ladder.level.tolerance_mm, ladder.level.folds) == (0, 65)
+    with pytest.raises(KeyboardInterrupt):
+        climb(drawn(CIRCLES["circle"]), Impatient(lambda _: 999), Effort("normal"), level="exact")
+
+
 def test_ctrl_c_ends_the_command_where_there_is_nothing_to_take() -> None:
     def folds(corners: int) -> int:
         raise KeyboardInterrupt
