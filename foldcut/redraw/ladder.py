@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
+from foldcut.core.units import rounded_up
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.geometry.curves import CurvedLoop
@@ -358,7 +359,14 @@ class _Search:
                 look = self._folded(start, laying, 0.0, effort=Effort("fast"))
                 if look.folds is None or look.folds > PROMISING * self.bounds.folds:
                     return look
-                self._tell(look)
+                try:
+                    self._tell(look)
+                    return self._folded(start, laying, 0.0)
+                except KeyboardInterrupt:
+                    if not look.verified:
+                        raise
+                    self.interrupted = True
+                    return look
         return self._folded(start, laying, 0.0, only="" if alone else HANDS)
 
     def _corners_beside_axes(self) -> float:
@@ -406,10 +414,13 @@ class _Search:
             if best is None:
                 raise
             self.interrupted = True
+        finally:
+            seconds = time.perf_counter() - started
+            self.stages.seconds["outlines"] = self.stages.seconds.get("outlines", 0.0) + seconds
         if best is None:
             failure = "no outline with a pattern was found"
-            return replace(start, laid=drawing.laid, failure=failure, seconds=time.perf_counter() - started)
-        return replace(best, seconds=time.perf_counter() - started)
+            return replace(start, laid=drawing.laid, failure=failure, seconds=seconds)
+        return replace(best, seconds=seconds)
 
     def _drawing(self, tolerance: float) -> Drawing:
         """Return the drawing as the search for outlines takes it."""
@@ -444,7 +455,7 @@ class _Search:
             for_hands=few and long and not findings,
             failure=f"not verified: {findings[0]}" if findings else "",
             seconds=seconds,
-            notes=(f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *level.notes),
+            notes=(f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *level.notes),
             drawn=drawing.on_sheet(one.plan) if off > SEEN_MM else (),
         )
 
@@ -496,7 +507,7 @@ class _Search:
         notes = level.notes
         if level.tolerance_mm:
             corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
-            notes = (f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *notes)
+            notes = (f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *notes)
         return replace(
             level,
             off_by_mm=off,
@@ -543,14 +554,19 @@ class _Search:
         """Hand a pattern to whoever waits for one, if it is better than the one before."""
         if self.on_pattern is None or not level.verified:
             return
-        if self.told is None or self._key(level) < self._key(self.told):
+        same = self.told is not None and self.told.tolerance_mm == level.tolerance_mm
+        if self.told is None or self._key(level, exact=not same) < self._key(self.told, exact=not same):
             self.told = level
             self.on_pattern(level)
 
-    def _key(self, level: Level) -> tuple[bool, bool, float, Rank]:
-        """Return by what levels with patterns are compared: the least is taken."""
-        exact_first = level.for_hands and not self.bounds.takes_fewest
-        return (not level.verified, not level.for_hands, level.tolerance_mm if exact_first else 0.0, level.rank)
+    def _key(self, level: Level, *, exact: bool = True) -> tuple[bool, bool, float, Rank]:
+        """Return by what levels with patterns are compared: the least is taken.
+
+        ``exact``: the nearer to the drawing, the better, if both are for two hands. An outline that was found within a
+        larger tolerance may be the nearer one.
+        """
+        exact_first = exact and level.for_hands and not self.bounds.takes_fewest
+        return (not level.verified, not level.for_hands, level.off_by_mm if exact_first else 0.0, level.rank)
 
     def _is_enough(self) -> bool:
         """Whether no more tolerances need be tried."""
@@ -577,6 +593,10 @@ class _Search:
         found = [(self._key(level), number) for number, level in enumerate(self.levels) if level.tried is not None]
         if found:
             return min(found)[1]
+        if self.interrupted and self.effort.seconds is not None:
+            raise UnfoldableError(
+                f"no pattern was found in {self.effort.seconds:g} s; allow more with --seconds, or a larger --tolerance"
+            )
         error = self.error or UnfoldableError(self.levels[-1].failure)
         if len(self.levels) == 1:
             raise error
@@ -607,7 +627,7 @@ def _named(drawing: Drawing, search: _Search) -> tuple[str, ...]:
     """Return a note for each small part: what and where it is, and what became of it."""
     done = {"drop": "left out", "keep": "kept", "enlarge": "enlarged"}[search.bounds.small_parts]
     return tuple(
-        f"{done}: {part.named(drawing.place(part.place), drawing.frame.scale)}; it is smaller than the tolerance "
+        f"{done}: {part.named(drawing.place(part.place), drawing.frame.scale)}; it is too small for the tolerance "
         "(--small-parts)"
         for part in drawing.small_parts
     )
