@@ -46,7 +46,7 @@ CORNERS_FOR_A_FOLD = 1.0
 """A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands. Of a
 symmetric drawing those on one side of its axes count."""
 
-FEWER_CORNERS_FOR_A_FOLD = 0.5
+FEWER_CORNERS_FOR_A_FOLD = 0.65
 """The same where outlines that are far off may be tried: then it takes longer than those, and finds more folds."""
 
 FAR_OFF = 1.0
