@@ -16,7 +16,7 @@ from support.strategies import rectangle, regular, star
 
 import foldcut
 from foldcut.core.arrays import points_array
-from foldcut.core.errors import BadInputError, UnfoldableError
+from foldcut.core.errors import BadInputError, CreaseTooShortError, UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
@@ -105,7 +105,8 @@ def climb(what: Drawn, folder: Folder, effort: Effort | None = None, **bounds: A
     wishes = bounds.pop("wishes", Wishes())
     on_pattern = bounds.pop("on_pattern", None)
     effort = effort or Effort("fast")
-    with mock.patch("foldcut.redraw.redrawing.redraw", pretended(folder)):
+    redrawn = mock.patch("foldcut.redraw.redrawing.redraw", pretended(folder))
+    with redrawn, mock.patch("foldcut.redraw.ladder.verify", return_value=[]):
         return redraw_and_fold(what, Bounds(**bounds), wishes, folder, effort, Stages(), on_pattern=on_pattern)
 
 
@@ -380,3 +381,23 @@ def test_the_papers_method_is_exact_unless_a_tolerance_is_given() -> None:
     assert exact.folded_pattern.shape.corner_count == 36
     near = foldcut.fold([loop], method="paper", tolerance=4.0, folds=1)
     assert near.folded_pattern.shape.corner_count < 36
+    assert near.method == "paper"
+
+
+OVAL = np.array(regular(36)) * (1.0, 0.6)
+
+
+@pytest.mark.parametrize("method", ["mirror", "skeleton"])
+def test_redrawn_outlines_are_folded_by_the_method_that_is_asked_for(method: str) -> None:
+    found = foldcut.fold([OVAL], method=method, effort="fast", folds=9)
+    assert found.ladder is not None
+    assert any(level.made is not None for level in found.ladder.levels[1:])
+    assert {level.made.method for level in found.ladder.levels if level.made is not None} == {method}
+
+
+def test_redrawn_outlines_have_no_crease_shorter_than_is_asked_for() -> None:
+    ladder = foldcut.fold([OVAL], effort="fast", folds=9).ladder
+    assert ladder is not None
+    longest = max(level.shortest_mm for level in ladder.levels[1:] if level.shortest_mm is not None)
+    with pytest.raises(CreaseTooShortError, match="no pattern, either"):
+        foldcut.fold([OVAL], effort="fast", folds=9, min_crease=longest + 1)
