@@ -7,13 +7,16 @@ CODE := foldcut exporters profiles samples tests
 
 .PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
 
-## Fold three samples out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole.
+## Fold five drawings out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole, a letter with curves
+## that is drawn anew so that it folds, and a snowflake along its mirror axes.
 demo: $(VENV)/installed
 	@mkdir -p out
 	$(BIN)/foldcut compile
 	$(BIN)/foldcut make samples/fish.svg --sheet a4 --margin 25mm -o out/fish.svg -o out/fish.fold --force
 	$(BIN)/foldcut make samples/star.svg --sheet a4 -o out/star.svg -o out/star.fold --force
 	$(BIN)/foldcut make samples/letter-a.svg --sheet a4 -o out/letter-a.svg -o out/letter-a.fold --force
+	$(BIN)/foldcut make docs/drawings/s.svg --sheet a4 -o out/s.svg -o out/s.fold --force
+	$(BIN)/foldcut make docs/drawings/snowflake.svg --sheet a4 -o out/snowflake.svg -o out/snowflake.fold --force
 
 ## Run all tests; those that need a program which is not installed say so and skip.
 test: $(VENV)/installed-test tools
@@ -89,10 +92,13 @@ lint: $(VENV)/installed-dev
 KITE = $(BIN)/foldcut draw kite --sheet 180x200mm --margin 50mm --method paper --force --quiet
 TRIANGLE = $(BIN)/foldcut draw triangle --sheet 200x180mm --margin 55mm --method paper --ribbon 3mm --force --quiet
 pictures: $(VENV)/installed
+	$(BIN)/foldcut compile
 	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg --force
 	$(BIN)/foldcut make star -o docs/star.svg --force
 	$(BIN)/foldcut make marlin -o docs/marlin.svg --force
 	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
+	$(BIN)/foldcut draw docs/drawings/s.svg --show outline,pattern -o docs/s.svg --force
+	$(BIN)/foldcut make docs/drawings/snowflake.svg -o docs/snowflake.svg --force
 	$(KITE) --show packing -o docs/figure-1.svg
 	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg
 	$(TRIANGLE) --show gusset -o docs/figure-3.svg

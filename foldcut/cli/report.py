@@ -12,6 +12,7 @@ from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 from foldcut.core.model import CreasePattern, Finding, Sheet
+from foldcut.core.units import rounded_up
 from foldcut.methods import METHODS, fewer_creases
 from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.proof.verify import CHECKS
@@ -122,8 +123,14 @@ def level_report(level: Level, *, quick: bool = False) -> Report:
     """Return the numbers of one tolerance; ``quick``: without what takes time to count."""
     numbers = ("tolerance_mm", "off_by_mm", "corners", "folds", "shortest_mm", "layers", "for_hands", "failure")
     report = {name: getattr(level, name) for name in numbers} | {"seconds": round(level.seconds, 3)}
+    if level.folds is None:
+        report["off_by_mm"] = None  # there is no outline to measure
+        report["corners"] = level.corners or None
     return report | {"simple_folds": None if quick else level.simple_folds}
 
+
+MOVED_MM = 0.05
+"""A drawing whose corners moved by less than this, in mm on the sheet, is called as drawn and nothing more."""
 
 LADDER_HEAD = ("tolerance", "off by", "corners", "folds", "simple", "shortest", "layers")
 """The columns of the ladder."""
@@ -137,7 +144,9 @@ def _ladder_rows(report: Report) -> list[tuple[str, str]]:
     taken, levels = ladder["taken"], ladder["levels"]
     if len(levels) == 1 and not levels[0]["tolerance_mm"]:
         hands = "for two hands" if levels[0]["for_hands"] else f"not for two hands ({_why_not(levels[0], ladder)})"
-        return [("outline", f"as drawn; {hands}")]
+        off = levels[0]["off_by_mm"]
+        moved = "" if off < MOVED_MM else f", but for corners moved by up to {rounded_up(off)} mm"
+        return [("outline", f"as drawn{moved}; {hands}")]
     cells = [LADDER_HEAD, *map(_ladder_cells, levels)]
     widths = [max(map(len, column)) for column in zip(*(row for row in cells if len(row) > 1), strict=True)]
     marks = ["  ", *("> " if number == taken else "  " for number in range(len(levels)))]
@@ -178,13 +187,20 @@ def _outline_text(level: Report) -> str:
     """Name the outline of a level."""
     if not level["tolerance_mm"]:
         return "the drawing as it is"
-    return f"the outline {level['off_by_mm']:.2g} mm off the drawing"
+    return f"the outline {rounded_up(level['off_by_mm'])} mm off the drawing"
 
 
 def _why_not(level: Report, ladder: Report) -> str:
     """Say why a pattern is not for two hands."""
     many = level["folds"] is not None and level["folds"] > ladder["folds_allowed"]
     return f"more than {ladder['folds_allowed']} folds" if many else "its shortest crease is too short"
+
+
+def _folds_text(level: Report, taken: Report) -> str:
+    """Say how many folds one outline takes, beside those of the one that was taken."""
+    if level["folds"] == taken["folds"]:
+        return "as many folds"
+    return f"{level['folds']} fold{'s' * (level['folds'] != 1)} instead of {taken['folds']}"
 
 
 def _next_text(ladder: Report) -> list[str]:
@@ -194,7 +210,7 @@ def _next_text(ladder: Report) -> list[str]:
         if level["folds"] is None:
             return [f"{level['tolerance_mm']:.3g} mm has no pattern"]
         return [
-            f"{_outline_text(level)} would take {level['folds']} folds instead of {taken['folds']}, "
+            f"{_outline_text(level)} would take {_folds_text(level, taken)}, "
             f"the shortest crease {level['shortest_mm']:.3g} mm long (--tolerance, --level easy)"
         ]
     return []

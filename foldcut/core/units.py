@@ -11,7 +11,7 @@ import re
 
 from foldcut.core.errors import SheetError
 
-__all__ = ["LENGTH", "MM_PER_INCH", "MM_PER_UNIT", "parse_length"]
+__all__ = ["LENGTH", "MM_PER_INCH", "MM_PER_UNIT", "parse_length", "rounded_up"]
 
 MM_PER_INCH = 25.4
 """Millimetres per inch."""
@@ -42,3 +42,11 @@ def parse_length(text: str) -> float:
             f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
         )
     return length
+
+
+def rounded_up(length: float) -> str:
+    """Return a length rounded up to three digits, so that "at most" is true."""
+    if length <= 0:
+        return "0"
+    digits = 2 - math.floor(math.log10(length))
+    return f"{math.ceil(round(length * 10.0**digits, 6)) / 10.0**digits:.3g}"

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
+from foldcut.core.units import rounded_up
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.geometry.curves import CurvedLoop
@@ -44,6 +45,12 @@ __all__ = ["Drawn", "Fold", "Ladder", "Level", "Tried", "redraw_and_fold"]
 CORNERS_FOR_A_FOLD = 1.0
 """A drawing with more corners than this for each fold that is allowed is not tried as it is: it is not for hands. Of a
 symmetric drawing those on one side of its axes count."""
+
+FEWER_CORNERS_FOR_A_FOLD = 0.5
+"""The same where outlines that are far off may be tried: then it takes longer than those, and finds more folds."""
+
+FAR_OFF = 1.0
+"""Outlines that are at least so much off, in mm of the frame, are far off."""
 
 FOLDS_FOR_A_CORNER = 2.0
 """Patterns of curved drawings have at least this many folds for each corner of an outline, or of its part between axes.
@@ -343,14 +350,23 @@ class _Search:
         corners = laying.outline.corner_count
         start = Level(0.0, self.scale, corners=corners, title=self.drawn.title)
         if not alone:
-            if self._corners_beside_axes() > CORNERS_FOR_A_FOLD * max(self.bounds.folds, HANDS_FOLDS):
+            far = self.bounds.tolerances(self.scale)[-1] >= FAR_OFF
+            most = FEWER_CORNERS_FOR_A_FOLD if far else CORNERS_FOR_A_FOLD
+            if self._corners_beside_axes() > most * max(self.bounds.folds, HANDS_FOLDS):
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
                 look = self._folded(start, laying, 0.0, effort=Effort("fast"))
                 if look.folds is None or look.folds > PROMISING * self.bounds.folds:
                     return look
-                self._tell(look)
+                try:
+                    self._tell(look)
+                    return self._folded(start, laying, 0.0)
+                except KeyboardInterrupt:
+                    if not look.verified:
+                        raise
+                    self.interrupted = True
+                    return look
         return self._folded(start, laying, 0.0, only="" if alone else HANDS)
 
     def _corners_beside_axes(self) -> float:
@@ -398,10 +414,13 @@ class _Search:
             if best is None:
                 raise
             self.interrupted = True
+        finally:
+            seconds = time.perf_counter() - started
+            self.stages.seconds["outlines"] = self.stages.seconds.get("outlines", 0.0) + seconds
         if best is None:
             failure = "no outline with a pattern was found"
-            return replace(start, laid=drawing.laid, failure=failure, seconds=time.perf_counter() - started)
-        return replace(best, seconds=time.perf_counter() - started)
+            return replace(start, laid=drawing.laid, failure=failure, seconds=seconds)
+        return replace(best, seconds=seconds)
 
     def _drawing(self, tolerance: float) -> Drawing:
         """Return the drawing as the search for outlines takes it."""
@@ -436,7 +455,7 @@ class _Search:
             for_hands=few and long and not findings,
             failure=f"not verified: {findings[0]}" if findings else "",
             seconds=seconds,
-            notes=(f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *level.notes),
+            notes=(f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *level.notes),
             drawn=drawing.on_sheet(one.plan) if off > SEEN_MM else (),
         )
 
@@ -488,7 +507,7 @@ class _Search:
         notes = level.notes
         if level.tolerance_mm:
             corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
-            notes = (f"the outline was drawn anew, at most {off:.2g} mm off: {corners}", *notes)
+            notes = (f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *notes)
         return replace(
             level,
             off_by_mm=off,
@@ -535,14 +554,19 @@ class _Search:
         """Hand a pattern to whoever waits for one, if it is better than the one before."""
         if self.on_pattern is None or not level.verified:
             return
-        if self.told is None or self._key(level) < self._key(self.told):
+        same = self.told is not None and self.told.tolerance_mm == level.tolerance_mm
+        if self.told is None or self._key(level, exact=not same) < self._key(self.told, exact=not same):
             self.told = level
             self.on_pattern(level)
 
-    def _key(self, level: Level) -> tuple[bool, bool, float, Rank]:
-        """Return by what levels with patterns are compared: the least is taken."""
-        exact_first = level.for_hands and not self.bounds.takes_fewest
-        return (not level.verified, not level.for_hands, level.tolerance_mm if exact_first else 0.0, level.rank)
+    def _key(self, level: Level, *, exact: bool = True) -> tuple[bool, bool, float, Rank]:
+        """Return by what levels with patterns are compared: the least is taken.
+
+        ``exact``: the nearer to the drawing, the better, if both are for two hands. An outline that was found within a
+        larger tolerance may be the nearer one.
+        """
+        exact_first = exact and level.for_hands and not self.bounds.takes_fewest
+        return (not level.verified, not level.for_hands, level.off_by_mm if exact_first else 0.0, level.rank)
 
     def _is_enough(self) -> bool:
         """Whether no more tolerances need be tried."""
@@ -569,6 +593,10 @@ class _Search:
         found = [(self._key(level), number) for number, level in enumerate(self.levels) if level.tried is not None]
         if found:
             return min(found)[1]
+        if self.interrupted and self.effort.seconds is not None:
+            raise UnfoldableError(
+                f"no pattern was found in {self.effort.seconds:g} s; allow more with --seconds, or a larger --tolerance"
+            )
         error = self.error or UnfoldableError(self.levels[-1].failure)
         if len(self.levels) == 1:
             raise error
@@ -599,7 +627,7 @@ def _named(drawing: Drawing, search: _Search) -> tuple[str, ...]:
     """Return a note for each small part: what and where it is, and what became of it."""
     done = {"drop": "left out", "keep": "kept", "enlarge": "enlarged"}[search.bounds.small_parts]
     return tuple(
-        f"{done}: {part.named(drawing.place(part.place), drawing.frame.scale)}; it is smaller than the tolerance "
+        f"{done}: {part.named(drawing.place(part.place), drawing.frame.scale)}; it is too small for the tolerance "
         "(--small-parts)"
         for part in drawing.small_parts
     )

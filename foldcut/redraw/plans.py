@@ -41,6 +41,9 @@ SQUARE = 1e-4
 EXACT_MM = 0.02
 """A drawing that is less off from symmetric, in mm of the frame, is as good as exact."""
 
+MOST_OWN_CORNERS = 60
+"""A drawing with no more corners than this is an outline to begin with itself."""
+
 LEVEL = 1e-3
 """An axis found anew in a turned drawing may be off by so much, in radians."""
 
@@ -98,18 +101,27 @@ class Plan:
         """Yield outlines to begin a search with, on that part of the sheet."""
         middle = np.array([self.frame.sheet.width, self.frame.sheet.height]) / 2
         axes = [StartAxis(middle, math.pi / 2 if axis == 0 else 0.0) for axis in self.axes]
+        own = self.target.shape if self.target.shape.corner_count <= MOST_OWN_CORNERS else None
+        if own is not None and (corners := self._corners_beside_axes(own, tolerance)) is not None:
+            yield corners
         for start in all_starts(self.target.shape, tolerance, axes):
             if len(start.axes) < len(axes):
                 return
-            loops = start.shape.loops
-            if min(float(np.hypot(*(np.roll(loop, -1, axis=0) - loop).T).min()) for loop in loops) < LEAST_SIDE:
-                continue
-            if axes:
-                exact, moved = symmetric(start.shape, middle, self.axes)
-                if moved > 0.1 * tolerance:
-                    continue
-                loops = next(halves_of(exact, self.frame.sheet, self.axes)).loops
-            yield np.concatenate(loops), tuple(map(len, loops))
+            if (corners := self._corners_beside_axes(start.shape, tolerance)) is not None:
+                yield corners
+
+    def _corners_beside_axes(self, shape: Shape, tolerance: float) -> Corners | None:
+        """Return the corners of an outline on that part of the sheet, None where it is no good beginning."""
+        loops = shape.loops
+        if min(float(np.hypot(*(np.roll(loop, -1, axis=0) - loop).T).min()) for loop in loops) < LEAST_SIDE:
+            return None
+        if self.axes:
+            middle = np.array([self.frame.sheet.width, self.frame.sheet.height]) / 2
+            exact, moved = symmetric(shape, middle, self.axes)
+            if moved > 0.1 * tolerance:
+                return None
+            loops = next(halves_of(exact, self.frame.sheet, self.axes)).loops
+        return np.concatenate(loops), tuple(map(len, loops))
 
     def outline(self, corners: Floats, sizes: tuple[int, ...]) -> tuple[Shape, Half | None]:
         """Return the whole shape of an outline on its part of the sheet, and the half to fold it by, if there are axes.

@@ -1,4 +1,4 @@
-"""What an outline costs to fold, without folding it: its ridges and the cheapest set of perpendiculars.
+"""What an outline costs to fold, without folding it: its ridges and perpendiculars away from the cheapest corridor.
 
 A finished wavefront (``geometry.straight_skeleton``) -> counts, lengths and candidates in ``Work``.
 

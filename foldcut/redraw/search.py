@@ -24,9 +24,6 @@ REACH = 10.0, 10.0
 LEAST_GAIN = 0.05
 """A change that saves less than this is not made."""
 
-MORE_FITS = 8
-"""How many steps corners are fitted to the drawing after a change of their number."""
-
 LOOK = 0.35
 """The part of the work for a short look at each of the outlines to begin with."""
 
@@ -40,6 +37,10 @@ FAR_MISS = 0.6
 """Perpendiculars are moved to nodes that they miss by up to this part of the reach."""
 
 
+MORE_FITS = 8
+"""How many steps corners are fitted to the drawing after a change of their number."""
+
+
 class Candidate(NamedTuple):
     """A tie or a meeting that would mend something; the less its ``weight``, the sooner it is tried."""
 
@@ -49,11 +50,12 @@ class Candidate(NamedTuple):
 
 
 class Outline(NamedTuple):
-    """Corners ``(n, 2)`` of loops of some sizes, and the ties that they are to keep."""
+    """Corners ``(n, 2)`` of loops of some sizes, the ties that they keep, and for how many steps they are fitted."""
 
     points: Floats
     loop_sizes: tuple[int, ...]
     ties: list[Tie]
+    fits: int = MORE_FITS
 
 
 class Search:
@@ -79,7 +81,6 @@ class Search:
         self.ends = ends
         self.all = most
         self.best: Assessment | None = None
-        self.pool: list[Assessment] = []
         self.last_gain = 0
         self.refused: dict[str, float] = {}
         self.reach = REACH[0] * engine.field.tolerance + REACH[1]
@@ -116,8 +117,6 @@ class Search:
         if self.best is None or one.key < self.best.key:
             self.best = one
             self.last_gain = self.spent
-        if all(abs(one.cost - other.cost) > 1e-6 for other in self.pool):
-            self.pool = sorted([*self.pool, one], key=lambda other: other.key)[:12]
 
     def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]]) -> Assessment | None:
         """Search from some outlines; returns the best one."""
@@ -222,7 +221,7 @@ class Search:
     def _realised(self, outline: Outline) -> Assessment | None:
         """Return a changed outline with as many of its ties as can be had."""
         for ties in (outline.ties, [])[: 1 + bool(outline.ties)]:
-            points = self.engine.solve(outline.points, outline.loop_sizes, ties, fits=MORE_FITS)
+            points = self.engine.solve(outline.points, outline.loop_sizes, ties, fits=outline.fits)
             if points is not None and self.engine.is_good(points, outline.loop_sizes):
                 return self.assess(points, outline.loop_sizes)
         return None
@@ -429,7 +428,7 @@ class Search:
             moved.append((end, points[end] + way * shift / across))
         for corner, place in moved:
             points[corner] = place
-        return Outline(points, sizes, here.details.ties())
+        return Outline(points, sizes, here.details.ties(), 0)
 
     def _slid(self, here: Assessment) -> Outline | None:
         """Move a corner along one of its sides."""
@@ -438,7 +437,7 @@ class Search:
         _, first, size = self._loop_of(here.loop_sizes, corner)
         other = first + (corner - first + self.random.choice((-1, 1))) % size
         points[corner] += (points[other] - points[corner]) * self.random.uniform(-0.35, 0.35)
-        return Outline(points, here.loop_sizes, here.details.ties())
+        return Outline(points, here.loop_sizes, here.details.ties(), self.random.choice((0, MORE_FITS)))
 
 
 def _spans(sizes: Sequence[int]) -> Iterator[tuple[int, int]]:

@@ -420,11 +420,11 @@ def solve(t, n, ties, meetings, samples):
             worst_miss = max(worst_miss, abs(t.value[r]))
         if turn >= fits and worst <= exact and worst_miss <= 100 * exact:
             return SOLVED
-        if turn < fits:
+        if turn < max(fits, 1):
             add_fit(t, n, samples)
             if not factor(t, 2 * n):
                 return FAILED
-        else:  # nothing but the constraints: the least change, measured as before
+        if turn >= fits:  # nothing but the constraints: the least change, measured as before
             for i in range(2 * n):
                 t.slope[i] = 0.0
         step(t, n, rows)

@@ -377,6 +377,21 @@ def test_check_accepts_what_make_wrote_and_rejects_another_shape(
     assert_one_line(error)
 
 
+def test_check_says_how_far_an_outline_that_was_drawn_anew_is_from_the_drawing(
+    drawing: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    main(["make", drawing, *SMALL, "-o", "box.fold", "--quiet"])
+    data = json.loads(Path("box.fold").read_text())
+    x, y = data["foldcut:placement"][0][2], data["foldcut:placement"][1][2]
+    data["foldcut:placement"][0][2], data["foldcut:placement"][1][2] = x + 0.3, y + 0.4
+    Path("moved.fold").write_text(json.dumps(data))
+    assert main(["check", "moved.fold", "--shape", drawing]) == 1
+    error = capsys.readouterr().err
+    assert "its outline is about 0.5 mm off that drawing; foldcut make --exact moves no corner" in error
+    main(["check", "box.fold", "--shape", "triangle"])
+    assert "off that drawing" not in capsys.readouterr().err
+
+
 def test_check_finds_a_flipped_crease(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     fold = json.loads(export(square_out_of_square(), ".fold"))
     path = folder / "pattern.fold"

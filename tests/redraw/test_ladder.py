@@ -18,6 +18,7 @@ import foldcut
 from foldcut.core.arrays import points_array
 from foldcut.core.errors import BadInputError, CreaseTooShortError, UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape
+from foldcut.core.units import rounded_up
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.drawing.shape import make_shape
@@ -148,6 +149,42 @@ def test_the_most_exact_outline_for_two_hands_is_taken(name: str) -> None:
     assert not any(level.for_hands for level in before)
 
 
+def test_a_larger_tolerance_is_taken_if_its_outline_is_nearer_to_the_drawing() -> None:
+    def redraw(drawing: Drawing, tolerance: float, *, found: Callable[[Redrawn], None], **_: Any) -> None:
+        def far(one: Redrawn) -> None:
+            found(replace(one, off=0.2 if tolerance < 0.5 else 0.1))
+
+        pretended(folder)(drawing, tolerance, found=far)
+
+    folder = Folder(lambda count: 10 if count < 50 else 61)
+    with mock.patch.object(redrawing, "redraw", redraw):
+        given = drawn(CIRCLES["circle"])
+        ladder = redraw_and_fold(given, Bounds(), Wishes(), folder, Effort("fast"), Stages())
+    assert [level.for_hands for level in ladder.levels][-2:] == [True, True]
+    assert ladder.levels[-2].off_by_mm > ladder.levels[-1].off_by_mm
+    assert ladder.level is ladder.levels[-1]
+
+
+@pytest.mark.parametrize(
+    ("length", "text"), [(0.9036, "0.904"), (0.25, "0.25"), (1.001, "1.01"), (0.0, "0"), (12.31, "12.4")]
+)
+def test_a_length_is_rounded_up_so_that_at_most_is_true(length: float, text: str) -> None:
+    assert rounded_up(length) == text
+
+
+def test_an_outline_that_is_off_by_rounding_errors_only_is_not_off() -> None:
+    def redraw(drawing: Drawing, tolerance: float, *, found: Callable[[Redrawn], None], **_: Any) -> None:
+        pretended(folder)(drawing, tolerance, found=lambda one: found(replace(one, off=3e-14)))
+
+    folder = Folder(lambda count: 10 if count < 50 else 61)
+    with mock.patch.object(redrawing, "redraw", redraw):
+        given = drawn(CIRCLES["circle"])
+        ladder = redraw_and_fold(given, Bounds(), Wishes(), folder, Effort("fast"), Stages())
+    assert ladder.level.tolerance_mm > 0
+    assert ladder.level.off_by_mm == 0
+    assert any("at most 0 mm off" in note for note in ladder.level.notes)
+
+
 def test_a_crease_under_3_mm_of_the_frame_is_not_for_hands_on_any_sheet() -> None:
     many = CIRCLES["circle"]
     few = 30
@@ -256,6 +293,20 @@ def test_ctrl_c_takes_the_best_so_far(at: int) -> None:
     assert ladder.taken == at - 2
 
 
+def test_ctrl_c_takes_the_pattern_of_the_short_look_at_the_drawing_as_it_is() -> None:
+    class Impatient(Folder):
+        def fold(self, laid: Laid, wishes: Wishes, effort: Effort, only: str) -> Tried:
+            if effort.name != "fast":
+                raise KeyboardInterrupt
+            return super().fold(laid, wishes, effort, only)
+
+    ladder = climb(drawn(CIRCLES["circle"]), Impatient(lambda _: 65), Effort("normal"))
+    assert ladder.interrupted
+    assert (ladder.level.tolerance_mm, ladder.level.folds) == (0, 65)
+    with pytest.raises(KeyboardInterrupt):
+        climb(drawn(CIRCLES["circle"]), Impatient(lambda _: 999), Effort("normal"), level="exact")
+
+
 def test_ctrl_c_ends_the_command_where_there_is_nothing_to_take() -> None:
     def folds(corners: int) -> int:
         raise KeyboardInterrupt
@@ -285,6 +336,12 @@ def test_a_limit_in_seconds_takes_the_best_so_far(monkeypatch: pytest.MonkeyPatc
     assert (len(ladder.levels), ladder.interrupted, ladder.taken) == (3, True, 2)
     given = [effort.seconds for _, _, effort, _ in folder.asked]
     assert given[0] == 2.0, "not all of it is for the drawing as it is"
+
+
+def test_if_there_is_no_pattern_when_the_seconds_are_over_that_is_said_plainly() -> None:
+    many = regular(400)
+    with pytest.raises(UnfoldableError, match=r"^no pattern was found in 0.001 s; allow more with --seconds"):
+        climb(drawn(many), Folder(lambda _: None), Effort("fast", 0.001))
 
 
 def test_if_nothing_folds_the_drawing_as_it_is_is_left_to_the_last_resorts() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from numpy.testing import assert_allclose
 import foldcut
 from foldcut.batch.results import COLUMNS
 from foldcut.cli.main import main
-from foldcut.cli.report import make_lines, make_report
+from foldcut.cli.report import level_report, make_lines, make_report
 from foldcut.core.errors import BadInputError
 from foldcut.exporters import export
 from foldcut.exporters.pictures import pictures
@@ -215,3 +216,26 @@ def test_a_batch_tells_how_far_outlines_are_off(bumpy: str) -> None:
     assert 0 < float(values["off_by_mm"]) < 4
     assert values["for_hands"] == "True"
     assert ">drawing<" in Path("out/contact-sheet.svg").read_text()
+
+
+def test_what_was_not_tried_has_no_numbers_and_as_many_folds_are_said_so(result: Result) -> None:
+    ladder = result.ladder
+    assert ladder is not None
+    not_tried = replace(ladder.level, folds=None, tried=None, laid=None, corners=0, off_by_mm=0.0, failure="not tried")
+    row = level_report(not_tried, quick=True)
+    assert row["off_by_mm"] is None
+    assert row["corners"] is None
+    same = replace(ladder, levels=(ladder.level, ladder.level), taken=0)
+    text = "\n".join(make_lines(make_report(replace(result, ladder=same), [])))
+    assert "would take as many folds, the shortest crease" in text
+    one = replace(ladder, levels=(ladder.level, replace(ladder.level, folds=1)), taken=0)
+    text = "\n".join(make_lines(make_report(replace(result, ladder=one), [])))
+    assert "would take 1 fold instead of " in text
+
+
+def test_corners_that_moved_in_the_drawing_as_it_is_are_said(as_drawn: Result) -> None:
+    ladder = as_drawn.ladder
+    assert ladder is not None
+    moved = replace(ladder, levels=(replace(ladder.level, off_by_mm=0.411),), taken=0)
+    text = "\n".join(make_lines(make_report(replace(as_drawn, ladder=moved), [])))
+    assert "outline   as drawn, but for corners moved by up to 0.411 mm; " in text

@@ -5,6 +5,8 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+import numpy as np
+
 from foldcut.cli import options
 from foldcut.cli.commands import Command
 
@@ -14,6 +16,9 @@ examples:
   foldcut check star.fold --shape star     also check that the cut gives this shape
   foldcut check fish.fold --json
 """
+
+ANOTHER = 0.1
+"""An outline that is farther than this part of a drawing's size from it was not made from that drawing."""
 
 
 def add_options(command: ArgumentParser) -> None:
@@ -31,6 +36,7 @@ def check(args: Namespace) -> int:
     from foldcut.drawing.shape import make_shape
     from foldcut.foldfile.read import read_fold
     from foldcut.proof.verify import verify
+    from foldcut.redraw.distance import apart
 
     read = read_fold(Path(args.file))
     shape, notes = None, read.notes
@@ -47,7 +53,11 @@ def check(args: Namespace) -> int:
     checked = report.check_report(read.pattern, findings, shape is not None, notes)
     remedy = "mend the pattern"
     if args.shape:
-        remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --adjust 0mm)"
+        remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --exact)"
+    if shape is not None and read.loops and any(finding.check == "cut" for finding in findings):
+        off = apart(read.loops, shape.loops)
+        if off < ANOTHER * float(np.ptp(np.concatenate(shape.loops), axis=0).max()):
+            remedy = f"its outline is about {off:.1g} mm off that drawing; foldcut make --exact moves no corner"
     return options.console(args).verdict(checked, report.check_lines(checked), findings, remedy)
 
 
