@@ -106,7 +106,7 @@ def climb(what: Drawn, folder: Folder, effort: Effort | None = None, **bounds: A
     wishes = bounds.pop("wishes", Wishes())
     on_pattern = bounds.pop("on_pattern", None)
     effort = effort or Effort("fast")
-    redrawn = mock.patch("foldcut.redraw.redrawing.redraw", pretended(folder))
+    redrawn = mock.patch("foldcut.redraw.redrawing.redraw", bounds.pop("redraw", pretended(folder)))
     with redrawn, mock.patch("foldcut.redraw.ladder.verify", return_value=[]):
         return redraw_and_fold(what, Bounds(**bounds), wishes, folder, effort, Stages(), on_pattern=on_pattern)
 
@@ -157,9 +157,7 @@ def test_a_larger_tolerance_is_taken_if_its_outline_is_nearer_to_the_drawing() -
         pretended(folder)(drawing, tolerance, found=far)
 
     folder = Folder(lambda count: 10 if count < 50 else 61)
-    with mock.patch.object(redrawing, "redraw", redraw):
-        given = drawn(CIRCLES["circle"])
-        ladder = redraw_and_fold(given, Bounds(), Wishes(), folder, Effort("fast"), Stages())
+    ladder = climb(drawn(CIRCLES["circle"]), folder, redraw=redraw)
     assert [level.for_hands for level in ladder.levels][-2:] == [True, True]
     assert ladder.levels[-2].off_by_mm > ladder.levels[-1].off_by_mm
     assert ladder.level is ladder.levels[-1]
@@ -177,9 +175,7 @@ def test_an_outline_that_is_off_by_rounding_errors_only_is_not_off() -> None:
         pretended(folder)(drawing, tolerance, found=lambda one: found(replace(one, off=3e-14)))
 
     folder = Folder(lambda count: 10 if count < 50 else 61)
-    with mock.patch.object(redrawing, "redraw", redraw):
-        given = drawn(CIRCLES["circle"])
-        ladder = redraw_and_fold(given, Bounds(), Wishes(), folder, Effort("fast"), Stages())
+    ladder = climb(drawn(CIRCLES["circle"]), folder, redraw=redraw)
     assert ladder.level.tolerance_mm > 0
     assert ladder.level.off_by_mm == 0
     assert any("at most 0 mm off" in note for note in ladder.level.notes)
