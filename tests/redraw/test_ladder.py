@@ -29,7 +29,16 @@ from foldcut.methods.progress import Stages
 from foldcut.pattern.ranking import shortest_crease
 from foldcut.redraw.bounds import Bounds
 from foldcut.redraw.distance import apart
-from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
+from foldcut.redraw.ladder import (
+    CORNERS_FOR_A_FOLD,
+    FAR_OFF,
+    FEWER_CORNERS_FOR_A_FOLD,
+    Drawn,
+    Ladder,
+    Level,
+    Tried,
+    redraw_and_fold,
+)
 from foldcut.redraw.plans import Drawing
 from foldcut.redraw.redrawing import Redrawn
 
@@ -107,7 +116,8 @@ def climb(what: Drawn, folder: Folder, effort: Effort | None = None, **bounds: A
     on_pattern = bounds.pop("on_pattern", None)
     effort = effort or Effort("fast")
     redrawn = mock.patch("foldcut.redraw.redrawing.redraw", bounds.pop("redraw", pretended(folder)))
-    with redrawn, mock.patch("foldcut.redraw.ladder.verify", return_value=[]):
+    fewer = mock.patch("foldcut.redraw.ladder.FEWER_CORNERS_FOR_A_FOLD", bounds.pop("fewer", CORNERS_FOR_A_FOLD))
+    with redrawn, fewer, mock.patch("foldcut.redraw.ladder.verify", return_value=[]):
         return redraw_and_fold(what, Bounds(**bounds), wishes, folder, effort, Stages(), on_pattern=on_pattern)
 
 
@@ -364,6 +374,16 @@ def test_a_drawing_with_too_many_corners_is_not_tried_as_it_is_unless_it_is_aske
     assert len(symmetric["one axis"]) > 60
     for name, loop in symmetric.items():
         assert climb(drawn(loop), folder).taken == 0, name
+
+
+def test_drawings_that_may_be_drawn_far_off_are_tried_as_they_are_only_with_fewer_corners() -> None:
+    """Of 60 folds that are allowed, half as many corners, unless no outline may be far from the drawing."""
+    given = drawn(uneven(1, 1.0, 1.0, count=45))
+    for tolerance, tried in ((None, False), (FAR_OFF, False), (0.9 * FAR_OFF, True)):
+        folder = Folder(lambda _: 61)
+        climb(given, folder, fewer=FEWER_CORNERS_FOR_A_FOLD, tolerance=tolerance)
+        assert (folder.asked[0][0] == 45) == tried, tolerance
+    assert climb(drawn(uneven(1, 1.0, 1.0, count=29)), Folder(lambda _: 1), fewer=FEWER_CORNERS_FOR_A_FOLD).taken == 0
 
 
 def test_an_outline_has_no_more_corners_than_were_asked_for() -> None:
