@@ -39,7 +39,7 @@ from foldcut.methods.progress import Progress, Stages
 from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.proof.verify import verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
-from foldcut.redraw.bounds import HANDS_FOLDS, Bounds
+from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_FOLDS, Bounds
 from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
 
 if TYPE_CHECKING:
@@ -207,6 +207,8 @@ def fold(
         raise BadInputError("exact forbids to move corners; leave out simplify, symmetry and adjust, or exact")
     if tolerance is None and simplify > 0 and not level:
         tolerance = simplify
+    if method not in FOLD_REDRAWN and tolerance is not None and not simplify:
+        simplify = tolerance  # as near as these methods come: corners are left out
     if exact is None:
         exact = method != AUTO and METHODS[method].needs_ribbon and tolerance is None and not level
     corners = None if preparation is None else preparation.corners

@@ -10,7 +10,17 @@ from dataclasses import dataclass
 
 from foldcut.core.errors import BadInputError
 
-__all__ = ["FEWEST", "HANDS_CREASE_MM", "HANDS_FOLDS", "LEVELS", "SMALL_PARTS", "TOLERANCES", "Bounds"]
+__all__ = [
+    "ANY_METHOD",
+    "FEWEST",
+    "FOLD_REDRAWN",
+    "HANDS_CREASE_MM",
+    "HANDS_FOLDS",
+    "LEVELS",
+    "SMALL_PARTS",
+    "TOLERANCES",
+    "Bounds",
+]
 
 ANY_METHOD = "auto"
 

@@ -414,14 +414,16 @@ def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytes
     assert report["layers"] >= report["layers_at_cut"] > 0
     assert report["sheet_used"] == pytest.approx(40**2 / 60**2)
     assert report["ribbon_mm"] == 0.25
-    (warning,) = report["warnings"]
+    short, thick = report["warnings"]
+    assert short.startswith("the shortest crease, at ")
+    assert thick.startswith(f"the cut goes through {report['layers_at_cut']} layers")
     assert main(arguments) == 0
     out = capsys.readouterr().out
     assert "ribbon 0.25 mm (this method needs one)" in out
     assert "44% of it is the shape" in out
     assert f"; on {report['lines']} lines\n" in out
     assert f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of office paper" in out
-    assert f"  warning   {warning}\n" in out
+    assert f"  warning   {short}\n  warning   {thick}\n" in out
 
 
 def test_simplification_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

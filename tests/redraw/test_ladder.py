@@ -16,7 +16,7 @@ from support.strategies import rectangle, regular, star
 
 import foldcut
 from foldcut.core.arrays import points_array
-from foldcut.core.errors import BadInputError, UnfoldableError
+from foldcut.core.errors import BadInputError, CreaseTooShortError, UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Shape
 from foldcut.core.units import rounded_up
 from foldcut.drawing.laying import Laid, Laying
@@ -30,7 +30,16 @@ from foldcut.pattern.ranking import shortest_crease
 from foldcut.redraw import redrawing
 from foldcut.redraw.bounds import Bounds
 from foldcut.redraw.distance import apart
-from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
+from foldcut.redraw.ladder import (
+    CORNERS_FOR_A_FOLD,
+    FAR_OFF,
+    FEWER_CORNERS_FOR_A_FOLD,
+    Drawn,
+    Ladder,
+    Level,
+    Tried,
+    redraw_and_fold,
+)
 from foldcut.redraw.plans import Drawing
 from foldcut.redraw.redrawing import Redrawn
 
@@ -107,7 +116,9 @@ def climb(what: Drawn, folder: Folder, effort: Effort | None = None, **bounds: A
     wishes = bounds.pop("wishes", Wishes())
     on_pattern = bounds.pop("on_pattern", None)
     effort = effort or Effort("fast")
-    with mock.patch("foldcut.redraw.redrawing.redraw", pretended(folder)):
+    redrawn = mock.patch("foldcut.redraw.redrawing.redraw", bounds.pop("redraw", pretended(folder)))
+    fewer = mock.patch("foldcut.redraw.ladder.FEWER_CORNERS_FOR_A_FOLD", bounds.pop("fewer", CORNERS_FOR_A_FOLD))
+    with redrawn, fewer, mock.patch("foldcut.redraw.ladder.verify", return_value=[]):
         return redraw_and_fold(what, Bounds(**bounds), wishes, folder, effort, Stages(), on_pattern=on_pattern)
 
 
@@ -157,9 +168,7 @@ def test_a_larger_tolerance_is_taken_if_its_outline_is_nearer_to_the_drawing() -
         pretended(folder)(drawing, tolerance, found=far)
 
     folder = Folder(lambda count: 10 if count < 50 else 61)
-    with mock.patch.object(redrawing, "redraw", redraw):
-        given = drawn(CIRCLES["circle"])
-        ladder = redraw_and_fold(given, Bounds(), Wishes(), folder, Effort("fast"), Stages())
+    ladder = climb(drawn(CIRCLES["circle"]), folder, redraw=redraw)
     assert [level.for_hands for level in ladder.levels][-2:] == [True, True]
     assert ladder.levels[-2].off_by_mm > ladder.levels[-1].off_by_mm
     assert ladder.level is ladder.levels[-1]
@@ -177,9 +186,7 @@ def test_an_outline_that_is_off_by_rounding_errors_only_is_not_off() -> None:
         pretended(folder)(drawing, tolerance, found=lambda one: found(replace(one, off=3e-14)))
 
     folder = Folder(lambda count: 10 if count < 50 else 61)
-    with mock.patch.object(redrawing, "redraw", redraw):
-        given = drawn(CIRCLES["circle"])
-        ladder = redraw_and_fold(given, Bounds(), Wishes(), folder, Effort("fast"), Stages())
+    ladder = climb(drawn(CIRCLES["circle"]), folder, redraw=redraw)
     assert ladder.level.tolerance_mm > 0
     assert ladder.level.off_by_mm == 0
     assert any("at most 0 mm off" in note for note in ladder.level.notes)
@@ -370,6 +377,16 @@ def test_a_drawing_with_too_many_corners_is_not_tried_as_it_is_unless_it_is_aske
         assert climb(drawn(loop), folder).taken == 0, name
 
 
+def test_drawings_that_may_be_drawn_far_off_are_tried_as_they_are_only_with_fewer_corners() -> None:
+    """Of 60 folds that are allowed, half as many corners, unless no outline may be far from the drawing."""
+    given = drawn(uneven(1, 1.0, 1.0, count=45))
+    for tolerance, tried in ((None, False), (FAR_OFF, False), (0.9 * FAR_OFF, True)):
+        folder = Folder(lambda _: 61)
+        climb(given, folder, fewer=FEWER_CORNERS_FOR_A_FOLD, tolerance=tolerance)
+        assert (folder.asked[0][0] == 45) == tried, tolerance
+    assert climb(drawn(uneven(1, 1.0, 1.0, count=29)), Folder(lambda _: 1), fewer=FEWER_CORNERS_FOR_A_FOLD).taken == 0
+
+
 def test_an_outline_has_no_more_corners_than_were_asked_for() -> None:
     ladder = climb(drawn(CIRCLES["oval"]), Folder(lambda _: 99), corners=30)
     assert all(level.corners <= 30 for level in ladder.levels[1:] if level.folds)
@@ -438,3 +455,23 @@ def test_the_papers_method_is_exact_unless_a_tolerance_is_given() -> None:
     assert exact.folded_pattern.shape.corner_count == 36
     near = foldcut.fold([loop], method="paper", tolerance=4.0, folds=1)
     assert near.folded_pattern.shape.corner_count < 36
+    assert near.method == "paper"
+
+
+OVAL = np.array(regular(36)) * (1.0, 0.6)
+
+
+@pytest.mark.parametrize("method", ["mirror", "skeleton"])
+def test_redrawn_outlines_are_folded_by_the_method_that_is_asked_for(method: str) -> None:
+    found = foldcut.fold([OVAL], method=method, effort="fast", folds=9)
+    assert found.ladder is not None
+    assert any(level.made is not None for level in found.ladder.levels[1:])
+    assert {level.made.method for level in found.ladder.levels if level.made is not None} == {method}
+
+
+def test_redrawn_outlines_have_no_crease_shorter_than_is_asked_for() -> None:
+    ladder = foldcut.fold([OVAL], effort="fast", folds=9).ladder
+    assert ladder is not None
+    longest = max(level.shortest_mm for level in ladder.levels[1:] if level.shortest_mm is not None)
+    with pytest.raises(CreaseTooShortError, match="no pattern, either"):
+        foldcut.fold([OVAL], effort="fast", folds=9, min_crease=longest + 1)
