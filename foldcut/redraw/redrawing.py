@@ -18,6 +18,7 @@ from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.ranking import shortest_crease
 from foldcut.redraw.bounds import ANY_METHOD
+from foldcut.redraw.bounds import HANDS_FOLDS
 from foldcut.redraw.plans import Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search
@@ -54,10 +55,11 @@ class Redrawn:
     off: float
 
     @property
-    def key(self) -> tuple[bool, float, float]:
-        """Less is better: first patterns without short creases, then fewer folds, then longer creases."""
+    def key(self) -> tuple[bool, bool, float, float]:
+        """Less is better: first patterns for two hands, then no tiny creases, then fewer folds, then longer creases."""
         lack = max(0.0, 1 - self.shortest / LEAST_CREASE_MM)
-        return lack > 0.9, self.folds * (1.0 + 0.3 * (lack > 0)) + 20 * lack, -self.shortest
+        for_hands = not lack and self.folds <= HANDS_FOLDS
+        return not for_hands, lack > 0.9, self.folds * (1.0 + 0.3 * (lack > 0)) + 20 * lack, -self.shortest
 
 
 def redraw(

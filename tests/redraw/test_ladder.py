@@ -27,7 +27,6 @@ from foldcut.methods.auto import HANDS, LAST_RESORTS
 from foldcut.methods.base import Effort, Made, Wishes
 from foldcut.methods.progress import Stages
 from foldcut.pattern.ranking import shortest_crease
-from foldcut.redraw import redrawing
 from foldcut.redraw.bounds import Bounds
 from foldcut.redraw.distance import apart
 from foldcut.redraw.ladder import (
