@@ -44,8 +44,7 @@ class Laying:
     """What is needed to lay a shape, ``outline``, on its sheet.
 
     ``simplify``: the tolerance, in mm, within which corners are left out. ``mirrored``: left and right of the drawing
-    were swapped. ``y_down``: its y axis points down. The last two only affect the placement. ``redrawn``: an outline,
-    in the drawing's units, that is laid in place of the drawing, where the drawing would lie.
+    were swapped. ``y_down``: its y axis points down. The last two only affect the placement.
     """
 
     outline: Shape
@@ -53,7 +52,6 @@ class Laying:
     simplify: float = 0.0
     mirrored: bool = False
     y_down: bool = False
-    redrawn: Shape | None = None
 
     def lay(self, turn: float = 0.0) -> Laid:
         """Lay the shape on the sheet, turned by ``turn`` degrees in addition to what the layout says.
@@ -61,9 +59,8 @@ class Laying:
         Raises ``SheetError`` for numbers that make no sense, and ``ShapeError`` for a shape that does not fit or that
         is not valid once it is simplified.
         """
-        drawn = self.outline if self.redrawn is None else self.redrawn
-        sheet, shape, placement, quarter = self.layout.place(drawn, turn, self.outline)
-        similarity = placement
+        sheet, shape, placement, quarter = self.layout.place(self.outline, turn)
+        drawn, similarity = self.outline, placement
         notes = [f"turned by {turn:.4g} degrees, so that a mirror axis lies along the sheet"] if turn else []
         notes += ["turned by a quarter, so that it has more room on the sheet"] * quarter
         if self.simplify:

@@ -165,35 +165,23 @@ class Layout:
         if isinstance(self.rotation, str) and self.rotation != "best":
             raise SheetError(f"the rotation is {self.rotation!r}; give degrees, or 'best'")
 
-    def place(self, shape: Shape, turn: float = 0.0, like: Shape | None = None) -> tuple[Sheet, Shape, Placement, bool]:
+    def place(self, shape: Shape, turn: float = 0.0) -> tuple[Sheet, Shape, Placement, bool]:
         """Return the sheet as it lies, ``shape`` on it, its placement, and whether a quarter turn gave it more room.
 
-        The shape is turned by ``turn`` degrees in addition. ``like``: the shape, in the same units, whose angle, size
-        and place are asked for, by default ``shape``. An outline that was drawn anew lies as the drawing does, except
-        that it is centred by itself, and is smaller if it would otherwise not fit. Errors are as for ``place``.
+        The shape is turned by ``turn`` degrees in addition. Errors are as for ``place``.
         """
-        like = shape if like is None else like
         given = self.rotation if isinstance(self.rotation, int | float) else 0.0
         _check_numbers(self.sheet, self.margin, self.scale, self.offset, given)
-        angle = _best_rotation(like, self.sheet, margin=self.margin) if self.rotation == "best" else given
+        angle = _best_rotation(shape, self.sheet, margin=self.margin) if self.rotation == "best" else given
         scale = self.scale
         if self.width is not None or self.height is not None:
-            scale = _scale_to(like, self.width, self.height, angle)
+            scale = _scale_to(shape, self.width, self.height, angle)
         angle += turn
-        on = as_it_lies(self.sheet, like, angle)
+        on = as_it_lies(self.sheet, shape, angle)
         free = self.rotation is None and self.offset is None
-        quarter = free and _lies_better_turned(like, on, margin=self.margin, scale=scale, rotation=angle)
+        quarter = free and _lies_better_turned(shape, on, margin=self.margin, scale=scale, rotation=angle)
         angle += 90.0 * quarter
-        offset = self.offset
-        if like is not shape:
-            one, other = (np.concatenate(some.loops) @ _rotation_matrix(angle).T for some in (like, shape))
-            room = np.array([on.width, on.height]) - 2 * self.margin
-            sizes = np.ptp(one, axis=0), np.ptp(other, axis=0)
-            scale = min(float((room / size).min()) for size in sizes) if scale == "fit" else float(scale)
-            if offset is not None:
-                x, y = (offset + scale * (other.min(axis=0) - one.min(axis=0))).tolist()
-                offset = (x, y)
-        placed, placement = place(shape, on, margin=self.margin, scale=scale, offset=offset, rotation=angle)
+        placed, placement = place(shape, on, margin=self.margin, scale=scale, offset=self.offset, rotation=angle)
         return on, placed, placement, quarter
 
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from foldcut.core.arrays import Floats, points_array
+from foldcut.core.arrays import Floats
 from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
 from foldcut.core.units import rounded_up
@@ -276,21 +276,6 @@ def redraw(
     redrawing.redraw(drawing, tolerance, method=method, work=work, found=found, is_late=is_late, progress=progress)
 
 
-class _Frame:
-    """The drawing as large as fits on A4, where outlines are searched, and the way there and back.
-
-    ``unit``: mm of the frame for each unit of the drawing.
-    """
-
-    def __init__(self, whole: Shape) -> None:
-        _, self.shape, placement, _ = Layout(parse_sheet("a4"), rotation=0.0).place(whole)
-        self.unit, self._origin = placement.scale, placement.matrix[:, 2]
-
-    def back(self, outline: Shape) -> Shape:
-        """Return an outline of the frame in the drawing's units."""
-        return Shape(tuple(points_array((loop - self._origin) / self.unit) for loop in outline.loops), outline.parent)
-
-
 @dataclass(eq=False)
 class _Search:
     """The search over tolerances: ``levels`` are those tried so far."""
@@ -308,10 +293,10 @@ class _Search:
     told: Level | None = None
 
     def __post_init__(self) -> None:
-        self.frame = _Frame(self.drawn.whole)
-        self.scale = self.drawn.laying.lay().placement.scale / self.frame.unit
+        _, _, placement, _ = Layout(parse_sheet("a4"), rotation=0.0).place(self.drawn.whole)
+        self.unit = placement.scale  # mm of the frame for each unit of the drawing
+        self.scale = self.drawn.laying.lay().placement.scale / self.unit
         self.deadline = None if self.effort.seconds is None else time.monotonic() + self.effort.seconds
-        self.before = self.frame.shape.loops
         self.more = 0
         self.since = self.until = self.stages.done
 
@@ -372,7 +357,7 @@ class _Search:
     def _corners_beside_axes(self) -> float:
         """Return how many corners the drawing has on one side of its mirror axes, of two of them if they cross."""
         shape = self.drawn.laying.outline
-        angles = [axis.angle for axis in mirror_axes(shape, self.wishes.symmetry / (self.scale * self.frame.unit))]
+        angles = [axis.angle for axis in mirror_axes(shape, self.wishes.symmetry / (self.scale * self.unit))]
         crossing = any(abs(math.cos(one - other)) < RIGHT_ANGLE for one in angles for other in angles)
         return shape.corner_count / (4 if crossing else 2 if angles else 1)
 
@@ -426,7 +411,7 @@ class _Search:
         """Return the drawing as the search for outlines takes it."""
         from foldcut.redraw.plans import Drawing
 
-        laying = replace(self.drawn.laying, simplify=0.0, redrawn=None)
+        laying = replace(self.drawn.laying, simplify=0.0)
         if self.drawn.whole is not laying.outline:
             laying = replace(laying, outline=self.drawn.whole)
         return Drawing.of(laying, self.drawn.curves, tolerance, self.bounds.small_parts, may_turn=self.drawn.may_turn)

@@ -17,8 +17,7 @@ from foldcut.methods.mirror.skeletal import made_of_half
 from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.ranking import shortest_crease
-from foldcut.redraw.bounds import ANY_METHOD
-from foldcut.redraw.bounds import HANDS_FOLDS
+from foldcut.redraw.bounds import ANY_METHOD, HANDS_FOLDS
 from foldcut.redraw.plans import Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search

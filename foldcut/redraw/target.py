@@ -1,8 +1,7 @@
 """What a redrawn outline must stay near to: the drawing in mm of the frame, and what can be recognised in it.
 
 ``Shape`` in the frame and, where they are known, its curves -> ``Target``: dense polygons, curves, true corners. From
-it come mirror axes (``redraw.symmetry``), parts that are smaller than a tolerance (``redraw.narrow_parts``), and
-circles, arcs and strips (``redraw.strips``).
+it come mirror axes (``redraw.symmetry``) and parts that are smaller than a tolerance (``redraw.narrow_parts``).
 """
 
 from __future__ import annotations
