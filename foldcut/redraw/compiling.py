@@ -43,12 +43,14 @@ def get_ready(progress: Callable[[str], None]) -> float:
 
     From then on all skeletons of this process are made in compiled code.
     """
-    started = time.monotonic()
+    seconds = 0.0
     if not is_compiled():
+        started = time.monotonic()
         progress(COMPILING)
         compile_ahead()
+        seconds = time.monotonic() - started
     use_compiled()
-    return time.monotonic() - started
+    return seconds
 
 
 def is_compiled() -> bool:

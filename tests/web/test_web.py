@@ -150,7 +150,7 @@ def test_a_text_is_folded(client: TestClient) -> None:
 
 
 def test_progress_is_told_in_stages(client: TestClient) -> None:
-    token = send(client, sample="swan", effort="normal")
+    token = send(client, sample="swan", effort="fast")
     seen: dict[str, float] = {}
     while (state := client.get(f"/jobs/{token}").json())["state"] != "done":
         assert state["state"] in ("waiting", "folding"), state
@@ -342,7 +342,7 @@ def test_how_near_the_outline_stays_is_told_to_the_command() -> None:
 
 
 def test_cancelling_kills_the_process(client: TestClient) -> None:
-    token = send(client, sample="swan", effort="normal")
+    token = send(client, sample="swan", effort="fast")
     job = jobs_of(client).get(token)
     for _ in range(100):
         if job.process is not None:
