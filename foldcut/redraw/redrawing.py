@@ -28,6 +28,9 @@ MOST_FOLDED = 12
 TRIES = 8, 200
 """How many sets of perpendiculars are tried for each: so many, or more if there are few corners."""
 
+MOST_FOLDS = 150
+"""Outlines whose patterns have more folds are not for hands, and not folded."""
+
 REFUSED = 30.0
 """What is added to the cost of an outline whose layers have no order."""
 
@@ -139,7 +142,7 @@ class _Redrawing:
             sheet = self.plan.frame.sheet if half is None else half.sheet
             outline = shape if half is None else half.outline
             tries = max(TRIES[0], TRIES[1] // outline.corner_count)
-            made = fold_outline(outline, sheet, tries=tries, part=half)
+            made = fold_outline(outline, sheet, tries=tries, part=half, most_folds=MOST_FOLDS)
             redrawn = self._on_sheet(shape, made, off)
         except FoldcutError as error:
             self.refused[skeleton] += 1

@@ -6,6 +6,7 @@ has a layer order is taken: those with the fewest folds come first.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from itertools import zip_longest
 
@@ -25,7 +26,13 @@ TRIES = 8
 
 
 def fold_outline(
-    shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, tries: int = TRIES, part: SheetPart | None = None
+    shape: Shape,
+    sheet: Sheet,
+    *,
+    ribbon: float = 0.0,
+    tries: int = TRIES,
+    part: SheetPart | None = None,
+    most_folds: float = math.inf,
 ) -> Skeletal:
     """Return the pattern of the first set of perpendiculars, of at most ``tries``, that can be folded.
 
@@ -35,6 +42,7 @@ def fold_outline(
 
     ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
     refused. Where ``sheet`` is a part of a sheet, ``part`` says how the pattern of the whole sheet comes from it.
+    Sets with more than ``most_folds`` are not tried: it may take minutes to order the layers of a thousand creases.
     Raises ``UnfoldableError`` with the first reason where none of the sets can be folded.
     """
     budget = Budget(float("inf"))
@@ -48,15 +56,22 @@ def fold_outline(
     def fold(perpendiculars: Perpendiculars, taken: frozenset[int]) -> Trial:
         return attempt(Drawing(part or SheetPart(shape), 0.0, perpendiculars), taken, budget)
 
+    folds = odd.ridge_lines + odd.line_count(fewest[0])
+    if folds > most_folds:
+        raise UnfoldableError(f"the pattern has {folds:,} folds; at most {most_folds:g} are wanted")
     first = fold(odd, frozenset(fewest[0]))
     if first.made is not None:
         return first.made
     every = trace(ridges, ridges.nodes) if len(ridges.nodes) > len(ridges.odd) else odd
-    others, lessons = _away(every), _Lessons(odd)
+    most = most_folds - odd.ridge_lines
+    others = (taken for taken in _away(every) if every.line_count(taken) <= most)
+    lessons = _Lessons(odd)
     lessons.learn(first)
     made, lines = None, 0
     for number in range(tries - 1):
         taken = lessons.cheapest
+        if taken is not None and odd.line_count(taken) > most:
+            taken = None
         other = next(others, None) if made is None and (number % 2 == 0 or taken is None) else None
         if other is not None:
             trial, count = fold(every, other), every.line_count(other)
