@@ -12,14 +12,13 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 from foldcut.core.arrays import Floats
-from foldcut.core.errors import CreaseTooShortError, ShapeError, UnfoldableError
+from foldcut.core.errors import CreaseTooShortError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
 from foldcut.core.units import rounded_up
 from foldcut.drawing.laying import Laid, Laying
@@ -70,17 +69,8 @@ LOOK_FIRST = 30
 PROMISING = 2.0
 """A short look is promising if it finds no more than this many times the folds that are allowed."""
 
-PATIENCE = 1 / 3
-"""A search for an outline ends when it has not become better for this part of the work it may do."""
-
-MOST_FOLDED = 3
-"""At each tolerance, this many of the best outlines are folded at most, until one has a pattern."""
-
 SHARE_OF_SECONDS = 0.4
 """The part of the seconds left that the methods get for each outline, where the time is limited by the clock."""
-
-LATER = {"best": "normal", "normal": "fast", "fast": "fast"}
-"""The effort of the methods for outlines that were drawn anew, by the effort for the drawing as it is."""
 
 NOT_MOVED = 1e-6
 """An outline that is no farther than this from the drawing, in mm of the frame, has not moved."""
@@ -320,7 +310,7 @@ class _Search:
             if self._is_enough():
                 break
         if not any(level.tried for level in self.levels) and not alone and not self.interrupted:
-            self._keep(self._folded(replace(self.levels.pop(0), failure=""), self.drawn.laying, 0.0, only=LAST_RESORTS))
+            self._keep(self._folded(replace(self.levels.pop(0), failure=""), only=LAST_RESORTS))
             self.levels.insert(0, self.levels.pop())
         ladder = Ladder(tuple(self.levels), self._taken(), self.bounds.folds, self.interrupted)
         self.until = 1.0
@@ -341,18 +331,18 @@ class _Search:
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
-                look = self._folded(start, laying, 0.0, effort=Effort("fast"))
+                look = self._folded(start, effort=Effort("fast"))
                 if look.folds is None or look.folds > PROMISING * self.bounds.folds:
                     return look
                 try:
                     self._tell(look)
-                    return self._folded(start, laying, 0.0)
+                    return self._folded(start)
                 except KeyboardInterrupt:
                     if not look.verified:
                         raise
                     self.interrupted = True
                     return look
-        return self._folded(start, laying, 0.0, only="" if alone else HANDS)
+        return self._folded(start, only="" if alone else HANDS)
 
     def _corners_beside_axes(self) -> float:
         """Return how many corners the drawing has on one side of its mirror axes, of two of them if they cross."""
@@ -424,75 +414,18 @@ class _Search:
         findings = tuple(verify(made.creases, made.folded.layers, on.shape))
         spent = self.stages.seconds
         spent["verify"] = spent.get("verify", 0.0) + time.perf_counter() - started
-        shortest = shortest_crease(made.creases)
-        few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
+        attempt = Attempt(made.method, made.creases.crease_count, made.actions, shortest_crease(made.creases), "")
         corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
-        attempt = Attempt(made.method, made.creases.crease_count, made.actions, shortest, "")
-        return replace(
-            level,
-            off_by_mm=off,
-            laid=on,
-            tried=Tried(made, (attempt,), findings),
-            corners=on.shape.corner_count,
-            folds=made.actions,
-            shortest_mm=shortest,
-            layers=layers_at_cut(made.creases.faces_vertices, made.folded),
-            for_hands=few and long and not findings,
-            failure=f"not verified: {findings[0]}" if findings else "",
-            seconds=seconds,
-            notes=(f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *level.notes),
-            drawn=drawing.on_sheet(one.plan) if off > SEEN_MM else (),
-        )
+        notes = (f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *level.notes)
+        drawn = drawing.on_sheet(one.plan) if off > SEEN_MM else ()
+        tried = Tried(made, (attempt,), findings)
+        return self._with_pattern(replace(level, notes=notes, drawn=drawn), tried, off, seconds)
 
-    def _has_few_corners(self, outline: Shape) -> bool:
-        return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
-
-    def _folded(
-        self,
-        level: Level,
-        laying: Laying,
-        left: float,
-        *,
-        effort: Effort | None = None,
-        only: str = HANDS,
-        kept: Sequence[int] | None = None,
-    ) -> Level:
-        """Fold an outline; ``left``: how far it may still be moved, in mm of the frame."""
-        started = time.perf_counter()
-        within = Stages(self._progress)
-        try:
-            tried = self.fold(laying, self._wishes(level, left), self._part(effort or self.effort), within, only)
-        except (UnfoldableError, ShapeError) as error:
-            if isinstance(error, ShapeError) and not level.tolerance_mm:
-                raise
-            if isinstance(error, UnfoldableError) and (self.error is None or not level.tolerance_mm):
-                self.error = error
-            with suppress(ShapeError):
-                laid = laying.lay()
-                level = replace(level, laid=laid, drawn=self._drawn(level, laying, laid, level.off_by_mm))
-            return replace(level, failure=str(error), seconds=time.perf_counter() - started)
-        finally:
-            for name, seconds in within.seconds.items():
-                self.stages.seconds[name] = self.stages.seconds.get(name, 0.0) + seconds
-        self.interrupted |= tried.made.interrupted
-        return self._measured(level, laying, tried, time.perf_counter() - started, kept)
-
-    def _measured(
-        self, level: Level, laying: Laying, tried: Tried, seconds: float, kept: Sequence[int] | None
-    ) -> Level:
-        """Return a level with what is known of its pattern."""
+    def _with_pattern(self, level: Level, tried: Tried, off: float, seconds: float) -> Level:
+        """Return a level with a pattern and what is known of it; ``off``: how far the outline is from the drawing."""
         made, on = tried.made, tried.made.laid
-        whole = self.drawn.whole.loops
-        before = laying.on_sheet(whole, on)
-        off = apart(on.shape.loops, [before[loop] for loop in (kept if kept is not None else range(len(whole)))])
-        off = 0.0 if off < NOT_MOVED * self.scale else off
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
-        failure = f"not verified: {tried.findings[0]}" if tried.findings else ""
-        notes = level.notes
-        if level.tolerance_mm:
-            corners = f"{self.drawn.whole.corner_count} -> {on.shape.corner_count} corners"
-            notes = (f"the outline was drawn anew, at most {rounded_up(off)} mm off: {corners}", *notes)
         return replace(
             level,
             off_by_mm=off,
@@ -503,31 +436,43 @@ class _Search:
             shortest_mm=shortest,
             layers=layers_at_cut(made.creases.faces_vertices, made.folded),
             for_hands=few and long and not tried.findings,
-            failure=failure,
+            failure=f"not verified: {tried.findings[0]}" if tried.findings else "",
             seconds=seconds,
-            notes=notes,
-            drawn=self._drawn(level, laying, on, off),
         )
 
-    def _drawn(self, level: Level, laying: Laying, on: Laid, off: float) -> tuple[Floats, ...]:
-        """Return the drawing on the sheet, if the outline is another."""
-        is_other = level.tolerance_mm > 0 or laying.simplify > 0
-        return laying.on_sheet(self.drawn.whole.loops, on) if is_other and off > SEEN_MM else ()
+    def _has_few_corners(self, outline: Shape) -> bool:
+        return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
 
-    def _wishes(self, level: Level, left: float) -> Wishes:
-        """Return what a method may do to an outline that may still be moved by ``left`` mm of the frame."""
+    def _folded(self, level: Level, *, effort: Effort | None = None, only: str = HANDS) -> Level:
+        """Fold the drawing as it is; the last argument is ``only`` of ``methods.auto.run``."""
+        started = time.perf_counter()
+        laying, within = self.drawn.laying, Stages(self._progress)
+        try:
+            tried = self.fold(laying, self._wishes(), self._part(effort or self.effort), within, only)
+        except UnfoldableError as error:
+            self.error = error
+            return replace(level, laid=laying.lay(), failure=str(error), seconds=time.perf_counter() - started)
+        finally:
+            for name, seconds in within.seconds.items():
+                self.stages.seconds[name] = self.stages.seconds.get(name, 0.0) + seconds
+        self.interrupted |= tried.made.interrupted
+        on = tried.made.laid
+        before = laying.on_sheet(self.drawn.whole.loops, on)
+        off = apart(on.shape.loops, before)
+        off = 0.0 if off < NOT_MOVED * self.scale else off
+        drawn = before if laying.simplify > 0 and off > SEEN_MM else ()
+        return self._with_pattern(replace(level, drawn=drawn), tried, off, time.perf_counter() - started)
+
+    def _wishes(self) -> Wishes:
+        """Return what a method may do to the drawing as it is: move corners by hairs, as far as that is allowed."""
         wishes, bounds = self.wishes, self.bounds
         if bounds.is_exact:
             return replace(wishes, adjust=0.0, symmetry=0.0)
-        if not level.tolerance_mm:  # the drawing as it is: methods move corners by hairs, as far as that is allowed
-            most = bounds.most(self.scale)
-            if most >= ADJUST:
-                return wishes
-            adjust = most * self.scale if wishes.adjust is None else min(wishes.adjust, most * self.scale)
-            return replace(wishes, adjust=adjust, symmetry=min(wishes.symmetry, most * self.scale))
-        most = min(ADJUST, left) * self.scale
-        symmetry = min(wishes.symmetry, left * self.scale) if wishes.symmetry else left * self.scale
-        return replace(wishes, adjust=most if wishes.adjust is None else min(most, wishes.adjust), symmetry=symmetry)
+        most = bounds.most(self.scale)
+        if most >= ADJUST:
+            return wishes
+        adjust = most * self.scale if wishes.adjust is None else min(wishes.adjust, most * self.scale)
+        return replace(wishes, adjust=adjust, symmetry=min(wishes.symmetry, most * self.scale))
 
     # ---- all levels ----
 

@@ -169,23 +169,29 @@ class Drawing:
 
     @classmethod
     def of(
-        cls, laying: Laying, curves: Sequence[CurvedLoop], tolerance: float, treatment: str = "drop", *, may_turn: bool
+        cls,
+        laying: Laying,
+        curves: Sequence[CurvedLoop],
+        tolerance: float,
+        treatment: str = "drop",
+        *,
+        may_turn: bool,
+        turn: float = 0.0,
     ) -> Drawing:
         """Return a drawing for outlines that are at most ``tolerance`` mm of the frame off.
 
-        ``treatment`` of small parts: "drop", "keep" or "enlarge".
+        ``treatment`` of small parts: "drop", "keep" or "enlarge". ``turn``: by how many degrees more it is turned.
         """
-        laid = laying.lay()
+        laid = laying.lay(turn)
         frame = next(frames(laid))
         target, parts = treated(Target.of_frame(frame, curves), tolerance, treatment)
         return cls(laying, laid, frame, target, tuple(curves), tuple(parts), treatment, tolerance, may_turn)
 
     def turned(self, turn: float) -> Drawing:
         """Return the drawing turned by so many degrees more."""
-        laid = self.laying.lay(turn)
-        frame = next(frames(laid))
-        target, parts = treated(Target.of_frame(frame, self.curves), self.tolerance, self.treatment)
-        return replace(self, laid=laid, frame=frame, target=target, small_parts=tuple(parts))
+        return type(self).of(
+            self.laying, self.curves, self.tolerance, self.treatment, may_turn=self.may_turn, turn=turn
+        )
 
     def chords(self) -> int:
         """Return how many chords of the drawing are within the tolerance of it: about as many as are needed."""
@@ -194,7 +200,7 @@ class Drawing:
     def copies(self) -> int:
         """Return into how many parts the drawing's mirror axes divide it: 1, 2 or 4."""
         found = self.symmetry
-        if any(True for _ in _pairs(found.axes)):
+        if any(_pairs(found.axes)):
             return 4
         return 2 if found.axes or found.others else 1
 

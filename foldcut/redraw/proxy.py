@@ -21,9 +21,10 @@ from foldcut.geometry.straight_skeleton.graph import graph_of
 from foldcut.geometry.straight_skeleton.skeleton import Workspace
 from foldcut.geometry.straight_skeleton.tables import Arrays, Lists
 from foldcut.redraw import proxy_kernel, ties_kernel
+from foldcut.redraw.bounds import HANDS_CREASE_MM
 
-LEAST_CREASE_MM = 3.0
-"""Shorter creases are hard to fold by hand."""
+LEAST_CREASE_MM = HANDS_CREASE_MM
+"""Shorter creases cost more."""
 
 SHORT_COST = 3.0, 7.0
 """What a crease costs that is shorter than that, in lines, and what more it costs, in proportion, the shorter it is."""
@@ -55,6 +56,9 @@ SAMPLE_MM = 1.0
 MOST_SAMPLES = 500
 """How many such points there are at most."""
 
+MOST_NOTED = 4000
+"""How many faces on the ways of perpendiculars, and how many nodes that they nearly come to, are noted at most."""
+
 Tie = tuple[int, ...]
 """Sides that are equally far from one point, in ascending order: side 2k runs along edge k with its face on the left,
 side 2k + 1 against it."""
@@ -81,7 +85,6 @@ class Work(NamedTuple):
     place: Any
     x: Any
     y: Any
-    z: Any
     root: Any
     degree: Any
     at_node: Any
@@ -142,6 +145,14 @@ class Work(NamedTuple):
     ridge_length: Any
 
 
+REALS = {
+    "numbers", "sizes", "place", "x", "y", "ax", "ay", "sx",
+    "sy", "u0", "u1", "ridge_length", "path_cost", "path_angle", "sector_cost", "exit_x",
+    "exit_y", "spoke_x", "spoke_y", "cut_part", "point_x", "point_y", "miss",
+}  # fmt: skip
+"""Which of the tables hold real numbers; the others hold integers."""
+
+
 def _zeros(*shape: int) -> Any:
     return np.zeros(shape)
 
@@ -151,36 +162,28 @@ def _numbers(*shape: int) -> Any:
 
 
 def _work(nodes: int, sides: int) -> Work:
-    halves = 4 * (nodes + sides) + 64
-    paths = 4 * nodes + 64
-    f, i = _zeros, _numbers
-    sizes = {
-        "counts": i(20), "numbers": f(8), "sizes": f(12), "ints": i(16), "place": f(2),
-        "first": i(sides + 1), "member": i(paths), "point_x": f(16 * paths), "point_y": f(16 * paths),
-        "group_first": i(paths), "group_best": i(paths), "sector_cost": f(paths),
-        "exit_x": f(paths), "exit_y": f(paths),
-        "key": np.full(1 << (2 * halves).bit_length(), -1, dtype=np.int64),
-        "value": i(1 << (2 * halves).bit_length()),
-    }  # fmt: skip
-    reals = {"x", "y", "z", "ax", "ay", "sx", "sy", "u0", "u1", "path_cost", "path_angle", "miss", "spoke_x", "spoke_y",
-             "cut_part", "ridge_length"}  # fmt: skip
-    for name in Work._fields:
-        if name in sizes:
-            continue
-        if name in ("ax", "ay", "sx", "sy"):
-            size = sides
-        elif name.startswith(("path_", "spoke_", "cut_", "taken", "way_first")) or name == "stuck":
-            size = max(paths, halves if name in ("cut_at", "taken", "way_first") else 0, nodes) + 1
-            if name in ("cut_part", "cut_next", "spoke_x", "spoke_y", "spoke_next"):
-                size = 8 * paths
-        elif name in ("way", "miss", "miss_path", "miss_step", "miss_node"):
-            size = 4000
-        elif name in ("tail", "head", "face", "twin", "kind", "u0", "u1", "next_at_node", "ridge", "ridge_length"):
-            size = halves
-        else:
-            size = nodes + 1
-        sizes[name] = f(size) if name in reals else i(size)
-    return Work(**sizes)
+    """Return tables with room for so many nodes and sides."""
+    halves, paths = 4 * (nodes + sides) + 64, 4 * nodes + 64
+    buckets = 1 << (2 * halves).bit_length()
+    rows = (
+        (2, "place"),
+        (8, "numbers"),
+        (12, "sizes"),
+        (16, "ints"),
+        (20, "counts"),
+        (nodes + 1, "x y root degree at_node level_at spoke_at node_path"),
+        (sides + 1, "first ax ay sx sy"),
+        (halves + 1, "tail head face twin kind u0 u1 cut_at next_at_node ridge ridge_length taken way_first"),
+        (paths + 1, "path_half path_start path_end path_cost path_taken path_last path_angle path_next path_before"),
+        (paths + 1, "path_mate path_group path_sector path_point group_first group_best sector_cost member stuck"),
+        (paths + 1, "exit_x exit_y"),
+        (8 * paths, "spoke_x spoke_y spoke_next cut_part cut_next"),
+        (16 * paths, "point_x point_y"),
+        (MOST_NOTED, "way miss miss_path miss_step miss_node"),
+        (buckets, "key value"),
+    )
+    tables = {name: _zeros(n) if name in REALS else _numbers(n) for n, names in rows for name in names.split()}
+    return Work(**tables)
 
 
 class Moving(NamedTuple):
@@ -287,9 +290,10 @@ def _dense(loop: Floats, step: float) -> Floats:
 class Assessment:
     """What an outline costs to fold.
 
-    ``points`` ``(n, 2)``, the corners of loops of ``loop_sizes``. ``lines``: straight folds; ``shortest`` mm;
-    ``endless``: nodes whose perpendiculars do not end; ``cost``: all in one number. ``ridges``: node, node and length
-    of those that are on the sheet; ``misses``: how far a perpendicular passes a node, and how; ``node_sides``.
+    ``points`` ``(n, 2)``, the corners of loops of ``loop_sizes``. ``cost``: all of it in one number, to which what
+    folding the outline has shown is added (``is_believed``). ``lines``: straight folds; ``shortest`` crease in mm, and
+    how many are ``short``; ``endless``: nodes whose perpendiculars do not end; ``odd`` nodes; perpendiculars ``taken``.
+    ``details``: a ``Details`` if they were asked for.
     """
 
     points: Floats
@@ -390,7 +394,7 @@ class Engine:
         space, work = at.workspace, at.work
         if not space.run(x, y, self.noise) or space.front.counts[wavefront.WRONG_FACES]:
             return None
-        work.sizes[6] = reach
+        work.sizes[proxy_kernel.REACH] = reach
         status = self.proxy.assess(
             space.front, space.sides, space.faces, work, at.count, 2 * at.count, self.scale, *self.middle
         )
@@ -475,7 +479,7 @@ class Details:
         self.sides: dict[int, Tie] = {node: tuple(sorted(sides)) for node, sides in around.items() if node >= corners}
         nodes = int(counts[proxy_kernel.NODES])
         x, y, snap = work.x[:nodes], work.y[:nodes], work.sizes[proxy_kernel.SNAP]
-        width, height = work.sizes[0], work.sizes[1]
+        width, height = work.sizes[proxy_kernel.WIDTH], work.sizes[proxy_kernel.HEIGHT]
         on = (x > snap) & (x < width - snap) & (y > snap) & (y < height - snap)
         self.on_sheet = on.tolist()
         self.x, self.y = x.tolist(), y.tolist()
@@ -492,7 +496,7 @@ class Details:
             )
         )
         taken = int(counts[proxy_kernel.TAKEN])
-        every = int(work.ints[9])
+        every = int(work.ints[proxy_kernel.NOTED])
         first = work.way_first[: every + 1].tolist()
         way = work.way[: first[-1] if every else 0].tolist()
         self.paths: list[tuple[int, int, Tie, bool]] = []  # start, end (-1 border), sides of the faces, whether taken

@@ -48,8 +48,12 @@ RIDGE, BASE, LEVEL = 0, 1, 2
     LOOSE,
 ) = range(19)
 
+# places in ``ints``: of the perpendicular that was walked last its end (-1 for the border), how many pieces it has, in
+# which face the way back would begin, and how many folds it takes; the outline's corners; perpendiculars noted in all
+END, PIECES, LAST_FACE, FOLDS, CORNERS, NOTED = range(6)
+
 # places in ``numbers``
-SHORTEST, PENALTY, COST, LEAST_HEIGHT = range(4)
+SHORTEST, PENALTY, COST = range(3)
 
 # places in ``sizes``
 (
@@ -98,7 +102,6 @@ def gather(front, sides, faces, w, corners, flanks, scale, middle_x, middle_y):
         it = front.nodes[node]
         w.x[node] = it.x * scale + middle_x
         w.y[node] = it.y * scale + middle_y
-        w.z[node] = it.time * scale
         w.root[node] = it.same_as
         w.degree[node] = 0
         w.at_node[node] = -1
@@ -245,8 +248,7 @@ def cross(w, face, u, way, out):
 def walk(w, start, mode, path):
     """Follow the perpendicular from the tail of half-edge ``start``; ``mode`` says what is noted.
 
-    0: nothing; returns whether it ends, its end in ``ints[0]`` (-1 the border) and its pieces in ``ints[1]``, and the
-    half-edge at which the way back would begin in ``ints[2]``.
+    0: nothing; returns whether it ends, and leaves its end, pieces, last face and folds in ``ints``.
     1: it is folded: its pieces are counted and measured, and where it cuts ridges.
     2: what it passes by is noted, whether it ends or not.
     """
@@ -261,7 +263,7 @@ def walk(w, start, mode, path):
     pieces = 0
     lines = 0
     straight_on = False
-    w.ints[2] = -1
+    w.ints[LAST_FACE] = -1
     if mode == 0:
         add_point(w, x, y)
     if mode == 2 or mode == 1:
@@ -323,12 +325,12 @@ def walk(w, start, mode, path):
                     add_exit(w, to_x, to_y)
             begin_x, begin_y = to_x, to_y
         if is_end:
-            w.ints[0] = -1 if ends_outside else -1 - h
-            w.ints[1] = pieces
-            w.ints[3] = lines
+            w.ints[END] = -1 if ends_outside else -1 - h
+            w.ints[PIECES] = pieces
+            w.ints[FOLDS] = lines
             if not ends_outside:
                 # along the line between two faces the way back begins in the other one
-                w.ints[2] = w.face[w.twin[start]] if crossing == 0 and w.kind[start] == LEVEL else face
+                w.ints[LAST_FACE] = w.face[w.twin[start]] if crossing == 0 and w.kind[start] == LEVEL else face
             return True
         twin = beyond if h < 0 else w.twin[h]
         if twin < 0:
@@ -366,7 +368,7 @@ def note_misses(w, path, crossing, face, u, start):
     snap = w.sizes[SNAP]
     for h in range(w.first[face], w.first[face + 1]):
         node = w.tail[h]
-        if node < w.ints[8] or node == start or not on_sheet(w, w.x[node], w.y[node]):
+        if node < w.ints[CORNERS] or node == start or not on_sheet(w, w.x[node], w.y[node]):
             continue
         miss = abs(w.u0[h] - u)
         if snap < miss < reach and w.counts[MISSES] < len(w.miss):
@@ -519,10 +521,10 @@ def find_paths(w, corners):
             w.counts[LOOSE] += 1
             w.path_cost[k] = w.sizes[ENDLESS_COST]
             if walk(w, w.path_half[k], 0, k):
-                w.path_end[k] = w.ints[0]
+                w.path_end[k] = w.ints[END]
                 w.counts[LOOSE] -= 1
-                w.path_cost[k] = w.ints[3] + 0.01 * w.ints[1] - saved(w, k)
-                w.path_last[k] = w.ints[2]
+                w.path_cost[k] = w.ints[FOLDS] + 0.01 * w.ints[PIECES] - saved(w, k)
+                w.path_last[k] = w.ints[LAST_FACE]
     w.path_point[w.counts[PATHS]] = w.counts[POINTS]
     for k in range(w.counts[PATHS]):
         end = w.path_end[k]
@@ -780,14 +782,13 @@ def measure(w, corners):
     w.counts[EXITS_Y] = 0
     w.numbers[SHORTEST] = inf
     w.numbers[PENALTY] = 0.0
-    w.numbers[LEAST_HEIGHT] = inf
-    w.ints[8] = corners
+    w.ints[CORNERS] = corners
     for k in range(w.counts[PATHS]):
         if w.path_taken[k]:
             w.taken[w.counts[TAKEN]] = k
             walk(w, w.path_half[k], 1, w.counts[TAKEN])
             w.counts[TAKEN] += 1
-            w.counts[LINES] += w.ints[3]
+            w.counts[LINES] += w.ints[FOLDS]
     taken = w.counts[TAKEN]
     for k in range(w.counts[STUCK]):
         h = w.at_node[w.stuck[k]]
@@ -798,7 +799,7 @@ def measure(w, corners):
                 taken += 1
             h = w.next_at_node[h]
     w.way_first[taken] = w.counts[WAYS]
-    w.ints[9] = taken
+    w.ints[NOTED] = taken
     snap = w.sizes[SNAP]
     for h in range(w.counts[HALVES]):
         if w.kind[h] != RIDGE or w.twin[h] < h:
@@ -840,9 +841,6 @@ def measure(w, corners):
         measure_axis(w, w.exit_x, w.counts[EXITS_X], w.sizes[HEIGHT])
     if w.sizes[FOLDED_Y] > 0:
         measure_axis(w, w.exit_y, w.counts[EXITS_Y], w.sizes[WIDTH])
-    for node in range(corners, w.counts[NODES]):
-        if w.root[node] == node and w.degree[node] > 0 and on_sheet(w, w.x[node], w.y[node]):
-            w.numbers[LEAST_HEIGHT] = min(w.numbers[LEAST_HEIGHT], w.z[node])
     w.numbers[COST] = (
         w.counts[LINES]
         + w.sizes[SHORT_COST] * w.counts[SHORT]

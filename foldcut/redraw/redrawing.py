@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 
 from foldcut.core.errors import FoldcutError
 from foldcut.core.model import Shape
-from foldcut.methods.base import Made, straight_folds
+from foldcut.methods.base import Made
 from foldcut.methods.mirror.skeletal import made_of_half
+from foldcut.methods.skeleton.method import made_of_whole
 from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.ranking import shortest_crease
@@ -115,8 +116,6 @@ class _Redrawing:
         self.keep = keep
         self.folded = 0
         self.refused: Counter[object] = Counter()
-        self.best: Redrawn | None = None
-        self.reasons: list[str] = []
         self.engine = Engine(plan.field(tolerance))
 
     def run(self, work: int, ends: Callable[[float], bool]) -> None:
@@ -136,7 +135,6 @@ class _Redrawing:
             shape, half = self.plan.outline(one.points, one.loop_sizes)
             off, _ = self.plan.target.off_by(shape.loops)
             if off > self.tolerance * (1 + 1e-6):
-                self.reasons.append(f"off {off:.3f}")
                 return REFUSED
             self.folded += 1
             sheet = self.plan.frame.sheet if half is None else half.sheet
@@ -144,12 +142,9 @@ class _Redrawing:
             tries = max(TRIES[0], TRIES[1] // outline.corner_count)
             made = fold_outline(outline, sheet, tries=tries, part=half, most_folds=MOST_FOLDS)
             redrawn = self._on_sheet(shape, made, off)
-        except FoldcutError as error:
+        except FoldcutError:
             self.refused[skeleton] += 1
-            self.reasons.append(str(error))
             return REFUSED
-        if self.best is None or redrawn.key < self.best.key:
-            self.best = redrawn
         self.keep(redrawn)
         true = redrawn.folds - len(self.plan.axes) + _cost_of_shortest(redrawn.shortest)
         return true - one.lines - _cost_of_shortest(one.shortest)
@@ -163,18 +158,8 @@ class _Redrawing:
             axes = tuple(sorted(1 - axis for axis in plan.axes)) if swapped else plan.axes
             made = made_of_half(axes, replace(found, creases=creases, folded=folded), laid)
         else:
-            count = found.perpendiculars
-            made = Made(
-                "skeleton",
-                creases,
-                folded,
-                laid,
-                0.0,
-                straight_folds(creases),
-                told=(f"skeleton: {count} perpendicular{'s' * (count != 1)}",),
-                numbers={"perpendiculars": count, "moved_mm": off * frame.scale},
-                detail=found,
-            )
+            whole = replace(found, creases=creases, folded=folded)
+            made = made_of_whole(whole, laid, moved_mm=off * frame.scale)
         return Redrawn(plan, shape, made, made.actions, shortest_crease(creases) / frame.scale, off)
 
 

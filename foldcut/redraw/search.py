@@ -36,6 +36,14 @@ FINALISTS = 4
 FAR_MISS = 0.6
 """Perpendiculars are moved to nodes that they miss by up to this part of the reach."""
 
+MOST_TIES = 400
+"""How many ties and meetings are tried in an outline at most."""
+
+TIES_AFTER_A_CHANGE = 12
+"""The same after a random change."""
+
+HOPEFUL = 15
+"""After a change that costs more than this, no ties are tried."""
 
 MORE_FITS = 8
 """How many steps corners are fitted to the drawing after a change of their number."""
@@ -76,7 +84,6 @@ class Search:
         self.engine = engine
         self.most = most
         self.random = Random(seed)
-        self.deep = 12
         self.believe = believe
         self.ends = ends
         self.all = most
@@ -84,7 +91,6 @@ class Search:
         self.last_gain = 0
         self.refused: dict[str, float] = {}
         self.reach = REACH[0] * engine.field.tolerance + REACH[1]
-        self.statistics: dict[str, list[int]] = {}
 
     @property
     def spent(self) -> int:
@@ -130,7 +136,7 @@ class Search:
             begun = sorted(begun, key=lambda one: one.key)[:few]
             for number, one in enumerate(begun):
                 self.most = first + int(share * (end - first) * (number + 1) / len(begun))
-                begun[number] = self.greedy(one, 400)
+                begun[number] = self.greedy(one, MOST_TIES)
                 if self.ends(min(1.0, self.spent / self.all)):
                     break
             first = self.spent
@@ -138,9 +144,8 @@ class Search:
         self.most = end
         for one in sorted(begun, key=lambda one: one.key):
             self.keep(one)
-        done = begun
         self.last_gain = self.spent
-        self.anneal(sorted(done, key=lambda one: one.key))
+        self.anneal(sorted(begun, key=lambda one: one.key))
         return self.best
 
     def greedy(self, here: Assessment, tries: int) -> Assessment:
@@ -199,8 +204,6 @@ class Search:
             move = moves[self.random.randrange(len(moves))]
             if others and self.random.random() < 0.002:
                 here = others.pop(0)
-            statistics = self.statistics.setdefault(move.__name__, [0, 0, 0])
-            statistics[0] += 1
             outline = move(here)
             before = self.spent
             found = self._realised(outline) if outline is not None else None
@@ -208,13 +211,11 @@ class Search:
                 if self.spent == before:
                     self.engine.assessed += 1  # a move that finds nothing is not for free
                 continue
-            statistics[1] += 1
-            if found.cost < here.cost + 15:
-                found = self.greedy(found, self.deep)
+            if found.cost < here.cost + HOPEFUL:
+                found = self.greedy(found, TIES_AFTER_A_CHANGE)
             warmth = 1.5 * left
             gain = here.cost - found.cost
             if gain > 1e-9 or self.random.random() < math.exp((gain - 1e-9) / max(warmth, 1e-3)):
-                statistics[2] += gain > 1e-9
                 here = found
                 self.keep(here)
 
@@ -281,25 +282,24 @@ class Search:
         """Leave out sides, or with ``chord`` corners, in descending order."""
         points, sizes = here.points, here.loop_sizes
         for corner in gone:
-            loop, first, size = self._loop_of(sizes, corner)
+            loop, _, size = self._loop_of(sizes, corner)
             if size <= 3:
                 return None
             if not chord:
-                shortened = self._meeting_place(points, first, size, corner)
+                shortened = self._meeting_place(points, sizes, corner)
                 if shortened is None:
                     return None
                 points = points.copy()
-                points[first + (corner - first + 1) % size] = shortened
+                points[self._beside(sizes, corner, 1)] = shortened
             number = {side: side - (side > corner) for side in range(len(points)) if side != corner}
             ties = _renumbered(ties, number)
             sizes = tuple(n - (k == loop) for k, n in enumerate(sizes))
             points = np.delete(points, corner, axis=0)
         return Outline(points, sizes, list(ties))
 
-    def _meeting_place(self, points: Floats, first: int, size: int, corner: int) -> Floats | None:
+    def _meeting_place(self, points: Floats, sizes: tuple[int, ...], corner: int) -> Floats | None:
         """Return where the sides before and after the one from a corner meet, None if that is far away."""
-        before, after = first + (corner - first - 1) % size, first + (corner - first + 1) % size
-        beyond = first + (corner - first + 2) % size
+        before, after, beyond = (self._beside(sizes, corner, step) for step in (-1, 1, 2))
         one, other = points[corner] - points[before], points[beyond] - points[after]
         area = one[0] * other[1] - one[1] * other[0]
         if abs(area) <= 1e-6 * math.hypot(*one) * math.hypot(*other):
@@ -312,7 +312,7 @@ class Search:
         return place
 
     def _beside(self, sizes: tuple[int, ...], edge: int, step: int) -> int:
-        """Return the edge before (-1) or after (1) another one."""
+        """Return the edge, or the corner, so many steps from another one around its loop."""
         _, first, size = self._loop_of(sizes, edge)
         return first + (edge - first + step) % size
 
@@ -349,8 +349,7 @@ class Search:
         """Follow a corner's bisector to the side across, on either flank, and put a corner there."""
         points, sizes = here.points, here.loop_sizes
         corner = self.random.randrange(len(points))
-        _, first, size = self._loop_of(sizes, corner)
-        before, after = first + (corner - first - 1) % size, first + (corner - first + 1) % size
+        before, after = self._beside(sizes, corner, -1), self._beside(sizes, corner, 1)
         here_at = points[corner]
         one, other = points[before] - here_at, points[after] - here_at
         if not (one.any() and other.any()):
@@ -434,8 +433,7 @@ class Search:
         """Move a corner along one of its sides."""
         points = here.points.copy()
         corner = self.random.randrange(len(points))
-        _, first, size = self._loop_of(here.loop_sizes, corner)
-        other = first + (corner - first + self.random.choice((-1, 1))) % size
+        other = self._beside(here.loop_sizes, corner, self.random.choice((-1, 1)))
         points[corner] += (points[other] - points[corner]) * self.random.uniform(-0.35, 0.35)
         return Outline(points, here.loop_sizes, here.details.ties(), self.random.choice((0, MORE_FITS)))
 

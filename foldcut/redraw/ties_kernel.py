@@ -98,6 +98,22 @@ def node_of(t, begin, end, out):
 
 
 @compiled
+def orthogonalised(t, rank, m):
+    """Take from row ``rank`` of ``t.basis`` what lies along the rows before it; returns the norm of what is left."""
+    for _ in range(2):
+        for r in range(rank):
+            dot = 0.0
+            for i in range(m):
+                dot += t.basis[r, i] * t.basis[rank, i]
+            for i in range(m):
+                t.basis[rank, i] -= dot * t.basis[r, i]
+    norm = 0.0
+    for i in range(m):
+        norm += t.basis[rank, i] * t.basis[rank, i]
+    return sqrt(norm)
+
+
+@compiled
 def add_tie(t, n, begin, end, rows):
     """Add the constraints of a tie to ``t.g`` and ``t.value``; returns how many rows there are then, -1 on failure."""
     m = end - begin
@@ -112,17 +128,7 @@ def add_tie(t, n, begin, end, rows):
             k = side >> 1
             sign = 1.0 if side & 1 == 0 else -1.0
             t.basis[rank, i] = -sign * t.dy[k] if c == 0 else (sign * t.dx[k] if c == 1 else -1.0)
-        for _ in range(2):
-            for r in range(rank):
-                dot = 0.0
-                for i in range(m):
-                    dot += t.basis[r, i] * t.basis[rank, i]
-                for i in range(m):
-                    t.basis[rank, i] -= dot * t.basis[r, i]
-        norm = 0.0
-        for i in range(m):
-            norm += t.basis[rank, i] * t.basis[rank, i]
-        norm = sqrt(norm)
+        norm = orthogonalised(t, rank, m)
         if norm > 1e-6:
             for i in range(m):
                 t.basis[rank, i] /= norm
@@ -133,17 +139,7 @@ def add_tie(t, n, begin, end, rows):
             break
         for i in range(m):
             t.basis[rank, i] = 1.0 if i == unit else 0.0
-        for _ in range(2):
-            for r in range(rank):
-                dot = 0.0
-                for i in range(m):
-                    dot += t.basis[r, i] * t.basis[rank, i]
-                for i in range(m):
-                    t.basis[rank, i] -= dot * t.basis[r, i]
-        norm = 0.0
-        for i in range(m):
-            norm += t.basis[rank, i] * t.basis[rank, i]
-        norm = sqrt(norm)
+        norm = orthogonalised(t, rank, m)
         if norm < 0.2 / sqrt(m + 0.0):
             continue
         if rows >= len(t.value):

@@ -9,11 +9,9 @@ through both layers, or all four.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
-from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, Shape, Sheet
 from foldcut.drawing.laying import Laid
 from foldcut.geometry.mirror_axes import symmetric
@@ -63,22 +61,16 @@ def search_half(
     """
     half = next(halves_of(shape, sheet, axes))
     search = Search(half.sheet, ribbon, Budget(seconds), progress)
-    interrupted = False
-    try:
+
+    def fold_variants() -> None:
         search.fold(half.outline, 0.0, seconds, half)
         for variant, moved in adjusted(shape, sheet, near)[:-1]:
             variant, off = symmetric(variant, np.array([sheet.width, sheet.height]) / 2, axes)
             if off <= SYMMETRIC * sheet.diagonal:
-                half = next(halves_of(variant, sheet, axes))
-                search.fold(half.outline, moved, PATIENCE * seconds, half)
-        search.improve()
-    except KeyboardInterrupt:
-        if search.made is None:
-            raise
-        interrupted = True
-    if search.made is None:
-        raise search.problem or UnfoldableError("no set of perpendiculars makes the creases at every node even")
-    return replace(search.made, interrupted=interrupted)
+                other = next(halves_of(variant, sheet, axes))
+                search.fold(other.outline, moved, PATIENCE * seconds, other)
+
+    return search.run(fold_variants)
 
 
 def made_of_half(axes: tuple[int, ...], found: Skeletal, laid: Laid, *, ribbon: float = 0.0) -> Made:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from foldcut.drawing.laying import Laid
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.frame import ADJUST, Frame, in_frame
 from foldcut.methods.skeleton.search import Skeletal, fold_ridges, fold_skeletal
 from foldcut.proof.tolerance import COINCIDENT
 
-__all__ = ["fold", "fold_ridges_alone"]
+__all__ = ["fold", "fold_ridges_alone", "made_of_whole"]
 
 STAGE = "straight skeleton"
 
@@ -64,16 +65,26 @@ def _made(problem: Problem, frame: Frame, made: Skeletal) -> Made:
     if moved > COINCIDENT[0] * laid.sheet.diagonal:
         notes = (*notes, f"corners moved by at most {moved:.2g} mm, so that creases meet")
     creases, folded = frame.pattern(made.creases, made.folded, made.shape)
-    count = made.perpendiculars
+    laid = replace(laid, shape=frame.on_sheet(made.shape), notes=notes)
+    ribbon = problem.wishes.free_ribbon
+    return made_of_whole(replace(made, creases=creases, folded=folded), laid, ribbon=ribbon, moved_mm=moved)
+
+
+def made_of_whole(found: Skeletal, laid: Laid, *, ribbon: float = 0.0, moved_mm: float) -> Made:
+    """Return what the method made of a shape: ``found`` is the pattern of its sheet, ``laid`` how it lies there.
+
+    ``ribbon`` and ``moved_mm``, how far corners were moved at most, are in mm.
+    """
+    count = found.perpendiculars
     return Made(
         "skeleton",
-        creases,
-        folded,
-        replace(laid, shape=frame.on_sheet(made.shape), notes=notes),
-        problem.wishes.free_ribbon,
-        straight_folds(creases),
+        found.creases,
+        found.folded,
+        laid,
+        ribbon,
+        straight_folds(found.creases),
         told=(f"skeleton: {count} perpendicular{'s' * (count != 1)}",),
-        numbers={"perpendiculars": count, "moved_mm": moved},
-        interrupted=made.interrupted,
-        detail=made,
+        numbers={"perpendiculars": count, "moved_mm": moved_mm},
+        interrupted=found.interrupted,
+        detail=found,
     )

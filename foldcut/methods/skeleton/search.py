@@ -82,19 +82,13 @@ def fold_skeletal(
     search = Search(sheet, ribbon, budget, progress)
     patience = PATIENCE * budget.limit
     variants = adjusted(shape, sheet, near)
-    interrupted = False
-    try:
+
+    def fold_variants() -> None:
         for number, (variant, moved) in enumerate(variants, start=1):
             is_last = number == len(variants)
             search.fold(variant, moved, patience if is_last else max(budget.limit, LEAST_PATIENCE))
-        search.improve()
-    except KeyboardInterrupt:
-        if search.made is None:
-            raise
-        interrupted = True
-    if search.made is None:
-        raise search.problem or UnfoldableError("no set of perpendiculars makes the creases at every node even")
-    return replace(search.made, interrupted=interrupted)
+
+    return search.run(fold_variants)
 
 
 def fold_ridges(shape: Shape, sheet: Sheet, *, ribbon: float = 0.0, near: float) -> Skeletal:
@@ -154,6 +148,24 @@ class Search:
     def made(self) -> Skeletal | None:
         """The best pattern so far."""
         return self.best.made if self.best is not None else None
+
+    def run(self, fold_variants: Callable[[], None]) -> Skeletal:
+        """Fold some variants of a shape, look for a better pattern near to the best, and return the best of all.
+
+        Ctrl-C ends the search with the best so far. Raises ``UnfoldableError`` with the first reason where there is
+        none.
+        """
+        interrupted = False
+        try:
+            fold_variants()
+            self.improve()
+        except KeyboardInterrupt:
+            if self.made is None:
+                raise
+            interrupted = True
+        if self.made is None:
+            raise self.problem or UnfoldableError("no set of perpendiculars makes the creases at every node even")
+        return replace(self.made, interrupted=interrupted)
 
     def fold(self, shape: Shape, moved: float, patience: float, part: SheetPart | None = None) -> None:
         """Try sets of perpendiculars of a shape, and while none has a pattern, walk on from the best of them.
