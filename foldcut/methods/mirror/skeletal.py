@@ -21,7 +21,7 @@ from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half, axis_lines
 from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.quick import TRIES, fold_outline
-from foldcut.methods.skeleton.search import Search, adjusted
+from foldcut.methods.skeleton.search import MOST_CORNERS, Search, adjusted
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.foldability import crease_numbers
 
@@ -56,7 +56,7 @@ def search_half(
     """Return the pattern of the sheet that is easiest to fold, of all that a search for some seconds finds.
 
     ``shape`` is symmetric about the sheet's ``axes``, as for ``Half``. Its corners may be moved by ``near`` mm, as by
-    ``fold_skeletal``; the shape as it is is tried first. ``seconds`` are those of the budget's model. Raises
+    ``fold_skeletal``, if they are not too many; the shape as it is is tried first. ``seconds`` are those of the budget's model. Raises
     ``UnfoldableError`` with the first reason where no pattern is found. Ctrl-C ends the search with the best so far.
     """
     half = next(halves_of(shape, sheet, axes))
@@ -64,6 +64,8 @@ def search_half(
 
     def fold_variants() -> None:
         search.fold(half.outline, 0.0, seconds, half)
+        if shape.corner_count > MOST_CORNERS:
+            return  # to move the corners of so many would take minutes
         for variant, moved in adjusted(shape, sheet, near)[:-1]:
             variant, off = symmetric(variant, np.array([sheet.width, sheet.height]) / 2, axes)
             if off <= SYMMETRIC * sheet.diagonal:
