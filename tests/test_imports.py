@@ -38,6 +38,7 @@ METHODS_BELOW = {
     "gate": {"disks"},
     "compact": set(),
     "mirror": {"compact", "skeleton"},
+    "simple": set(),
     "skeleton": set(),
     "auto": {"disks", "gate", "compact", "mirror", "skeleton", "fewest_folds"},
 }

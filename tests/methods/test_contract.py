@@ -33,7 +33,14 @@ SHAPES: dict[str, list[Points]] = {
     "ring": RING,
     "two squares": TWO_SQUARES,
 }
-FOLDABLE = {"mirror": "square", "compact": "lopsided", "paper": "lopsided", "skeleton": "lopsided", "gate": "ring"}
+FOLDABLE = {
+    "mirror": "square",
+    "simple": "star",
+    "compact": "lopsided",
+    "paper": "lopsided",
+    "skeleton": "lopsided",
+    "gate": "ring",
+}
 """By method, a shape that it folds."""
 
 FAST = Effort("fast")

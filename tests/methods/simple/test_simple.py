@@ -1,0 +1,48 @@
+"""The method ``simple``: which drawings are cut after simple folds alone, and that paper can be folded so."""
+
+from __future__ import annotations
+
+import pytest
+from support.strategies import rectangle, regular
+
+from foldcut.core.errors import UnfoldableError
+from foldcut.core.model import Sheet
+from foldcut.drawing.shape import make_shape
+from foldcut.folding_steps import folding_steps
+from foldcut.methods.simple.search import sequences
+from foldcut.pipeline import Result, fold
+from foldcut.samples import sample_path
+
+SAMPLES = {"star": 4, "square": 2, "hexagon": 3, "plus": 4, "kite": 2, "ring": 3, "two-triangles": 3}
+"""Samples that simple folds cut out, and how many these are."""
+
+
+def simple(name: str) -> Result:
+    """Fold a sample as it is."""
+    return fold(sample_path(name), "a4", method="simple", exact=True)
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_a_sample_is_cut_after_simple_folds_alone(name: str) -> None:
+    result = simple(name)
+    assert result.verified
+    assert result.actions == SAMPLES[name]
+    assert all(step.line is not None for step in folding_steps(result.folded_pattern))
+
+
+@pytest.mark.parametrize("corners", range(3, 13))
+def test_regular_polygons_need_no_more_folds_than_halving_their_sides(corners: int) -> None:
+    result = fold([regular(corners)], "a4", method="simple", exact=True)
+    assert result.verified
+    assert 2 ** (result.actions - 1) < corners <= 2**result.actions
+
+
+def test_what_stops_the_folds_is_said_with_its_corner() -> None:
+    shape = make_shape([[(20, 20), (80, 20), (60, 50), (30, 70)]])
+    with pytest.raises(UnfoldableError, match=r"no straight fold .* at the corner at \(\d+, \d+\) mm"):
+        sequences(shape, Sheet(100, 100))
+
+
+def test_a_symmetric_drawing_off_the_middle_is_folded_off_the_middle() -> None:
+    result = fold([rectangle(30, 20)], "a4", method="simple", exact=True, offset=(31.0, 57.0), scale=1.0)
+    assert result.verified
