@@ -40,7 +40,7 @@ METHODS_BELOW = {
     "mirror": {"compact", "skeleton"},
     "simple": set(),
     "skeleton": set(),
-    "auto": {"disks", "gate", "compact", "mirror", "skeleton", "fewest_folds"},
+    "auto": {"disks", "gate", "compact", "mirror", "simple", "skeleton", "fewest_folds"},
 }
 """Which methods each method may use; all see ``EVERY_METHOD_SEES``."""
 

@@ -36,6 +36,9 @@ __all__ = ["FoldingStep", "folding_steps"]
 MOST_CREASES = 1000
 """A pattern with more creases than this is folded in one step."""
 
+MOST_STATES = 3000
+"""A beginning of straight folds is looked for in this many states of the sheet, divided by the number of its faces."""
+
 MOST_TRIES = 40
 """The number of states between the first folds and the last ones that are tried."""
 
@@ -68,13 +71,8 @@ def folding_steps(pattern: FoldedPattern) -> tuple[FoldingStep, ...]:
     rank = np.argsort(pattern.folded.layers)
     end = SheetState(sheet, pattern.folded.vertices_coords, rank, sheet.creased)
     flat = SheetState(sheet, sheet.flat, np.arange(count), np.zeros_like(sheet.creased), np.zeros((count, count), bool))
-    state = flat
-    moves: list[_Move] = []
-    while found := _best(
-        (turn for turn in state.folds(sheet.creased) if is_one_sheet(state.turned(turn), end)), sheet.first
-    ):
-        moves.append(_Move(state, state.turned(found), found))
-        state = moves[-1].after
+    moves = _beginning(flat, end)
+    state = moves[-1].after if moves else flat
     last: list[_Move] = []
     target = end
     while (target.folded != state.folded).any() and (found := _best(target.unfolds(state.meet))):
@@ -93,13 +91,48 @@ class _Move:
     turn: Turn | None
 
 
-def _best(turns: Iterator[Turn], first: Bools | None = None) -> Turn | None:
-    """Return the turn of the most creases, then of the fewest faces; one of ``first`` creases only goes before all."""
+def _beginning(flat: SheetState, end: SheetState) -> list[_Move]:
+    """Return straight folds of the flat sheet after which nothing slides any more; they fold as many creases as can be.
 
-    def key(turn: Turn) -> tuple[bool, int, int]:
-        return first is not None and bool(first[turn.edges].all()), int(turn.edges.sum()), -int(turn.faces.sum())
+    What folds the most creases is tried first, and a fold of the pattern's ``first_folds`` before all. Then others are
+    tried, for as many states as the size of the pattern allows: they may fold more creases, or as many by fewer folds.
+    """
+    sheet, tries = flat.sheet, max(1, MOST_STATES // len(flat.rank))
+    best: list[_Move] = []
+    reached: dict[bytes, int] = {}
+    waiting: list[list[_Move]] = [[]]
+    while waiting and (tries > 0 or not best):
+        moves = waiting.pop()
+        state = moves[-1].after if moves else flat
+        if (_folds(state), -len(moves)) > (_folds(best[-1].after) if best else 0, -len(best)):
+            best = moves
+        if best and _folds(best[-1].after) == _folds(end) and len(moves) + 1 >= len(best):
+            continue
+        onward = []
+        for turn in sorted(state.folds(sheet.creased), key=lambda turn: _key(turn, sheet.first)):
+            after = state.turned(turn)
+            tries -= 1
+            place = after.folded.tobytes() + after.up.tobytes()
+            if reached.get(place, MOST_CREASES) > len(moves) + 1 and is_one_sheet(after, end):
+                reached[place] = len(moves) + 1
+                onward.append([*moves, _Move(state, after, turn)])
+        waiting += onward
+    return best
 
-    return max(turns, key=key, default=None)
+
+def _folds(state: SheetState) -> int:
+    """Return how many creases are folded."""
+    return int(state.folded.sum())
+
+
+def _best(turns: Iterator[Turn]) -> Turn | None:
+    """Return the turn of the most creases, then of the fewest faces."""
+    return max(turns, key=_key, default=None)
+
+
+def _key(turn: Turn, first: Bools | None = None) -> tuple[bool, int, int]:
+    """Return what turns are compared by, the best last; one of ``first`` creases only comes after all."""
+    return first is not None and bool(first[turn.edges].all()), int(turn.edges.sum()), -int(turn.faces.sum())
 
 
 def _collapses(sheet: SheetData, state: SheetState, target: SheetState) -> Iterator[_Move]:

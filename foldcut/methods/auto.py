@@ -13,7 +13,8 @@ from foldcut.methods import AUTO, METHODS
 from foldcut.methods.base import Effort, Made, Problem
 from foldcut.methods.fewest_folds import Fewest, fewest_folds
 from foldcut.methods.frame import ADJUST, frame_scale
-from foldcut.pattern.ranking import Goal, rank, shortest_crease
+from foldcut.pattern.foldability import COMFORTABLE_LAYERS, layers_at_cut
+from foldcut.pattern.ranking import FOLDABLE_MM, Goal, rank, shortest_crease
 
 __all__ = ["FOLDED", "HANDS", "LAST_RESORTS", "Attempt", "run"]
 
@@ -31,6 +32,9 @@ AFTER_OTHERS = 0.3
 
 SMALL = 6
 """Patterns with no more folds than this are found so soon that all methods are tried."""
+
+SOON = 300
+"""How many simple folds are tried, in about half a second."""
 
 USUAL = 2.0
 """Straight skeletons of a whole sheet have folds on at least this many lines for each that bisects a corner, unless
@@ -89,7 +93,7 @@ def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Atte
         attempts.append(_attempt(one))
         interrupted = one.interrupted
         shortest = shortest_crease(one.creases) / scale
-        if row.is_best or interrupted or effort.goal.is_reached(one.actions, shortest):
+        if row.is_best(problem, one) or interrupted or effort.goal.is_reached(one.actions, shortest):
             break
         beat = rank(one.actions, shortest)
         if effort.goal.beat is None or beat < effort.goal.beat:
@@ -102,6 +106,25 @@ def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Atte
 
 def _attempt(made: Made) -> Attempt:
     return Attempt(made.method, made.creases.crease_count, made.actions, shortest_crease(made.creases), "")
+
+
+def _for_hands(problem: Problem, _: Effort) -> Made:
+    """Return a pattern of simple folds alone that can be cut at once.
+
+    Raises ``UnfoldableError`` where none is found soon.
+    """
+    from foldcut.methods.simple.method import fold_simply
+
+    made = fold_simply(problem, SOON)
+    layers = layers_at_cut(made.creases.faces_vertices, made.folded)
+    if layers > COMFORTABLE_LAYERS:
+        raise UnfoldableError(f"after simple folds the cut would go through {layers} layers")
+    return made
+
+
+def _has_long_creases(problem: Problem, made: Made) -> bool:
+    """Return whether all creases are easy to fold; no pattern is easier than one of simple folds, then."""
+    return shortest_crease(made.creases) >= FOLDABLE_MM * frame_scale(problem.laid)
 
 
 def _proven_fewest(problem: Problem, _: Effort) -> Made:
@@ -134,7 +157,8 @@ class _Try:
 
     ``when``: whether the method is worth a try. ``unless``: what has been made is so good that it is not. ``until``:
     the progress that is reached after it. ``instead``: what to call instead of the method. ``last_resort``: try it only
-    if there is no pattern yet. ``is_best``: no other pattern can be better, so nothing more is tried. ``unsaid``: if it
+    if there is no pattern yet. ``is_best``: no other pattern can be better than one that it made, so nothing more is
+    tried. ``unsaid``: if it
     fails, that is not reported.
     """
 
@@ -144,7 +168,7 @@ class _Try:
     unless: Callable[[Problem, Sequence[Made]], bool] = lambda *_: False
     instead: Callable[[Problem, Effort], Made] | None = None
     last_resort: bool = False
-    is_best: bool = False
+    is_best: Callable[[Problem, Made], bool] = lambda *_: False
     unsaid: bool = False
 
     def fold(self, problem: Problem, effort: Effort) -> Made:
@@ -173,7 +197,8 @@ def _halves_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
 
 
 TRIES = (
-    _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=True, unsaid=True),
+    _Try("simple", until=0.03, instead=_for_hands, is_best=_has_long_creases, unsaid=True),
+    _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=lambda *_: True, unsaid=True),
     _Try("mirror", until=0.6),
     _Try("skeleton", until=0.75, unless=_halves_are_simpler),
     _Try("compact", until=0.9, unless=_halves_are_simpler),

@@ -32,7 +32,7 @@ from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.proof.verify import verify
-from foldcut.redraw.bounds import HANDS_CREASE_MM, HANDS_FOLDS, Bounds
+from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_CREASE_MM, HANDS_FOLDS, Bounds
 from foldcut.redraw.distance import apart
 
 if TYPE_CHECKING:
@@ -468,6 +468,8 @@ class _Search:
         wishes, bounds = self.wishes, self.bounds
         if bounds.is_exact:
             return replace(wishes, adjust=0.0, symmetry=0.0)
+        if bounds.method not in FOLD_REDRAWN:  # it folds the drawing as it is, but it may make it symmetric
+            return replace(wishes, adjust=0.0, symmetry=min(wishes.symmetry, bounds.tolerance or math.inf))
         most = bounds.most(self.scale)
         if most >= ADJUST:
             return wishes

@@ -197,6 +197,7 @@ def nothing_folds(monkeypatch: pytest.MonkeyPatch) -> None:
     for method in METHODS.values():
         monkeypatch.setattr(f"foldcut.methods.{method.package}.method.fold", failing(f"no {method.name}"))
     monkeypatch.setattr("foldcut.methods.skeleton.method.fold_ridges_alone", failing("no ridges"))
+    monkeypatch.setattr("foldcut.methods.simple.method.fold_simply", failing("no simple folds"))
 
 
 @pytest.mark.usefixtures("nothing_folds")

@@ -124,13 +124,13 @@ def _areas(geometry: BaseGeometry) -> BaseGeometry:
     return shapely.MultiPolygon([part for part in shapely.get_parts(geometry) if isinstance(part, shapely.Polygon)])
 
 
-def drawing_on(shape: Shape, sheet: Sheet) -> FoldedDrawing:
-    """Return a shape on its sheet before the first fold."""
+def drawing_on(shape: Shape, sheet: Sheet, symmetry: float = 0.0) -> FoldedDrawing:
+    """Return a shape on its sheet before the first fold; ``symmetry``: how far corners may be off, in mm."""
     inside = shapely.polygons([shapely.linearrings(loop) for loop in shape.loops])
     filled: BaseGeometry = shapely.Polygon()
     for number in np.argsort([shape.depth(k) for k in range(len(inside))], kind="stable").tolist():
         filled = filled.symmetric_difference(inside[number])
     sides = sides_of(shape)
-    tie = ROUNDING * float(np.ptp(sides.reshape(-1, 2), axis=0).max())
+    tie = max(symmetry, ROUNDING * float(np.ptp(sides.reshape(-1, 2), axis=0).max()))
     joined, line, origins = merged_sides(sides, np.arange(len(sides)), tie)
     return FoldedDrawing(shapely.Polygon(sheet.corners), filled, joined, line, origins, tie, GRID * sheet.diagonal)

@@ -2,22 +2,31 @@
 
 The lines come from ``search``; folding a sheet of paper along them gives creases, mountains and valleys, and the order
 of the layers at once. Of the shortest sequences, the one with the fewest creases is taken, then the one whose shortest
-crease is the longest.
+crease is the longest. A drawing that is symmetric but for rounding, or within ``Wishes.symmetry``, is made exactly so.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedState, Sheet
+from foldcut.drawing.laying import AS_IT_IS
+from foldcut.geometry.mirror_axes import ROUNDING
 from foldcut.methods.base import Effort, Made, Problem
+from foldcut.methods.simple.exact import exactly
 from foldcut.methods.simple.lines import Line
-from foldcut.methods.simple.search import Folds, sequences
+from foldcut.methods.simple.search import MOST_FOLDS_TRIED, Folds, sequences
 from foldcut.methods.simple.stack import flat_sheet
 from foldcut.pattern.ranking import rank, shortest_crease
 from foldcut.proof.tolerance import COINCIDENT
 from foldcut.proof.verify import verify
 
-__all__ = ["fold", "paper_folded"]
+__all__ = ["fold", "fold_simply", "paper_folded"]
 
 
 def fold(problem: Problem, effort: Effort) -> Made:
@@ -26,31 +35,85 @@ def fold(problem: Problem, effort: Effort) -> Made:
     Raises ``UnfoldableError`` with the reason where no such folds are found.
     """
     del effort  # the search is bounded by a number of folds
-    laid = problem.laid
-    with problem.stages("simple folds"):
-        found = sequences(laid.shape, laid.sheet)
-        made = [(len(folds), *paper_folded(laid.sheet, folds, cut)) for folds, cut in found]
-    made.sort(key=lambda one: _key(one[0], one[1]))
-    for count, creases, folded in made:
-        findings = verify(creases, folded.layers, laid.shape)
-        if not findings:
-            return Made(
-                "simple",
-                creases,
-                folded,
-                laid,
-                problem.wishes.free_ribbon,
-                actions=count,
-                told=(f"simple: {count} simple fold{'s' * (count != 1)}, each through all layers",),
-                numbers={"simple_folds": count},
-            )
-    raise UnfoldableError(f"the pattern of the simple folds fails verification ({findings[0]})")
+    return fold_simply(problem)
 
 
-def _key(folds: int, creases: CreasePattern) -> tuple[bool, float, int, float]:
+def fold_simply(problem: Problem, tries: int = MOST_FOLDS_TRIED) -> Made:
+    """Do as ``fold``; ``tries`` is how many folds may be tried."""
+    laid, symmetry = problem.laid, problem.wishes.symmetry
+    with problem.stages("simple folds", 0.7):
+        found = sequences(laid.shape, laid.sheet, symmetry, tries)
+    with problem.stages("folding paper"):
+        return _best(problem, found)
+
+
+def _best(problem: Problem, found: Sequence[tuple[Folds, Line]]) -> Made:
+    """Return the best pattern of some sequences; raises ``UnfoldableError`` where none is verified."""
+    made: list[Made] = []
+    failures: list[str] = []
+    for folds, cut in found:
+        try:
+            made.append(_made(problem, folds, cut))
+        except UnfoldableError as error:
+            failures.append(str(error))
+    for one in sorted(made, key=_key):
+        findings = verify(one.creases, one.folded.layers, one.laid.shape)
+        low = _lowest(one.creases, one.folded, problem.sheet)
+        if findings:
+            failures.append(f"the pattern of the simple folds fails verification ({findings[0]})")
+        elif one.ribbon > 0 and low <= one.ribbon:
+            failures.append(f"simple folds meet {low:.2g} mm from the cut, within the ribbon of {one.ribbon:.6g} mm")
+        else:
+            return one
+    raise UnfoldableError(failures[0])
+
+
+def _key(made: Made) -> tuple[bool, float, int, float]:
     """Return what patterns are sorted by, the best first."""
-    unfoldable, count, minus_shortest = rank(folds, shortest_crease(creases))
-    return unfoldable, count, creases.crease_count, round(minus_shortest, 6)
+    unfoldable, count, minus_shortest = rank(made.actions, shortest_crease(made.creases))
+    return unfoldable, count, made.creases.crease_count, round(minus_shortest, 6)
+
+
+def _made(problem: Problem, folds: Folds, cut: Line) -> Made:
+    """Return the pattern of a sequence, of the shape made as symmetric as it takes it to be.
+
+    Raises ``UnfoldableError`` where corners would have to move too far.
+    """
+    laid, count = problem.laid, len(folds)
+    corners = np.concatenate(laid.shape.loops)
+    tie = max(problem.wishes.symmetry, ROUNDING * float(np.ptp(corners, axis=0).max()))
+    found = exactly(laid.shape, laid.sheet, folds, cut, tie)
+    if found is None:
+        raise UnfoldableError("the drawing cannot be made as symmetric as its simple folds take it to be")
+    shape, folds, cut = found
+    moved = float(np.hypot(*(np.concatenate(shape.loops) - corners).T).max())
+    if moved > tie:
+        raise UnfoldableError(
+            f"the drawing is only nearly symmetric: simple folds would move its corners by up to {moved:.2g} mm; "
+            f"allow it with --symmetry {math.ceil(moved * 100) / 100:g}mm"
+        )
+    if moved:
+        notes = (f"made symmetric: corners moved by at most {moved:.2g} mm",) * (
+            moved > COINCIDENT[0] * laid.sheet.diagonal
+        )
+        laid = replace(laid, shape=shape, notes=(*laid.notes, *notes), drawn=shape, similarity=AS_IT_IS)
+    return Made(
+        "simple",
+        *paper_folded(laid.sheet, folds, cut),
+        laid,
+        problem.wishes.free_ribbon,
+        actions=count,
+        told=(f"simple: {count} simple fold{'s' * (count != 1)}, each through all layers",),
+        numbers={"simple_folds": count},
+    )
+
+
+def _lowest(creases: CreasePattern, folded: FoldedState, sheet: Sheet) -> float:
+    """Return how near to the cut creases meet, in mm."""
+    size = np.array([sheet.width, sheet.height])
+    tie = COINCIDENT[0] * sheet.diagonal
+    inside = ((creases.vertices_coords > tie) & (creases.vertices_coords < size - tie)).all(axis=1)
+    return float(np.abs(folded.vertices_coords[inside, 1]).min(initial=np.inf))
 
 
 def paper_folded(sheet: Sheet, folds: Folds, cut: Line) -> tuple[CreasePattern, FoldedState]:

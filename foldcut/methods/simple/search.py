@@ -38,14 +38,17 @@ Folds = tuple[Line, ...]
 """Lines in the order in which they are folded; what is to the right of each is turned over."""
 
 
-def sequences(shape: Shape, sheet: Sheet, tries: int = MOST_FOLDS_TRIED) -> list[tuple[Folds, Line]]:
+def sequences(
+    shape: Shape, sheet: Sheet, symmetry: float = 0.0, tries: int = MOST_FOLDS_TRIED
+) -> list[tuple[Folds, Line]]:
     """Return the shortest sequences that were found, each with the line of the cut; the inside is to its left.
 
-    Raises ``UnfoldableError`` where there is none, and where none was found within so many ``tries``.
+    ``symmetry``: how far, in mm, what lies on each other may be apart. Raises ``UnfoldableError`` where there is none,
+    and where none was found within so many ``tries``.
     """
     if shape.corner_count > MOST_SIDES:
         raise UnfoldableError(f"the drawing has {shape.corner_count} sides; simple folds are tried for {MOST_SIDES}")
-    drawing = drawing_on(shape, sheet)
+    drawing = drawing_on(shape, sheet, symmetry)
     search = _Search(tries, _fewest(drawing.line_count))
     search.run(drawing, ())
     if not search.found:
@@ -125,12 +128,12 @@ def _reason(shape: Shape, search: _Search) -> str:
     assert search.nearest is not None
     drawing, folds = search.nearest
     if search.left <= 0:
-        return f"no sequence of simple folds was found among the first {MOST_FOLDS_TRIED:,} folds; there may be one"
+        return "no sequence of simple folds was found soon enough; there may be one; try --method auto"
     x, y = _stopping_corner(shape, drawing).tolist()
     before = f"after {folds} simple fold{'s' * (folds != 1)} " if folds else ""
     return (
         f"{before}no straight fold through all layers lays the drawing on itself and joins the sides at the corner at "
-        f"({x:.4g}, {y:.4g}) mm"
+        f"({x:.4g}, {y:.4g}) mm; try --method auto, which also folds fewer than all layers"
     )
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from foldcut.core.arrays import Floats
+from foldcut.core.arrays import Floats, Indices
 from foldcut.core.model import CreasePattern, FoldedState, Sheet
 from foldcut.geometry.vectors import cross
 from foldcut.pattern.assemble import Polygon, assemble, creases_of_stack
@@ -25,11 +25,16 @@ class Stack:
 
     ``flat`` and ``folded`` ``(v, 2)`` mm: the vertices on the sheet, and where they lie. ``faces``: their vertices,
     counter-clockwise on the sheet, from the lowest face to the highest. The sheet's corners are the first four.
+    ``turned`` and ``on`` ``(v,)``: which folds turned a vertex over, and which it lies on: bit k for fold k, of
+    ``folds`` so far. What lies on a fold is not turned.
     """
 
     flat: Floats
     folded: Floats
     faces: list[Polygon]
+    turned: Indices
+    on: Indices
+    folds: int = 0
 
     def fold(self, origin: Floats, along: Floats, tie: float, *, over: bool = True) -> Stack:
         """Return the stack after what lies to the right of a line has been turned over the rest, or under it.
@@ -52,11 +57,18 @@ class Stack:
             np.concatenate([points, points[ends[:, 0]] * (1 - share) + points[ends[:, 1]] * share])
             for points in (self.flat, self.folded)
         )
-        moved = np.concatenate([np.array(side) < 0, np.zeros(len(ends), dtype=np.bool_)])
+        sides = np.concatenate([np.array(side), np.zeros(len(ends), dtype=np.intp)])
+        moved = sides < 0
+        # what lies between two vertices was turned with either of them, and lies on what both lie on
+        turned = np.concatenate([self.turned, self.turned[ends[:, 0]] | self.turned[ends[:, 1]]])
+        on = np.concatenate([self.on, self.on[ends[:, 0]] & self.on[ends[:, 1]]])
         away = at[moved] - origin
         at[moved] = origin + 2 * (away @ along)[:, None] * along - away
         faces = [*staying, *moving[::-1]] if over else [*moving[::-1], *staying]
-        return Stack(flat, at, faces)
+        bit = 1 << self.folds
+        return Stack(
+            flat, at, faces, turned | np.where(moved, bit, 0), on | np.where(sides == 0, bit, 0), self.folds + 1
+        )
 
     def _part(self, face: Polygon, side: list[int], sign: int, crossing: dict[tuple[int, int], int]) -> Polygon:
         """Return what of a face is on one side of the line; where its edges cross the line there are new vertices."""
@@ -84,4 +96,5 @@ class Stack:
 
 def flat_sheet(sheet: Sheet) -> Stack:
     """Return a sheet before the first fold."""
-    return Stack(sheet.corners.copy(), sheet.corners.copy(), [[0, 1, 2, 3]])
+    none = np.zeros(4, dtype=np.intp)
+    return Stack(sheet.corners.copy(), sheet.corners.copy(), [[0, 1, 2, 3]], none, none)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from support.strategies import rectangle, regular
+from support.strategies import rectangle, regular, star
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Sheet
@@ -35,6 +35,18 @@ def test_regular_polygons_need_no_more_folds_than_halving_their_sides(corners: i
     result = fold([regular(corners)], "a4", method="simple", exact=True)
     assert result.verified
     assert 2 ** (result.actions - 1) < corners <= 2**result.actions
+
+
+@pytest.mark.parametrize("points", [5, 6, 8])
+def test_a_drawing_with_few_digits_is_made_exactly_symmetric(points: int) -> None:
+    rounded = [(round(x, 2), round(y, 2)) for x, y in star(points, 0.45)]
+    with pytest.raises(UnfoldableError):
+        fold([rounded], "a4", method="simple", exact=True)
+    result = fold([rounded], "a4", method="simple", symmetry=3.0)
+    assert result.verified
+    assert result.foldability.shortest_crease_mm > 10
+    (note,) = result.notes
+    assert note.startswith("made symmetric: corners moved by at most")
 
 
 def test_what_stops_the_folds_is_said_with_its_corner() -> None:
