@@ -43,6 +43,7 @@ from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_FOLDS, Bounds
 from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
 
 if TYPE_CHECKING:
+    from foldcut.folding_steps.phases import Phase
     from foldcut.methods.disks.method import DiskStages
 
 __all__ = ["Progress", "Result", "fold"]
@@ -78,6 +79,14 @@ class Result:
     told: tuple[str, ...] = ()
     numbers: Mapping[str, float] = field(default_factory=dict)
     ladder: Ladder | None = None
+
+    @property
+    def phases(self) -> tuple[Phase, ...]:
+        """The simple folds, and the creases that close together, in the order in which they are folded.
+
+        None where the pattern has so many creases that nobody has counted them.
+        """
+        return () if self.ladder is None else self.ladder.level.phases
 
     @cached_property
     def foldability(self) -> Foldability:

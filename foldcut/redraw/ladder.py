@@ -36,6 +36,7 @@ from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_CREASE_MM, HANDS_FOLDS, Bo
 from foldcut.redraw.distance import apart
 
 if TYPE_CHECKING:
+    from foldcut.folding_steps.phases import Phase
     from foldcut.redraw.plans import Drawing
     from foldcut.redraw.redrawing import Redrawn
 
@@ -123,7 +124,7 @@ class Level:
 
     ``tolerance_mm``: how far the outline was allowed to be from the drawing; ``off_by_mm``: how far it is. ``laid``:
     the outline on its sheet, None where none was found; ``tried``: its pattern, None where there is none. ``failure``
-    says why.
+    says why. ``known``: its phases, if they were counted.
     ``folds``: straight folds that a person makes; ``layers``: how many the cut goes through. ``seconds``: how long it
     took. ``for_hands``: it has few enough folds and no crease that is too short. ``drawn``: the drawing on the same
     sheet, if the outline is another. ``notes``: what was done to the drawing. ``scale``: mm for each mm of the frame.
@@ -144,6 +145,7 @@ class Level:
     drawn: tuple[Floats, ...] = ()
     notes: tuple[str, ...] = ()
     title: str = ""
+    known: tuple[Phase, ...] = ()
 
     @property
     def shape(self) -> Shape | None:
@@ -173,17 +175,22 @@ class Level:
         return None if self.made is None else pattern_of(self.made, self.title, self.drawn)
 
     @cached_property
-    def simple_folds(self) -> int | None:
-        """How many of the folds are straight folds that are made one after another, flat sheet to flat sheet.
+    def phases(self) -> tuple[Phase, ...]:
+        """How many simple folds are made one after another, and how many creases then close together, and so on.
 
-        None where there is no pattern, and where it has so many creases that nobody has counted them.
+        None are known where there is no pattern, and where it has so many creases that nobody has counted them.
         """
         pattern = self.pattern
-        if pattern is None or pattern.creases.crease_count > MOST_STEPS:
-            return None
-        from foldcut.folding_steps.steps import folding_steps
+        if self.known or pattern is None or pattern.creases.crease_count > MOST_STEPS:
+            return self.known
+        from foldcut.folding_steps import folding_steps, phases
 
-        return sum(step.line is not None for step in folding_steps(pattern))
+        return phases(pattern, folding_steps(pattern))
+
+    @property
+    def simple_folds(self) -> int | None:
+        """How many of the folds are simple folds, flat sheet to flat sheet; None where nobody has counted them."""
+        return sum(phase.count for phase in self.phases if not phase.together) if self.phases else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,6 +230,20 @@ def pattern_of(made: Made, title: str, drawn: tuple[Floats, ...] = ()) -> Folded
         made.regions,
         drawn,
     )
+
+
+def _begun_simply(tried: Tried) -> tuple[Tried, tuple[Phase, ...]]:
+    """Return a pattern that begins with as many simple folds as its creases allow, and its phases, if it has any."""
+    if tried.findings:
+        return tried, ()
+    from foldcut.folding_steps.simple_first import easier
+
+    found = easier(pattern_of(tried.made, ""))
+    if found is None:
+        return tried, ()
+    creases, folded = found.pattern.creases, found.pattern.folded
+    made = replace(tried.made, creases=creases, folded=folded, actions=min(tried.made.actions, found.actions))
+    return replace(tried, made=made), found.phases
 
 
 def redraw_and_fold(
@@ -423,6 +444,7 @@ class _Search:
 
     def _with_pattern(self, level: Level, tried: Tried, off: float, seconds: float) -> Level:
         """Return a level with a pattern and what is known of it; ``off``: how far the outline is from the drawing."""
+        tried, known = _begun_simply(tried)
         made, on = tried.made, tried.made.laid
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
@@ -438,6 +460,7 @@ class _Search:
             for_hands=few and long and not tried.findings,
             failure=f"not verified: {tried.findings[0]}" if tried.findings else "",
             seconds=seconds,
+            known=known,
         )
 
     def _has_few_corners(self, outline: Shape) -> bool:
