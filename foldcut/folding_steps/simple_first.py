@@ -20,7 +20,7 @@ from foldcut.core.arrays import Ints, index_array
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState
 from foldcut.folding_steps.phases import Phase, phases
-from foldcut.folding_steps.state import SheetData, SheetState, Turn, kept_together
+from foldcut.folding_steps.state import SheetData, SheetState, Turn, is_one_sheet, kept_together
 from foldcut.folding_steps.steps import folding_steps
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.methods.skeleton.layer_order import OrderConditions, layer_order
@@ -30,6 +30,9 @@ __all__ = ["MOST_CREASES", "Easier", "easier", "with_simple_folds_first"]
 
 MOST_CREASES = 400
 """Patterns with more creases than this are left as they are."""
+
+MOST_COUNTED = 120
+"""In patterns with more creases than this folds are not counted unless they were changed: it takes too long."""
 
 MOST_STATES = 3000
 """Beginnings are looked for in this many states of the sheet, divided by the number of its faces."""
@@ -57,19 +60,21 @@ class Easier:
 def easier(pattern: FoldedPattern) -> Easier | None:
     """Return a pattern with the same creases, folded so that the fewest are left to close together.
 
-    None where no simple fold can begin it: then nothing is changed, and nothing was counted.
+    None where no simple fold can begin it, and where a pattern with more than ``MOST_COUNTED`` creases begins with as
+    many as it can: then nothing is changed, and nothing was counted.
     """
     other = with_simple_folds_first(pattern)
-    if other is None:
+    if other is None or (other is pattern and pattern.creases.crease_count > MOST_COUNTED):
         return None
-    found = [Easier(one, phases(one, folding_steps(one))) for one in (pattern, other)]
+    both = (pattern,) if other is pattern else (pattern, other)
+    found = [Easier(one, phases(one, folding_steps(one))) for one in both]
     return min(found, key=lambda one: (sum(p.count for p in one.phases if p.together), one.actions))
 
 
 def with_simple_folds_first(pattern: FoldedPattern) -> FoldedPattern | None:
     """Return a pattern with the same creases that begins with as many simple folds as are found, None without any.
 
-    Its ``first_folds`` come first, away from you.
+    Its ``first_folds`` come first, away from you. A pattern that begins with as many as it can is returned itself.
     """
     creases = pattern.creases
     if creases.crease_count > MOST_CREASES:
@@ -83,6 +88,8 @@ def with_simple_folds_first(pattern: FoldedPattern) -> FoldedPattern | None:
         return None
     conditions: OrderConditions | None = None
     for beginning in found[:MOST_BEGINNINGS]:
+        if any(is_one_sheet(state, end) for state in _stacked(flat, beginning)):
+            return pattern
         conditions = conditions or _conditions(end)
         for order in _orders(flat, end, beginning, conditions):
             made = _reordered(pattern, end, order)
@@ -153,11 +160,7 @@ def _conditions(end: SheetState) -> OrderConditions:
 
 def _orders(flat: SheetState, end: SheetState, beginning: _Beginning, conditions: OrderConditions) -> Iterator[Ints]:
     """Yield orders of the layers, from bottom to top, in which the sheet can begin with these folds."""
-    either = sum(turn.over for turn in beginning.turns)
-    for ways in islice(product((True, False), repeat=max(0, either - 1)), MOST_WAYS):
-        state, way = flat, iter((True, *ways))
-        for turn in beginning.turns:
-            state = state.turned(replace(turn, over=turn.over and next(way)))
+    for state in _stacked(flat, beginning):
         one, other = np.nonzero(np.triu(state.meet))
         same = state.up == end.up
         rising = (state.rank[one] < state.rank[other]) == same[one]
@@ -166,6 +169,16 @@ def _orders(flat: SheetState, end: SheetState, beginning: _Beginning, conditions
             yield index_array(layer_order(conditions, np.stack([above, below], axis=1)))
         except UnfoldableError:
             continue
+
+
+def _stacked(flat: SheetState, beginning: _Beginning) -> Iterator[SheetState]:
+    """Yield the sheet after the folds of a beginning, the layers in one order and another."""
+    either = sum(turn.over for turn in beginning.turns)
+    for ways in islice(product((True, False), repeat=max(0, either - 1)), MOST_WAYS):
+        state, way = flat, iter((True, *ways))
+        for turn in beginning.turns:
+            state = state.turned(replace(turn, over=turn.over and next(way)))
+        yield state
 
 
 def _reordered(pattern: FoldedPattern, end: SheetState, layers: Ints) -> FoldedPattern:

@@ -160,6 +160,12 @@ class SheetState:
                         continue
                     yield Turn(faces, origin, along, over, hinge)
 
+    def turns_all_layers(self, turn: Turn) -> bool:
+        """Return whether a turn is a fold of the whole sheet as it lies: of all that is on one side of the line."""
+        low, high = self.sides(turn.origin, turn.along).T
+        crossed = (low < 0) & (high > 0)
+        return not crossed.any() and bool(((high > 0) == turn.faces).all() or ((low < 0) == turn.faces).all())
+
     def lines(self, movable: Bools) -> Iterator[tuple[Bools, Floats, Floats]]:
         """Yield each line on which there are ``movable`` creases: those creases, a point on it, and its direction."""
         left = movable.copy()

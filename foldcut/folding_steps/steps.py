@@ -94,30 +94,37 @@ class _Move:
 def _beginning(flat: SheetState, end: SheetState) -> list[_Move]:
     """Return straight folds of the flat sheet after which nothing slides any more; they fold as many creases as can be.
 
-    What folds the most creases is tried first, and a fold of the pattern's ``first_folds`` before all. Then others are
-    tried, for as many states as the size of the pattern allows: they may fold more creases, or as many by fewer folds.
+    A fold of the pattern's ``first_folds`` is tried before all, then folds through all layers, then what folds the most
+    creases. After that others are tried, for as many states as the size of the pattern allows: they may fold more
+    creases, or as many by fewer folds.
     """
-    sheet, tries = flat.sheet, max(1, MOST_STATES // len(flat.rank))
+    tries = max(1, MOST_STATES // len(flat.rank))
     best: list[_Move] = []
     reached: dict[bytes, int] = {}
-    waiting: list[list[_Move]] = [[]]
+    waiting = _onward([], flat)
     while waiting and (tries > 0 or not best):
-        moves = waiting.pop()
-        state = moves[-1].after if moves else flat
-        if (_folds(state), -len(moves)) > (_folds(best[-1].after) if best else 0, -len(best)):
-            best = moves
+        tries -= 1
+        moves, state, turn = waiting.pop()
         if best and _folds(best[-1].after) == _folds(end) and len(moves) + 1 >= len(best):
             continue
-        onward = []
-        for turn in sorted(state.folds(sheet.creased), key=lambda turn: _key(turn, sheet.first)):
-            after = state.turned(turn)
-            tries -= 1
-            place = after.folded.tobytes() + after.up.tobytes()
-            if reached.get(place, MOST_CREASES) > len(moves) + 1 and is_one_sheet(after, end):
-                reached[place] = len(moves) + 1
-                onward.append([*moves, _Move(state, after, turn)])
-        waiting += onward
+        after = state.turned(turn)
+        place = after.folded.tobytes() + after.up.tobytes()
+        if reached.get(place, MOST_CREASES) <= len(moves) + 1 or not is_one_sheet(after, end):
+            continue
+        reached[place] = len(moves) + 1
+        moves = [*moves, _Move(state, after, turn)]
+        if (_folds(after), -len(moves)) > (_folds(best[-1].after) if best else 0, -len(best)):
+            best = moves
+        waiting += _onward(moves, after)
     return best
+
+
+def _onward(moves: list[_Move], state: SheetState) -> list[tuple[list[_Move], SheetState, Turn]]:
+    """Return the turns that are possible in a state, the best last, each with what comes before it."""
+    sheet = state.sheet
+    found = [(_key(turn, sheet.first), turn) for turn in state.folds(sheet.creased)]
+    ranked = [((key[0], state.turns_all_layers(turn), *key[1:]), turn) for key, turn in found]
+    return [(moves, state, turn) for _, turn in sorted(ranked, key=lambda one: one[0])]
 
 
 def _folds(state: SheetState) -> int:

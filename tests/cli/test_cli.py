@@ -636,7 +636,7 @@ def test_progress_for_programs_is_lines_of_json_with_every_stage(
     told = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
     stages = [line["stage"].partition(":")[0] for line in told]
     assert (stages[0], stages[-1]) == ("reading", "verify")
-    assert "straight skeleton" in stages
+    assert "simple folds" in stages
     found = [line["pattern"] for line in told if "pattern" in line]
     assert [(one["tolerance_mm"], one["corners"], one["failure"]) for one in found] == [(0, 4, "")]
     parts = [line["fraction"] for line in told]

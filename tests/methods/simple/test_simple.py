@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from support.strategies import rectangle, regular, star
 
@@ -39,7 +40,8 @@ def test_regular_polygons_need_no_more_folds_than_halving_their_sides(corners: i
 
 @pytest.mark.parametrize("points", [5, 6, 8])
 def test_a_drawing_with_few_digits_is_made_exactly_symmetric(points: int) -> None:
-    rounded = [(round(x, 2), round(y, 2)) for x, y in star(points, 0.45)]
+    z = np.array(star(points, 0.45)) @ (1, 1j) * np.exp(0.3j)
+    rounded = [(round(x.real, 2), round(x.imag, 2)) for x in z.tolist()]
     with pytest.raises(UnfoldableError):
         fold([rounded], "a4", method="simple", exact=True)
     result = fold([rounded], "a4", method="simple", symmetry=3.0)
