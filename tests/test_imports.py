@@ -39,7 +39,7 @@ METHODS_BELOW = {
     "gate": {"disks"},
     "compact": set(),
     "mirror": {"compact", "skeleton"},
-    "simple": set(),
+    "simple": {"mirror", "skeleton"},
     "skeleton": set(),
     "auto": {"disks", "gate", "compact", "mirror", "simple", "skeleton", "fewest_folds"},
 }

@@ -12,13 +12,14 @@ import numpy as np
 
 from foldcut.core.arrays import Floats, Ints
 from foldcut.core.model import FoldedPattern
-from foldcut.folding_steps.steps import FoldingStep
+from foldcut.folding_steps.steps import MOST_CREASES, FoldingStep
+from foldcut.methods.simple.lines import merged_sides
 from foldcut.pattern.straight_lines import straight_lines
 
 __all__ = ["Phase", "in_words", "lines_of", "phases"]
 
 SAME = 1e-6
-"""Lines whose ends are this near each other, relative to the sheet's diagonal, lie on each other."""
+"""Creases that are this near each other, relative to the sheet's diagonal, lie on each other."""
 
 
 @dataclass(frozen=True)
@@ -58,11 +59,11 @@ def _in_words(phase: Phase) -> str:
 def lines_of(pattern: FoldedPattern, at: Floats, edges: Ints) -> list[Floats]:
     """Return the lines, ``(2, 2)`` mm each, on which creases lie when the vertices are ``at`` ``(v, 2)``.
 
-    Creases of several layers that lie on each other are one line.
+    Creases that lie on each other, in several layers, or go straight on are one line; of more than ``MOST_CREASES``
+    those that share no end stay apart.
     """
-    tie = SAME * pattern.sheet.diagonal
-    once: dict[tuple[tuple[int, ...], ...], Floats] = {}
-    for ends in straight_lines(at, pattern.creases.edges_vertices[edges].tolist()):
-        line = at[list(ends)]
-        once.setdefault(tuple(sorted(map(tuple, np.round(line / tie).astype(int).tolist()))), line)
-    return list(once.values())
+    points = pattern.creases.edges_vertices[edges]
+    if len(edges) > MOST_CREASES:
+        return [at[list(ends)] for ends in straight_lines(at, points.tolist())]
+    lines, _, _ = merged_sides(at[points], np.arange(len(edges)), SAME * pattern.sheet.diagonal)
+    return list(lines)

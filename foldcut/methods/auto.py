@@ -122,6 +122,25 @@ def _for_hands(problem: Problem, _: Effort) -> Made:
     return made
 
 
+def _row(problem: Problem, effort: Effort) -> Made:
+    """Return the pattern of a row of figures; raises ``UnfoldableError`` where the drawing is none."""
+    from foldcut.methods.simple.method import fold_row
+
+    return fold_row(problem, effort)
+
+
+def _is_row(problem: Problem, made: Sequence[Made]) -> bool:
+    """Return whether a row of figures has a pattern with so few folds that one with a single axis has more."""
+    scale = frame_scale(problem.laid)
+    return any(
+        one.method == "simple"
+        and one.numbers.get("simple_folds", 0) > 1
+        and not rank(one.actions, shortest_crease(one.creases) / scale).unfoldable
+        and one.actions <= USUAL * _fewest(problem).bisectors
+        for one in made
+    )
+
+
 def _has_long_creases(problem: Problem, made: Made) -> bool:
     """Return whether all creases are easy to fold; no pattern is easier than one of simple folds, then."""
     return shortest_crease(made.creases) >= FOLDABLE_MM * frame_scale(problem.laid)
@@ -196,12 +215,18 @@ def _halves_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
     return min(ranks).creases <= USUAL * _fewest(problem).bisectors
 
 
+def _parts_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
+    """Return whether a pattern for a part of the sheet has so few folds that one for all of it will not have fewer."""
+    return _halves_are_simpler(problem, made) or _is_row(problem, made)
+
+
 TRIES = (
     _Try("simple", until=0.03, instead=_for_hands, is_best=_has_long_creases, unsaid=True),
     _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=lambda *_: True, unsaid=True),
-    _Try("mirror", until=0.6),
-    _Try("skeleton", until=0.75, unless=_halves_are_simpler),
-    _Try("compact", until=0.9, unless=_halves_are_simpler),
+    _Try("simple", until=0.08, instead=_row, unsaid=True),
+    _Try("mirror", until=0.6, unless=_is_row),
+    _Try("skeleton", until=0.75, unless=_parts_are_simpler),
+    _Try("compact", until=0.9, unless=_parts_are_simpler),
     _Try("paper", until=FOLDED, when=_has_one_loop, last_resort=True),
     _Try("gate", until=FOLDED, when=_has_several_loops, last_resort=True),
 )

@@ -198,6 +198,7 @@ def nothing_folds(monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(f"foldcut.methods.{method.package}.method.fold", failing(f"no {method.name}"))
     monkeypatch.setattr("foldcut.methods.skeleton.method.fold_ridges_alone", failing("no ridges"))
     monkeypatch.setattr("foldcut.methods.simple.method.fold_simply", failing("no simple folds"))
+    monkeypatch.setattr("foldcut.methods.simple.method.fold_row", failing("no row"))
 
 
 @pytest.mark.usefixtures("nothing_folds")

@@ -24,7 +24,7 @@ from foldcut.geometry.vectors import cross
 from foldcut.methods.simple.lines import Line, line_of, merged_sides
 from foldcut.pattern.cut_line import sides_of
 
-__all__ = ["FoldedDrawing", "drawing_on"]
+__all__ = ["FoldedDrawing", "drawing_on", "filled"]
 
 GRID = 1e-10
 """The outlines of paper are rounded to this part of the sheet's diagonal, so that pieces that touch are joined."""
@@ -126,11 +126,17 @@ def _areas(geometry: BaseGeometry) -> BaseGeometry:
 
 def drawing_on(shape: Shape, sheet: Sheet, symmetry: float = 0.0) -> FoldedDrawing:
     """Return a shape on its sheet before the first fold; ``symmetry``: how far corners may be off, in mm."""
-    inside = shapely.polygons([shapely.linearrings(loop) for loop in shape.loops])
-    filled: BaseGeometry = shapely.Polygon()
-    for number in np.argsort([shape.depth(k) for k in range(len(inside))], kind="stable").tolist():
-        filled = filled.symmetric_difference(inside[number])
     sides = sides_of(shape)
     tie = max(symmetry, ROUNDING * float(np.ptp(sides.reshape(-1, 2), axis=0).max()))
     joined, line, origins = merged_sides(sides, np.arange(len(sides)), tie)
-    return FoldedDrawing(shapely.Polygon(sheet.corners), filled, joined, line, origins, tie, GRID * sheet.diagonal)
+    return FoldedDrawing(
+        shapely.Polygon(sheet.corners), filled(shape), joined, line, origins, tie, GRID * sheet.diagonal
+    )
+
+
+def filled(shape: Shape) -> BaseGeometry:
+    """Return the area that is inside a shape."""
+    area: BaseGeometry = shapely.Polygon()
+    for loop in sorted(range(len(shape.loops)), key=shape.depth):
+        area = area.symmetric_difference(shapely.Polygon(shape.loops[loop]))
+    return area

@@ -3,6 +3,9 @@
 The lines come from ``search``; folding a sheet of paper along them gives creases, mountains and valleys, and the order
 of the layers at once. Of the shortest sequences, the one with the fewest creases is taken, then the one whose shortest
 crease is the longest. A drawing that is symmetric but for rounding, or within ``Wishes.symmetry``, is made exactly so.
+
+A row of figures that are mirror images of each other, such as a paper chain, is folded so as far as parallel folds go,
+and the rest along its straight skeleton, through all layers (``chain``).
 """
 
 from __future__ import annotations
@@ -14,28 +17,68 @@ from dataclasses import replace
 import numpy as np
 
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import CreasePattern, FoldedState, Sheet
-from foldcut.drawing.laying import AS_IT_IS
+from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
+from foldcut.drawing.laying import AS_IT_IS, Laid
 from foldcut.geometry.mirror_axes import ROUNDING
 from foldcut.methods.base import Effort, Made, Problem
+from foldcut.methods.simple.chain import chain_of, fold_chain
 from foldcut.methods.simple.exact import exactly
 from foldcut.methods.simple.lines import Line
 from foldcut.methods.simple.search import MOST_FOLDS_TRIED, Folds, sequences
 from foldcut.methods.simple.stack import flat_sheet
+from foldcut.methods.skeleton.search import SECONDS
 from foldcut.pattern.ranking import rank, shortest_crease
 from foldcut.proof.tolerance import COINCIDENT
 from foldcut.proof.verify import verify
 
-__all__ = ["fold", "fold_simply", "paper_folded"]
+__all__ = ["fold", "fold_row", "fold_simply", "paper_folded"]
 
 
 def fold(problem: Problem, effort: Effort) -> Made:
-    """Fold a shape by simple folds through all layers; the pattern is verified.
+    """Fold a shape by simple folds through all layers, or a row of figures by parallel ones first.
 
-    Raises ``UnfoldableError`` with the reason where no such folds are found.
+    The pattern is verified. Raises ``UnfoldableError`` with the reason where no such folds are found.
     """
-    del effort  # the search is bounded by a number of folds
-    return fold_simply(problem)
+    problem.stages.up_to(0.3)
+    try:
+        return fold_simply(problem)
+    except UnfoldableError as error:
+        problem.stages.up_to(1.0)
+        try:
+            return fold_row(problem, effort)
+        except UnfoldableError as row:
+            raise UnfoldableError(f"{error}; {row}") from row
+
+
+def fold_row(problem: Problem, effort: Effort) -> Made:
+    """Fold a row of figures along parallel lines, and the rest through all layers; the pattern is verified.
+
+    Raises ``UnfoldableError`` where the drawing is no such row, or no pattern is found for the figure at its end.
+    """
+    laid, ribbon = problem.laid, problem.wishes.free_ribbon
+    seconds = effort.share * (SECONDS[effort.name] if effort.seconds is None else effort.seconds)
+    with problem.stages("parallel folds"):
+        chain = chain_of(laid.shape, laid.sheet, problem.wishes.symmetry)
+        made = fold_chain(chain, ribbon=ribbon, seconds=seconds, progress=problem.stages.tell)
+    findings = verify(made.creases, made.folded.layers, chain.shape)
+    if findings:
+        raise UnfoldableError(f"the pattern of the row fails verification ({findings[0]})")
+    count = len(chain.folds)
+    return Made(
+        "simple",
+        made.creases,
+        made.folded,
+        _with_shape(laid, chain.shape),
+        ribbon,
+        actions=made.actions,
+        told=(
+            f"simple: {count} parallel folds, then the straight skeleton of the last piece of the row, "
+            f"{made.perpendiculars} perpendicular{'s' * (made.perpendiculars != 1)}",
+        ),
+        numbers={"simple_folds": count, "perpendiculars": made.perpendiculars, "interrupted": made.interrupted},
+        interrupted=made.interrupted,
+        detail=made,
+    )
 
 
 def fold_simply(problem: Problem, tries: int = MOST_FOLDS_TRIED) -> Made:
@@ -92,20 +135,26 @@ def _made(problem: Problem, folds: Folds, cut: Line) -> Made:
             f"the drawing is only nearly symmetric: simple folds would move its corners by up to {moved:.2g} mm; "
             f"allow it with --symmetry {math.ceil(moved * 100) / 100:g}mm"
         )
-    if moved:
-        notes = (f"made symmetric: corners moved by at most {moved:.2g} mm",) * (
-            moved > COINCIDENT[0] * laid.sheet.diagonal
-        )
-        laid = replace(laid, shape=shape, notes=(*laid.notes, *notes), drawn=shape, similarity=AS_IT_IS)
     return Made(
         "simple",
         *paper_folded(laid.sheet, folds, cut),
-        laid,
+        _with_shape(laid, shape),
         problem.wishes.free_ribbon,
         actions=count,
         told=(f"simple: {count} simple fold{'s' * (count != 1)}, each through all layers",),
         numbers={"simple_folds": count},
     )
+
+
+def _with_shape(laid: Laid, shape: Shape) -> Laid:
+    """Return how a shape lies whose corners were moved; a note says how far, unless nobody could measure it."""
+    moved = float(np.hypot(*(np.concatenate(shape.loops) - np.concatenate(laid.shape.loops)).T).max())
+    if not moved:
+        return laid
+    notes = laid.notes
+    if moved > COINCIDENT[0] * laid.sheet.diagonal:
+        notes = (*notes, f"made symmetric: corners moved by at most {moved:.2g} mm")
+    return replace(laid, shape=shape, notes=notes, drawn=shape, similarity=AS_IT_IS)
 
 
 def _lowest(creases: CreasePattern, folded: FoldedState, sheet: Sheet) -> float:
