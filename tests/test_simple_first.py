@@ -8,8 +8,11 @@ import numpy as np
 import pytest
 from support.folded import folded_sample
 from support.patterns import book_fold
+from support.strategies import star
 
-from foldcut.core.model import FoldedPattern
+from foldcut.core.model import FoldedPattern, Sheet
+from foldcut.drawing.laying import AS_IT_IS
+from foldcut.drawing.shape import make_shape
 from foldcut.folding_steps import Phase, folding_steps, in_words, phases, simple_first
 from foldcut.folding_steps.simple_first import easier, with_simple_folds_first
 from foldcut.methods.skeleton.quick import fold_outline
@@ -35,6 +38,15 @@ def test_the_same_creases_begin_with_more_simple_folds(name: str, before: int, a
     assert np.array_equal(other.creases.edges_vertices, pattern.creases.edges_vertices)
     assert np.array_equal(other.creases.vertices_coords, pattern.creases.vertices_coords)
     assert (other.creases.edges_assignment != pattern.creases.edges_assignment).any()
+
+
+def test_a_star_with_eight_points_is_left_with_nothing_to_close_together() -> None:
+    sheet, z = Sheet(210, 210), np.array(star(8, 0.6)) @ (1, 1j) * 20 + 105 + 105j
+    shape = make_shape([np.stack([z.real, z.imag], axis=1)])
+    made = fold_outline(shape, sheet)
+    found = easier(FoldedPattern(made.creases, made.folded, sheet, shape, AS_IT_IS, ""))
+    assert found is not None
+    assert found.phases == (Phase(5, together=False),)
 
 
 def test_first_folds_stay_first_and_go_away_from_you() -> None:

@@ -128,18 +128,11 @@ def _beginnings(flat: SheetState, end: SheetState) -> Iterator[_Beginning]:
 
 
 def _simple_folds(state: SheetState) -> Iterator[Turn]:
-    """Yield the folds of all layers along a line on which there are creases only."""
+    """Yield the simple folds of a state; while there are ``first_folds``, only these, away from you."""
     sheet = state.sheet
-    first = next((some for some in sheet.first_lines if (some & ~state.folded).any()), sheet.creased)
-    for _, origin, along in state.lines(first & ~state.folded):
-        sides = state.sides(origin, along)
-        if ((sides[:, 0] < 0) & (sides[:, 1] > 0)).any():
-            continue
-        left = sides[:, 1] > 0
-        faces = left if sheet.areas[left].sum() <= sheet.areas[~left].sum() else ~left
-        hinge = sheet.inner & (faces[sheet.beside[:, 0]] != faces[sheet.beside[:, 1]])
-        if hinge.any() and not (hinge & (state.folded | ~sheet.creased)).any():
-            yield Turn(faces, origin, along, not sheet.first[hinge].all(), hinge)
+    first = next((some for some in sheet.first_lines if (some & ~state.folded).any()), None)
+    for turn in state.simple_folds(sheet.creased if first is None else first):
+        yield turn if first is None else replace(turn, over=False)
 
 
 def _is_glued(state: SheetState, end: SheetState) -> bool:

@@ -97,6 +97,11 @@ class SheetState:
         """The state as ``core.model`` describes it."""
         return FoldedState(points_array(self.at), index_array(np.argsort(self.rank)))
 
+    @property
+    def place(self) -> bytes:
+        """What is the same for states with the same creases folded and the same faces turned over."""
+        return self.folded.tobytes() + self.up.tobytes()
+
     def turned(self, turn: Turn) -> SheetState:
         """Return the state after a turn."""
         sheet = self.sheet
@@ -160,11 +165,21 @@ class SheetState:
                         continue
                     yield Turn(faces, origin, along, over, hinge)
 
-    def turns_all_layers(self, turn: Turn) -> bool:
-        """Return whether a turn is a fold of the whole sheet as it lies: of all that is on one side of the line."""
-        low, high = self.sides(turn.origin, turn.along).T
-        crossed = (low < 0) & (high > 0)
-        return not crossed.any() and bool(((high > 0) == turn.faces).all() or ((low < 0) == turn.faces).all())
+    def simple_folds(self, among: Bools) -> Iterator[Turn]:
+        """Yield the folds of the whole sheet as it lies, through all layers, along lines with creases ``among`` these.
+
+        There are creases only on such a line, and the smaller part of the sheet goes over the rest.
+        """
+        sheet = self.sheet
+        for _, origin, along in self.lines(among & ~self.folded):
+            low, high = self.sides(origin, along).T
+            if ((low < 0) & (high > 0)).any():
+                continue
+            faces = high > 0
+            faces = faces if sheet.areas[faces].sum() <= sheet.areas[~faces].sum() else ~faces
+            hinge = sheet.inner & (faces[sheet.beside[:, 0]] != faces[sheet.beside[:, 1]])
+            if hinge.any() and not (hinge & (self.folded | ~sheet.creased)).any():
+                yield Turn(faces, origin, along, True, hinge)
 
     def lines(self, movable: Bools) -> Iterator[tuple[Bools, Floats, Floats]]:
         """Yield each line on which there are ``movable`` creases: those creases, a point on it, and its direction."""

@@ -19,8 +19,8 @@ the sheet is in the folded state of the pattern, perhaps moved or turned over.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -36,8 +36,12 @@ __all__ = ["FoldingStep", "folding_steps"]
 MOST_CREASES = 1000
 """A pattern with more creases than this is folded in one step."""
 
+SIMPLE_STATES = 10_000
+"""A beginning of folds through all layers is looked for in this many states of the sheet, divided by the number of its
+faces."""
+
 MOST_STATES = 3000
-"""A beginning of straight folds is looked for in this many states of the sheet, divided by the number of its faces."""
+"""The same for folds through fewer layers."""
 
 MOST_TRIES = 40
 """The number of states between the first folds and the last ones that are tried."""
@@ -94,37 +98,62 @@ class _Move:
 def _beginning(flat: SheetState, end: SheetState) -> list[_Move]:
     """Return straight folds of the flat sheet after which nothing slides any more; they fold as many creases as can be.
 
-    A fold of the pattern's ``first_folds`` is tried before all, then folds through all layers, then what folds the most
-    creases. After that others are tried, for as many states as the size of the pattern allows: they may fold more
-    creases, or as many by fewer folds.
+    Folds through all layers are tried first, and the rest is tried after those of them that fold the most creases. Of
+    either kind those of the pattern's ``first_folds`` come before all, then what folds the most creases; then others
+    are tried, for as many states as the size of the pattern allows: they may fold more creases, or as many by fewer
+    folds.
     """
-    tries = max(1, MOST_STATES // len(flat.rank))
-    best: list[_Move] = []
-    reached: dict[bytes, int] = {}
-    waiting = _onward([], flat)
+    simple = _longest([], flat, end, _simple_turns, SIMPLE_STATES)
+    return _longest(simple, flat, end, lambda state: state.folds(state.sheet.creased), MOST_STATES)
+
+
+def _simple_turns(state: SheetState) -> Iterator[Turn]:
+    """Yield the folds through all layers that the pattern's mountains and valleys allow."""
+    sheet = state.sheet
+    for turn in state.simple_folds(sheet.creased):
+        rising = (sheet.valley == state.up[sheet.beside[:, 0]])[turn.edges]
+        if rising.all() or not rising.any():
+            yield replace(turn, over=bool(rising.all()))
+
+
+def _longest(
+    best: list[_Move],
+    flat: SheetState,
+    end: SheetState,
+    turns: Callable[[SheetState], Iterator[Turn]],
+    states: int,
+) -> list[_Move]:
+    """Return folds that fold the most creases by the fewest folds, as far as they are found; ``best`` is a beginning.
+
+    What comes after ``best`` is tried first. ``states``: how many are tried, divided by the number of faces.
+    """
+    tries = max(1, states // len(flat.rank))
+    reached = {move.after.place: number for number, move in enumerate(best, start=1)}
+    waiting = _onward([], flat, turns)
+    if best:
+        waiting += _onward(best, best[-1].after, turns)
     while waiting and (tries > 0 or not best):
         tries -= 1
         moves, state, turn = waiting.pop()
         if best and _folds(best[-1].after) == _folds(end) and len(moves) + 1 >= len(best):
             continue
         after = state.turned(turn)
-        place = after.folded.tobytes() + after.up.tobytes()
-        if reached.get(place, MOST_CREASES) <= len(moves) + 1 or not is_one_sheet(after, end):
+        if reached.get(after.place, MOST_CREASES) <= len(moves) + 1 or not is_one_sheet(after, end):
             continue
-        reached[place] = len(moves) + 1
+        reached[after.place] = len(moves) + 1
         moves = [*moves, _Move(state, after, turn)]
         if (_folds(after), -len(moves)) > (_folds(best[-1].after) if best else 0, -len(best)):
             best = moves
-        waiting += _onward(moves, after)
+        waiting += _onward(moves, after, turns)
     return best
 
 
-def _onward(moves: list[_Move], state: SheetState) -> list[tuple[list[_Move], SheetState, Turn]]:
+def _onward(
+    moves: list[_Move], state: SheetState, turns: Callable[[SheetState], Iterator[Turn]]
+) -> list[tuple[list[_Move], SheetState, Turn]]:
     """Return the turns that are possible in a state, the best last, each with what comes before it."""
-    sheet = state.sheet
-    found = [(_key(turn, sheet.first), turn) for turn in state.folds(sheet.creased)]
-    ranked = [((key[0], state.turns_all_layers(turn), *key[1:]), turn) for key, turn in found]
-    return [(moves, state, turn) for _, turn in sorted(ranked, key=lambda one: one[0])]
+    found = sorted(turns(state), key=lambda turn: _key(turn, state.sheet.first))
+    return [(moves, state, turn) for turn in found]
 
 
 def _folds(state: SheetState) -> int:

@@ -17,6 +17,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import CreaseTooShortError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
@@ -37,6 +39,7 @@ from foldcut.redraw.distance import apart
 
 if TYPE_CHECKING:
     from foldcut.folding_steps.phases import Phase
+    from foldcut.folding_steps.simple_first import Easier
     from foldcut.redraw.plans import Drawing
     from foldcut.redraw.redrawing import Redrawn
 
@@ -232,20 +235,6 @@ def pattern_of(made: Made, title: str, drawn: tuple[Floats, ...] = ()) -> Folded
     )
 
 
-def _begun_simply(tried: Tried) -> tuple[Tried, tuple[Phase, ...]]:
-    """Return a pattern that begins with as many simple folds as its creases allow, and its phases, if it has any."""
-    if tried.findings:
-        return tried, ()
-    from foldcut.folding_steps.simple_first import easier
-
-    found = easier(pattern_of(tried.made, ""))
-    if found is None:
-        return tried, ()
-    creases, folded = found.pattern.creases, found.pattern.folded
-    made = replace(tried.made, creases=creases, folded=folded, actions=min(tried.made.actions, found.actions))
-    return replace(tried, made=made), found.phases
-
-
 def redraw_and_fold(
     drawn: Drawn,
     bounds: Bounds,
@@ -302,6 +291,7 @@ class _Search:
     interrupted: bool = False
     error: UnfoldableError | None = None
     told: Level | None = None
+    easier: dict[bytes, Easier | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _, _, placement, _ = Layout(parse_sheet("a4"), rotation=0.0).place(self.drawn.whole)
@@ -444,7 +434,7 @@ class _Search:
 
     def _with_pattern(self, level: Level, tried: Tried, off: float, seconds: float) -> Level:
         """Return a level with a pattern and what is known of it; ``off``: how far the outline is from the drawing."""
-        tried, known = _begun_simply(tried)
+        tried, known = self._begun_simply(tried)
         made, on = tried.made, tried.made.laid
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
@@ -462,6 +452,27 @@ class _Search:
             seconds=seconds,
             known=known,
         )
+
+    def _begun_simply(self, tried: Tried) -> tuple[Tried, tuple[Phase, ...]]:
+        """Return the pattern that begins with as many simple folds as its creases allow.
+
+        Also its phases, if it begins with any.
+        """
+        from foldcut.folding_steps.simple_first import easier
+
+        if tried.findings:
+            return tried, ()
+        made = tried.made
+        same = made.creases.vertices_coords.tobytes() + made.folded.layers.tobytes()
+        same += np.concatenate(made.laid.shape.loops).tobytes()
+        if same not in self.easier:  # one pattern may be found within several tolerances
+            self.easier[same] = easier(pattern_of(made, ""))
+        found = self.easier[same]
+        if found is None:
+            return tried, ()
+        creases, folded = found.pattern.creases, found.pattern.folded
+        made = replace(made, creases=creases, folded=folded, actions=min(made.actions, found.actions))
+        return replace(tried, made=made), found.phases
 
     def _has_few_corners(self, outline: Shape) -> bool:
         return self.bounds.corners is None or outline.corner_count <= self.bounds.corners

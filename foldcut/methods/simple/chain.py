@@ -11,7 +11,7 @@ piece is one side of a symmetric figure, and folds as such. Then it is unfolded 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -42,12 +42,19 @@ class Chain:
     """A row of figures: ``folds``, where it is folded, in mm along the coordinate ``axis``, one after another.
 
     ``shape`` is symmetric about all of them as far as paper lies on paper. Each fold turns over what is before it.
+    ``turned``: all this is seen after the sheet has been turned round by 180 degrees.
     """
 
     shape: Shape
     sheet: Sheet
     axis: int
     folds: tuple[float, ...]
+    turned: bool = False
+
+    @property
+    def drawn(self) -> Shape:
+        """The shape as it lies on the sheet that has not been turned round."""
+        return _turned(self.shape, self.sheet) if self.turned else self.shape
 
     @property
     def piece(self) -> float:
@@ -89,11 +96,16 @@ def chain_of(shape: Shape, sheet: Sheet, symmetry: float = 0.0) -> Chain:
     ``symmetry``: how far, in mm, what lies on each other may be apart. Raises ``UnfoldableError`` where there are not
     enough parallel folds.
     """
-    found = max((_parallel_folds(shape, sheet, symmetry, axis) for axis in (0, 1)), key=lambda one: len(one[1]))
-    axis, folds, tie = found
-    if len(folds) < FEWEST:
+    best = Chain(shape, sheet, 0, ())
+    for turned in (False, True):  # what is turned over must not be larger than the rest
+        seen = _turned(shape, sheet) if turned else shape
+        for axis in (0, 1):
+            folds, tie = _parallel_folds(seen, sheet, symmetry, axis)
+            if len(folds) > max(len(best.folds), FEWEST - 1):
+                best = Chain(_symmetric(seen, axis, folds, tie), sheet, axis, folds, turned)
+    if not best.folds:
         raise UnfoldableError("the drawing is no row of figures that are mirror images of each other")
-    return Chain(_symmetric(shape, axis, folds, tie), sheet, axis, folds)
+    return best
 
 
 def fold_chain(
@@ -115,6 +127,9 @@ def fold_chain(
     before = (0.0, *chain.folds[:-1])
     for fold, last in zip(reversed(chain.folds), reversed(before), strict=True):
         creases, folded = _unfolded(creases, folded, chain.axis, fold - last)
+    if chain.turned:
+        round_again = points_array(_size(chain.sheet) - creases.vertices_coords)
+        creases = replace(creases, vertices_coords=round_again)
     return FoldedChain(creases, folded, len(chain.folds) + lines, found.perpendiculars, found.interrupted)
 
 
@@ -122,7 +137,12 @@ def _size(sheet: Sheet) -> Floats:
     return np.array([sheet.width, sheet.height])
 
 
-def _parallel_folds(shape: Shape, sheet: Sheet, symmetry: float, axis: int) -> tuple[int, tuple[float, ...], float]:
+def _turned(shape: Shape, sheet: Sheet) -> Shape:
+    """Return a shape as it lies when its sheet has been turned round by 180 degrees."""
+    return Shape(tuple(points_array(_size(sheet) - loop) for loop in shape.loops), shape.parent)
+
+
+def _parallel_folds(shape: Shape, sheet: Sheet, symmetry: float, axis: int) -> tuple[tuple[float, ...], float]:
     """Return folds across a coordinate axis, each of which lays the drawing on itself, and what counts as the same."""
     drawing = drawing_on(shape, sheet, symmetry)
     along = np.array([(0.0, -1.0), (1.0, 0.0)][axis])
@@ -140,7 +160,7 @@ def _parallel_folds(shape: Shape, sheet: Sheet, symmetry: float, axis: int) -> t
                 folds.append(float(place))
                 break
         else:
-            return axis, tuple(folds), drawing.tie
+            return tuple(folds), drawing.tie
 
 
 def _symmetric(shape: Shape, axis: int, folds: tuple[float, ...], tie: float) -> Shape:
@@ -163,8 +183,7 @@ def _symmetric(shape: Shape, axis: int, folds: tuple[float, ...], tie: float) ->
 
 
 def _shifted(creases: CreasePattern, step: Floats) -> CreasePattern:
-    moved = points_array(creases.vertices_coords + step)
-    return CreasePattern(moved, creases.edges_vertices, creases.edges_assignment, creases.faces_vertices)
+    return replace(creases, vertices_coords=points_array(creases.vertices_coords + step))
 
 
 def _unfolded(

@@ -60,7 +60,7 @@ def fold_row(problem: Problem, effort: Effort) -> Made:
     with problem.stages("parallel folds"):
         chain = chain_of(laid.shape, laid.sheet, problem.wishes.symmetry)
         made = fold_chain(chain, ribbon=ribbon, seconds=seconds, progress=problem.stages.tell)
-    findings = verify(made.creases, made.folded.layers, chain.shape)
+    findings = verify(made.creases, made.folded.layers, chain.drawn)
     if findings:
         raise UnfoldableError(f"the pattern of the row fails verification ({findings[0]})")
     count = len(chain.folds)
@@ -68,7 +68,7 @@ def fold_row(problem: Problem, effort: Effort) -> Made:
         "simple",
         made.creases,
         made.folded,
-        _with_shape(laid, chain.shape),
+        _with_shape(laid, chain.drawn),
         ribbon,
         actions=made.actions,
         told=(

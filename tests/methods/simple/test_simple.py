@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support.folded import folded_sample
 from support.strategies import rectangle, regular, star
 
 from foldcut.core.errors import UnfoldableError
@@ -55,6 +56,13 @@ def test_what_stops_the_folds_is_said_with_its_corner() -> None:
     shape = make_shape([[(20, 20), (80, 20), (60, 50), (30, 70)]])
     with pytest.raises(UnfoldableError, match=r"no straight fold .* at the corner at \(\d+, \d+\) mm"):
         sequences(shape, Sheet(100, 100))
+
+
+@pytest.mark.parametrize("name", ["arrow", "tree", "heart", "letter-t"])
+def test_where_paper_would_lie_on_other_paper_there_is_no_sequence(name: str) -> None:
+    pattern = folded_sample(name, method="mirror")
+    with pytest.raises(UnfoldableError, match="no straight fold through all layers"):
+        sequences(pattern.shape, pattern.sheet)
 
 
 def test_a_symmetric_drawing_off_the_middle_is_folded_off_the_middle() -> None:
