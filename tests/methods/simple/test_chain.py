@@ -63,15 +63,16 @@ def test_a_row_may_stand_upright() -> None:
     assert (chain.axis, len(chain.folds)) == (1, 3)
 
 
-@pytest.mark.parametrize("x", [50.123456, 60.123456, 70.123456])
+@pytest.mark.parametrize("x", [50.1, 60.1, 70.1])
 def test_figures_without_an_axis_of_their_own_are_made_exact_mirror_images(x: float) -> None:
     figure = np.array([(-11 * 2**0.5, -7 * 3**0.5), (5 * 5**0.5, -4 * 2**0.5), (-3 * 3**0.5, 9 * 5**0.5)])
-    loops = [(figure * (1 - k % 2 * 2, 1) + (x + 45 * k, 90)).round(4) for k in range(4)]
+    loops = [figure * (1 - k % 2 * 2, 1) + (x + 45 * k, 90) for k in range(4)]
+    loops[1][1] += (3e-5, 6e-5)
     shape = make_shape(loops)
     chain, _ = folded(shape, Sheet(255, 190))
     assert (len(chain.folds), chain.turned) == (2, x > 60)
     moved = np.concatenate(chain.drawn.loops) - np.concatenate(shape.loops)
-    assert 1e-5 < np.abs(moved).max() < 2e-4
+    assert 5e-5 < np.abs(moved).max() < 1e-4
 
 
 def test_one_figure_is_no_row() -> None:
