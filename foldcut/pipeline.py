@@ -183,10 +183,10 @@ def fold(
     try the tolerance after the one that is taken, to say what it would cost.
 
     How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
-    the rest through two or four layers; "compact" makes few creases; "skeleton" is the method of Demaine, Demaine and
-    Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and "gate" the same for several loops. "auto" takes the
-    pattern of the first three that is easiest to fold, and if they make none, "paper" for one loop and "gate" for
-    several. ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the
+    the rest through two or four layers; "simple" folds across the whole sheet only; "compact" makes few creases;
+    "skeleton" is the method of Demaine, Demaine and Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and
+    "gate" the same for several loops. "auto" takes the pattern of the first four that is easiest to fold, and if they
+    make none, "paper" for one loop and "gate" for several. ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the
     method's default, which for "paper" and "gate" is a narrow one, since without it creases fold onto the cut line.
     ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "compact" and where "mirror" folds
     the half like that, else 0).
