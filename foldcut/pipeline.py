@@ -186,10 +186,10 @@ def fold(
     the rest through two or four layers; "simple" folds across the whole sheet only; "compact" makes few creases;
     "skeleton" is the method of Demaine, Demaine and Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and
     "gate" the same for several loops. "auto" takes the pattern of the first four that is easiest to fold, and if they
-    make none, "paper" for one loop and "gate" for several. ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the
-    method's default, which for "paper" and "gate" is a narrow one, since without it creases fold onto the cut line.
-    ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "compact" and where "mirror" folds
-    the half like that, else 0).
+    make none, "paper" for one loop and "gate" for several. ``ribbon`` is the half-width of the strip along the shape's
+    boundary that is not folded; None is the method's default, which for "paper" and "gate" is a narrow one, since
+    without it creases fold onto the cut line. ``min_crease`` is the shortest crease allowed, None the method's default
+    (0.5 for "compact" and where "mirror" folds the half like that, else 0).
 
     These are bounds within the same search: ``adjust`` is how far "skeleton" may move corners so that creases meet,
     None a part of the drawing's size (about 1/500); ``symmetry`` is how far corners may be off in a drawing that is
