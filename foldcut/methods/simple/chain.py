@@ -59,7 +59,7 @@ class Chain:
     @property
     def piece(self) -> float:
         """How long the last piece is, in mm."""
-        return _size(self.sheet)[self.axis] - self.folds[-1]
+        return float(_size(self.sheet)[self.axis]) - self.folds[-1]
 
     @property
     def figure(self) -> tuple[Shape, Sheet]:

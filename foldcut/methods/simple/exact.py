@@ -118,7 +118,7 @@ class _Equations:
             away = at[turning] @ normal[k] - level[k]
             at[turning] -= 2 * away[:, None] * normal[k]
         on = np.maximum(self.on, 0)
-        off = (at * normal[on]).sum(axis=1) - level[on]
+        off: Floats = (at * normal[on]).sum(axis=1) - level[on]
         border = self.on < 0
         off[border] = at[border, -1 - self.on[border]] - self.place[border]
         return off

@@ -65,10 +65,9 @@ class Stack:
         away = at[moved] - origin
         at[moved] = origin + 2 * (away @ along)[:, None] * along - away
         faces = [*staying, *moving[::-1]] if over else [*moving[::-1], *staying]
-        bit = 1 << self.folds
-        return Stack(
-            flat, at, faces, turned | np.where(moved, bit, 0), on | np.where(sides == 0, bit, 0), self.folds + 1
-        )
+        turned += moved.astype(np.intp) << self.folds
+        on += (sides == 0).astype(np.intp) << self.folds
+        return Stack(flat, at, faces, turned, on, self.folds + 1)
 
     def _part(self, face: Polygon, side: list[int], sign: int, crossing: dict[tuple[int, int], int]) -> Polygon:
         """Return what of a face is on one side of the line; where its edges cross the line there are new vertices."""
