@@ -36,6 +36,9 @@ SMALL = 6
 SOON = 300
 """How many simple folds are tried, in about half a second."""
 
+FEW_CORNERS = 100
+"""Simple folds are tried for drawings with at most this many corners."""
+
 USUAL = 2.0
 """Straight skeletons of a whole sheet have folds on at least this many lines for each that bisects a corner, unless
 many of their ridges are in line."""
@@ -194,6 +197,10 @@ class _Try:
         return (self.instead or METHODS[self.method].fold)(problem, effort)
 
 
+def _has_few_corners(problem: Problem) -> bool:
+    return problem.shape.corner_count <= FEW_CORNERS
+
+
 def _has_one_loop(problem: Problem) -> bool:
     return len(problem.shape.loops) == 1
 
@@ -221,9 +228,9 @@ def _parts_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
 
 
 TRIES = (
-    _Try("simple", until=0.03, instead=_for_hands, is_best=_has_long_creases, unsaid=True),
+    _Try("simple", until=0.03, when=_has_few_corners, instead=_for_hands, is_best=_has_long_creases, unsaid=True),
     _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=lambda *_: True, unsaid=True),
-    _Try("simple", until=0.08, instead=_row, unsaid=True),
+    _Try("simple", until=0.08, when=_has_few_corners, instead=_row, unsaid=True),
     _Try("mirror", until=0.6, unless=_is_row),
     _Try("skeleton", until=0.75, unless=_parts_are_simpler),
     _Try("compact", until=0.9, unless=_parts_are_simpler),

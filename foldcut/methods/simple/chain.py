@@ -33,9 +33,6 @@ __all__ = ["Chain", "FoldedChain", "chain_of", "fold_chain"]
 FEWEST = 2
 """With fewer parallel folds than this a row is no chain: the method ``mirror`` folds a single axis."""
 
-PARALLEL = 1e-6
-"""Fold lines whose directions differ by less than this from a side of the sheet are parallel to it."""
-
 
 @dataclass(frozen=True, eq=False)
 class Chain:
@@ -149,9 +146,9 @@ def _parallel_folds(shape: Shape, sheet: Sheet, symmetry: float, axis: int) -> t
     high = _size(sheet)[axis]
     folds: list[float] = []
     while True:
-        lines = fold_lines(drawing.sides, drawing.line, drawing.paper, drawing.tie)
+        lines = fold_lines(drawing.sides, drawing.line, drawing.paper, drawing.tie, along)
         low = folds[-1] if folds else 0.0
-        places = [line.origin[axis] for line in lines if abs(line.along[axis]) < PARALLEL]
+        places = [line.origin[axis] for line in lines]
         for place in sorted((p for p in places if 2 * p <= low + high + drawing.tie), reverse=True):
             origin = np.where(np.arange(2) == axis, place, 0.0)
             folded = drawing.fold(Line(origin, along))

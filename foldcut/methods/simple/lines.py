@@ -15,13 +15,19 @@ import shapely
 from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 
-from foldcut.core.arrays import Floats, Indices
+from foldcut.core.arrays import Bools, Floats, Indices, blocks
 from foldcut.geometry.vectors import cross, left_normal
 
 __all__ = ["Line", "fold_lines", "line_of", "merged_sides"]
 
 PARALLEL = 1e-7
 """Lines whose unit directions have a smaller cross product are parallel."""
+
+NEARLY_PARALLEL = 1e-6
+"""The same for a direction that is asked for."""
+
+AT_A_TIME = 1 << 18
+"""The number of pairs of a line and a side that are looked at together; it bounds the memory, not the result."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,24 +127,42 @@ def merged_sides(sides: Floats, origins: Indices, tie: float) -> tuple[Floats, I
     return np.array(joined).reshape(-1, 2, 2), np.array(lines, dtype=np.intp), np.array(first, dtype=np.intp)
 
 
-def fold_lines(sides: Floats, line: Indices, paper: BaseGeometry, tie: float) -> list[Line]:
+def fold_lines(
+    sides: Floats, line: Indices, paper: BaseGeometry, tie: float, direction: Floats | None = None
+) -> list[Line]:
     """Return the lines that bring two lines of sides together and may be folded, as far as the sides tell.
 
     ``line`` ``(n,)``: the number of the straight line that each of the ``sides`` ``(n, 2, 2)`` is on. A side that a
     fold crosses is at right angles to it or ends there, and no side lies along it. Those that bring most lines together
-    come first.
+    come first. ``direction``, a unit vector: only those that are parallel to it.
     """
     origin, along = _bisectors(sides, line)
+    if direction is not None:
+        parallel = np.abs(cross(along, direction)) < NEARLY_PARALLEL
+        origin, along = origin[parallel], along[parallel]
     corners = shapely.get_coordinates(shapely.convex_hull(paper))
     off = cross(along[:, None], corners - origin[:, None])
     on_paper = (off.max(axis=1) > 4 * tie) & (off.min(axis=1) < -4 * tie)
     origin, along = origin[on_paper], along[on_paper]
+    good = np.ones(len(origin), dtype=np.bool_)
+    for some in blocks(len(origin), max(1, AT_A_TIME // len(sides))):
+        good[some] = _may_fold(sides, origin[some], along[some], tie)
+    return _different(origin[good], along[good], tie, corners)
+
+
+def _may_fold(sides: Floats, origin: Floats, along: Floats, tie: float) -> Bools:
+    """Return which lines through ``origin`` have sides on both sides of them and cross none but at right angles.
+
+    They may go through ends of sides, but not along a side.
+    """
     off = cross(along[:, None, None], sides - origin[:, None, None])
     reach = ((sides[:, 1] - sides[:, 0]) * along[:, None]).sum(axis=2)
     on = np.abs(off) <= 2 * tie
     across = (off[..., 0] * off[..., 1] < 0) & ~on.any(axis=2)
-    good = ~(on.all(axis=2) | (across & (np.abs(reach) > 4 * tie))).any(axis=1)
-    return _different(origin[good], along[good], tie, corners)
+    wrong = on.all(axis=2) | (across & (np.abs(reach) > 4 * tie))
+    between = (off.max(axis=(1, 2)) > 2 * tie) & (off.min(axis=(1, 2)) < -2 * tie)
+    good: Bools = between & ~wrong.any(axis=1)
+    return good
 
 
 def _bisectors(sides: Floats, line: Indices) -> tuple[Floats, Floats]:
