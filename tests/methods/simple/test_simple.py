@@ -32,7 +32,7 @@ def test_a_sample_is_cut_after_simple_folds_alone(name: str) -> None:
     assert all(step.line is not None for step in folding_steps(result.folded_pattern))
 
 
-@pytest.mark.parametrize("corners", range(3, 13))
+@pytest.mark.parametrize("corners", [3, 5, 7, 10, 12])
 def test_regular_polygons_need_no_more_folds_than_halving_their_sides(corners: int) -> None:
     result = fold([regular(corners)], "a4", method="simple", exact=True)
     assert result.verified
