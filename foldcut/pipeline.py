@@ -43,6 +43,7 @@ from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_FOLDS, Bounds
 from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
 
 if TYPE_CHECKING:
+    from foldcut.folding_steps.phases import Phase
     from foldcut.methods.disks.method import DiskStages
 
 __all__ = ["Progress", "Result", "fold"]
@@ -78,6 +79,14 @@ class Result:
     told: tuple[str, ...] = ()
     numbers: Mapping[str, float] = field(default_factory=dict)
     ladder: Ladder | None = None
+
+    @property
+    def phases(self) -> tuple[Phase, ...]:
+        """The simple folds, and the creases that close together, in the order in which they are folded.
+
+        None where the pattern has so many creases that nobody has counted them.
+        """
+        return () if self.ladder is None else self.ladder.level.phases
 
     @cached_property
     def foldability(self) -> Foldability:
@@ -174,13 +183,13 @@ def fold(
     try the tolerance after the one that is taken, to say what it would cost.
 
     How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
-    the rest through two or four layers; "compact" makes few creases; "skeleton" is the method of Demaine, Demaine and
-    Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and "gate" the same for several loops. "auto" takes the
-    pattern of the first three that is easiest to fold, and if they make none, "paper" for one loop and "gate" for
-    several. ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the
-    method's default, which for "paper" and "gate" is a narrow one, since without it creases fold onto the cut line.
-    ``min_crease`` is the shortest crease allowed, None the method's default (0.5 for "compact" and where "mirror" folds
-    the half like that, else 0).
+    the rest through two or four layers; "simple" folds across the whole sheet only; "compact" makes few creases;
+    "skeleton" is the method of Demaine, Demaine and Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and
+    "gate" the same for several loops. "auto" takes the pattern of the first four that is easiest to fold, and if they
+    make none, "paper" for one loop and "gate" for several. ``ribbon`` is the half-width of the strip along the shape's
+    boundary that is not folded; None is the method's default, which for "paper" and "gate" is a narrow one, since
+    without it creases fold onto the cut line. ``min_crease`` is the shortest crease allowed, None the method's default
+    (0.5 for "compact" and where "mirror" folds the half like that, else 0).
 
     These are bounds within the same search: ``adjust`` is how far "skeleton" may move corners so that creases meet,
     None a part of the drawing's size (about 1/500); ``symmetry`` is how far corners may be off in a drawing that is

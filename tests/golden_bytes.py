@@ -25,7 +25,7 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-METHODS = ("auto", "mirror", "compact", "skeleton", "gate", "paper")
+METHODS = ("auto", "mirror", "simple", "compact", "skeleton", "gate", "paper")
 PATTERN_FORMATS = ("fold", "svg", "cp", "opx", "png", "html", "stl", "3mf", "step")
 SOLID_FORMATS = ("stl", "3mf", "step")
 JOB_FORMATS = ("svg", "dxf", "hpgl", "gcode", "pdf", "lbrn2")

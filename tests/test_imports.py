@@ -19,7 +19,8 @@ FLOORS = (
     ("geometry", "profiles", "samples"),
     ("drawing", "pattern"),
     ("readers", "proof", "jobs"),
-    ("methods", "foldfile", "folding_steps"),
+    ("methods", "foldfile"),
+    ("folding_steps",),
     ("redraw",),
     ("exporters",),
     ("output", "web"),
@@ -38,8 +39,9 @@ METHODS_BELOW = {
     "gate": {"disks"},
     "compact": set(),
     "mirror": {"compact", "skeleton"},
+    "simple": {"mirror", "skeleton"},
     "skeleton": set(),
-    "auto": {"disks", "gate", "compact", "mirror", "skeleton", "fewest_folds"},
+    "auto": {"disks", "gate", "compact", "mirror", "simple", "skeleton", "fewest_folds"},
 }
 """Which methods each method may use; all see ``EVERY_METHOD_SEES``."""
 

@@ -20,12 +20,11 @@ from reportlab.platypus import Flowable, KeepTogether, Paragraph, SimpleDocTempl
 
 from foldcut.core.arrays import Bools, Floats, Ints, index_array
 from foldcut.core.model import FoldedPattern, FoldedState
-from foldcut.folding_steps import FoldingStep, folding_steps
+from foldcut.folding_steps import FoldingStep, folding_steps, in_words, lines_of, phases
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
 from foldcut.pattern.foldability import foldability, most_layers
-from foldcut.pattern.straight_lines import straight_lines
 from foldcut.profiles import LineStyle, Profile, load_profile
 
 from ..text import printable
@@ -77,16 +76,20 @@ class Instruction:
 def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
     """Return all instructions, from the flat sheet to the shape cut out."""
     numbers = foldability(pattern, method=fewer_creases())
+    steps = folding_steps(pattern)
     advice = [f"{numbers.layers_at_cut} layers will lie on the cut, {numbers.layers} at the thickest place"]
     told = any(warning.startswith("the shortest crease") for warning in numbers.warnings)
     if numbers.shortest_crease_mm and not told:
         advice.append(f"the shortest crease is {numbers.shortest_crease_mm:.1f} mm long")
-    text = f"Print or score the pattern in true size, on a sheet of {pattern.sheet}. For office paper: "
+    text = (
+        f"Print or score the pattern in true size, on a sheet of {pattern.sheet}. "
+        f"It takes {in_words(phases(pattern, steps))}. For office paper: "
+    )
     made = [
         Instruction("The sheet", text + "; ".join([*advice, *numbers.warnings]) + ".", pictures.creases(pattern, look))
     ]
     sheet = _Sheet(pattern)
-    for step in folding_steps(pattern):
+    for step in steps:
         made += [sheet.fold(step, look)] if step.line is not None else sheet.collapse(step)
         sheet.advance(step)
     outline = pattern.creases.faces_vertices[0]
@@ -195,7 +198,7 @@ class _Sheet:
 
     def collapse(self, step: FoldingStep) -> list[Instruction]:
         """Return the instructions to press creases in groups and to close them all."""
-        groups = [self._lines(group) for group in step.groups]
+        groups = [lines_of(self.pattern, self.state.vertices_coords, group) for group in step.groups]
         layers = most_layers(self.faces, self.state) if self.folded.any() else 1
         through = "" if layers == 1 else " through both layers" if layers == 2 else f" through all {layers} layers"
         sheet = self.drawn(self.state, self.folded)
@@ -260,17 +263,6 @@ class _Sheet:
             )
         keys = [Key("the printed side", fill=FRONT), *self.back(step.state)]
         return Instruction("Collapse", text, Panel(self.drawn(step.state, folded), keys))
-
-    def _lines(self, edges: Ints) -> list[Floats]:
-        """Return the lines of creases as they lie now; creases of several layers that coincide are one line."""
-        at = self.state.vertices_coords
-        lines = [at[list(ends)] for ends in straight_lines(at, self.ends[edges].tolist())]
-        tie = 1e-6 * self.pattern.sheet.diagonal
-        once: dict[tuple[int, ...], Floats] = {}
-        for line in lines:
-            ends = np.round(line / tie).astype(int).tolist()
-            once.setdefault(tuple(sorted(map(tuple, ends))[0] + sorted(map(tuple, ends))[1]), line)
-        return list(once.values())
 
 
 def _most_on(lines: Floats, along: Floats, tie: float) -> int:

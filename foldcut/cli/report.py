@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from foldcut.core.model import CreasePattern, Finding, Sheet
 from foldcut.core.units import rounded_up
+from foldcut.folding_steps.phases import Phase, in_words
 from foldcut.methods import METHODS, fewer_creases
 from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.proof.verify import CHECKS
@@ -63,6 +64,7 @@ def make_report(
         "told": list(result.told),
         "attempts": list(map(asdict, result.attempts)),
         "actions": result.actions,
+        "phases": [asdict(phase) for phase in result.phases],
         "first_folds": [line.tolist() for line in pattern.first_folds],
         "ribbon_mm": result.ribbon,
         "paper": paper,
@@ -316,9 +318,12 @@ def _fold_rows(report: Report) -> list[tuple[str, str]]:
         line = f"upright line at x = {x:.4g} mm" if x == to_x else f"level line at y = {y:.4g} mm"
         name = "then" if rows else "first"
         rows.append((name, f"fold the sheet in half along the {line}, away from you"))
-    layers = 2 ** len(rows)
-    through = f", all others through {layers} layers" if rows else ""
-    return [*rows, ("folds", f"{report['actions']}{through}")]
+    counted = [Phase(**phase) for phase in report["phases"]]
+    total = "" if len(counted) == 1 else f"{report['actions']}: " if counted else str(report["actions"])
+    folds = [("folds", total + in_words(counted))]
+    if rows:
+        folds.append(("", f"all but the first{' two' if len(rows) > 1 else ''} through {2 ** len(rows)} layers"))
+    return [*rows, *folds]
 
 
 def check_report(creases: CreasePattern, findings: Sequence[Finding], with_shape: bool, notes: Sequence[str]) -> Report:

@@ -60,10 +60,13 @@ class SheetData:
         self.tolerance = TOUCHING * pattern.sheet.diagonal
         lengths = self.flat[self.ends[:, 1]] - self.flat[self.ends[:, 0]]
         self.lengths = np.hypot(*lengths.T)
-        self.first = np.zeros(len(self.ends), dtype=np.bool_)
-        for start, end in pattern.first_folds:
-            off = np.abs(cross(end - start, self.flat[self.ends] - start)) / math.dist(start, end)
-            self.first |= self.creased & (off < self.tolerance).all(axis=1)
+        self.first_lines = [self._along(*line) for line in pattern.first_folds]
+        self.first = np.logical_or.reduce([np.zeros_like(self.creased), *self.first_lines])
+
+    def _along(self, start: Floats, end: Floats) -> Bools:
+        """Return which creases lie along a line through two points."""
+        off = np.abs(cross(end - start, self.flat[self.ends] - start)) / math.dist(start, end)
+        return self.creased & (off < self.tolerance).all(axis=1)
 
 
 class SheetState:
@@ -93,6 +96,11 @@ class SheetState:
     def public(self) -> FoldedState:
         """The state as ``core.model`` describes it."""
         return FoldedState(points_array(self.at), index_array(np.argsort(self.rank)))
+
+    @property
+    def place(self) -> bytes:
+        """What is the same for states with the same creases folded and the same faces turned over."""
+        return self.folded.tobytes() + self.up.tobytes()
 
     def turned(self, turn: Turn) -> SheetState:
         """Return the state after a turn."""
@@ -130,7 +138,7 @@ class SheetState:
 
     def _turns(self, movable: Bools, over: bool, glued: Bools | None) -> Iterator[Turn]:
         """Yield the possible turns around lines on which there are ``movable`` creases."""
-        for edges, origin, along in self._lines(movable):
+        for edges, origin, along in self.lines(movable):
             sides = self.sides(origin, along)
             count, part = self.parts(edges, glued)
             if count == 1:
@@ -157,7 +165,23 @@ class SheetState:
                         continue
                     yield Turn(faces, origin, along, over, hinge)
 
-    def _lines(self, movable: Bools) -> Iterator[tuple[Bools, Floats, Floats]]:
+    def simple_folds(self, among: Bools) -> Iterator[Turn]:
+        """Yield the folds of the whole sheet as it lies, through all layers, along lines with creases ``among`` these.
+
+        There are creases only on such a line, and the smaller part of the sheet goes over the rest.
+        """
+        sheet = self.sheet
+        for _, origin, along in self.lines(among & ~self.folded):
+            low, high = self.sides(origin, along).T
+            if ((low < 0) & (high > 0)).any():
+                continue
+            faces = high > 0
+            faces = faces if sheet.areas[faces].sum() <= sheet.areas[~faces].sum() else ~faces
+            hinge = sheet.inner & (faces[sheet.beside[:, 0]] != faces[sheet.beside[:, 1]])
+            if hinge.any() and not (hinge & (self.folded | ~sheet.creased)).any():
+                yield Turn(faces, origin, along, True, hinge)
+
+    def lines(self, movable: Bools) -> Iterator[tuple[Bools, Floats, Floats]]:
         """Yield each line on which there are ``movable`` creases: those creases, a point on it, and its direction."""
         left = movable.copy()
         ends = self.at[self.sheet.ends]

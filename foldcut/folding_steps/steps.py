@@ -19,8 +19,8 @@ the sheet is in the folded state of the pattern, perhaps moved or turned over.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,6 +35,13 @@ __all__ = ["FoldingStep", "folding_steps"]
 
 MOST_CREASES = 1000
 """A pattern with more creases than this is folded in one step."""
+
+SIMPLE_STATES = 10_000
+"""A beginning of folds through all layers is looked for in this many states of the sheet, divided by the number of its
+faces."""
+
+MOST_STATES = 3000
+"""The same for folds through fewer layers."""
 
 MOST_TRIES = 40
 """The number of states between the first folds and the last ones that are tried."""
@@ -68,13 +75,8 @@ def folding_steps(pattern: FoldedPattern) -> tuple[FoldingStep, ...]:
     rank = np.argsort(pattern.folded.layers)
     end = SheetState(sheet, pattern.folded.vertices_coords, rank, sheet.creased)
     flat = SheetState(sheet, sheet.flat, np.arange(count), np.zeros_like(sheet.creased), np.zeros((count, count), bool))
-    state = flat
-    moves: list[_Move] = []
-    while found := _best(
-        (turn for turn in state.folds(sheet.creased) if is_one_sheet(state.turned(turn), end)), sheet.first
-    ):
-        moves.append(_Move(state, state.turned(found), found))
-        state = moves[-1].after
+    moves = _beginning(flat, end)
+    state = moves[-1].after if moves else flat
     last: list[_Move] = []
     target = end
     while (target.folded != state.folded).any() and (found := _best(target.unfolds(state.meet))):
@@ -93,13 +95,80 @@ class _Move:
     turn: Turn | None
 
 
-def _best(turns: Iterator[Turn], first: Bools | None = None) -> Turn | None:
-    """Return the turn of the most creases, then of the fewest faces; one of ``first`` creases only goes before all."""
+def _beginning(flat: SheetState, end: SheetState) -> list[_Move]:
+    """Return straight folds of the flat sheet after which nothing slides any more; they fold as many creases as can be.
 
-    def key(turn: Turn) -> tuple[bool, int, int]:
-        return first is not None and bool(first[turn.edges].all()), int(turn.edges.sum()), -int(turn.faces.sum())
+    Folds through all layers are tried first, and the rest is tried after those of them that fold the most creases. Of
+    either kind those of the pattern's ``first_folds`` come before all, then what folds the most creases; then others
+    are tried, for as many states as the size of the pattern allows: they may fold more creases, or as many by fewer
+    folds.
+    """
+    simple = _longest([], flat, end, _simple_turns, SIMPLE_STATES)
+    return _longest(simple, flat, end, lambda state: state.folds(state.sheet.creased), MOST_STATES)
 
-    return max(turns, key=key, default=None)
+
+def _simple_turns(state: SheetState) -> Iterator[Turn]:
+    """Yield the folds through all layers that the pattern's mountains and valleys allow."""
+    sheet = state.sheet
+    for turn in state.simple_folds(sheet.creased):
+        rising = (sheet.valley == state.up[sheet.beside[:, 0]])[turn.edges]
+        if rising.all() or not rising.any():
+            yield replace(turn, over=bool(rising.all()))
+
+
+def _longest(
+    best: list[_Move],
+    flat: SheetState,
+    end: SheetState,
+    turns: Callable[[SheetState], Iterator[Turn]],
+    states: int,
+) -> list[_Move]:
+    """Return folds that fold the most creases by the fewest folds, as far as they are found; ``best`` is a beginning.
+
+    What comes after ``best`` is tried first. ``states``: how many are tried, divided by the number of faces.
+    """
+    tries = max(1, states // len(flat.rank))
+    reached = {move.after.place: number for number, move in enumerate(best, start=1)}
+    waiting = _onward([], flat, turns)
+    if best:
+        waiting += _onward(best, best[-1].after, turns)
+    while waiting and (tries > 0 or not best):
+        tries -= 1
+        moves, state, turn = waiting.pop()
+        if best and _folds(best[-1].after) == _folds(end) and len(moves) + 1 >= len(best):
+            continue
+        after = state.turned(turn)
+        if reached.get(after.place, MOST_CREASES) <= len(moves) + 1 or not is_one_sheet(after, end):
+            continue
+        reached[after.place] = len(moves) + 1
+        moves = [*moves, _Move(state, after, turn)]
+        if (_folds(after), -len(moves)) > (_folds(best[-1].after) if best else 0, -len(best)):
+            best = moves
+        waiting += _onward(moves, after, turns)
+    return best
+
+
+def _onward(
+    moves: list[_Move], state: SheetState, turns: Callable[[SheetState], Iterator[Turn]]
+) -> list[tuple[list[_Move], SheetState, Turn]]:
+    """Return the turns that are possible in a state, the best last, each with what comes before it."""
+    found = sorted(turns(state), key=lambda turn: _key(turn, state.sheet.first))
+    return [(moves, state, turn) for turn in found]
+
+
+def _folds(state: SheetState) -> int:
+    """Return how many creases are folded."""
+    return int(state.folded.sum())
+
+
+def _best(turns: Iterator[Turn]) -> Turn | None:
+    """Return the turn of the most creases, then of the fewest faces."""
+    return max(turns, key=_key, default=None)
+
+
+def _key(turn: Turn, first: Bools | None = None) -> tuple[bool, int, int]:
+    """Return what turns are compared by, the best last; one of ``first`` creases only comes after all."""
+    return first is not None and bool(first[turn.edges].all()), int(turn.edges.sum()), -int(turn.faces.sum())
 
 
 def _collapses(sheet: SheetData, state: SheetState, target: SheetState) -> Iterator[_Move]:

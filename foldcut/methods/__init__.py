@@ -69,6 +69,12 @@ METHODS = {
             package="mirror",
             min_crease_mm=0.5,
         ),
+        Method(
+            "simple",
+            "folds across the whole sheet only, one after another, each through all layers; few drawings",
+            package="simple",
+            cuts_down=True,
+        ),
         Method("compact", "one loop, few creases", package="compact", min_crease_mm=0.5, few_creases=True),
         Method(
             "paper",

@@ -13,7 +13,8 @@ from foldcut.methods import AUTO, METHODS
 from foldcut.methods.base import Effort, Made, Problem
 from foldcut.methods.fewest_folds import Fewest, fewest_folds
 from foldcut.methods.frame import ADJUST, frame_scale
-from foldcut.pattern.ranking import Goal, rank, shortest_crease
+from foldcut.pattern.foldability import COMFORTABLE_LAYERS, layers_at_cut
+from foldcut.pattern.ranking import FOLDABLE_MM, Goal, rank, shortest_crease
 
 __all__ = ["FOLDED", "HANDS", "LAST_RESORTS", "Attempt", "run"]
 
@@ -31,6 +32,12 @@ AFTER_OTHERS = 0.3
 
 SMALL = 6
 """Patterns with no more folds than this are found so soon that all methods are tried."""
+
+SOON = 300
+"""How many simple folds are tried, in about half a second."""
+
+FEW_CORNERS = 100
+"""Simple folds are tried for drawings with at most this many corners."""
 
 USUAL = 2.0
 """Straight skeletons of a whole sheet have folds on at least this many lines for each that bisects a corner, unless
@@ -89,7 +96,7 @@ def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Atte
         attempts.append(_attempt(one))
         interrupted = one.interrupted
         shortest = shortest_crease(one.creases) / scale
-        if row.is_best or interrupted or effort.goal.is_reached(one.actions, shortest):
+        if row.is_best(problem, one) or interrupted or effort.goal.is_reached(one.actions, shortest):
             break
         beat = rank(one.actions, shortest)
         if effort.goal.beat is None or beat < effort.goal.beat:
@@ -102,6 +109,44 @@ def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Atte
 
 def _attempt(made: Made) -> Attempt:
     return Attempt(made.method, made.creases.crease_count, made.actions, shortest_crease(made.creases), "")
+
+
+def _for_hands(problem: Problem, _: Effort) -> Made:
+    """Return a pattern of simple folds alone that can be cut at once.
+
+    Raises ``UnfoldableError`` where none is found soon.
+    """
+    from foldcut.methods.simple.method import fold_simply
+
+    made = fold_simply(problem, SOON)
+    layers = layers_at_cut(made.creases.faces_vertices, made.folded)
+    if layers > COMFORTABLE_LAYERS:
+        raise UnfoldableError(f"after simple folds the cut would go through {layers} layers")
+    return made
+
+
+def _row(problem: Problem, effort: Effort) -> Made:
+    """Return the pattern of a row of figures; raises ``UnfoldableError`` where the drawing is none."""
+    from foldcut.methods.simple.method import fold_row
+
+    return fold_row(problem, effort)
+
+
+def _is_row(problem: Problem, made: Sequence[Made]) -> bool:
+    """Return whether a row of figures has a pattern with so few folds that one with a single axis has more."""
+    scale = frame_scale(problem.laid)
+    return any(
+        one.method == "simple"
+        and one.numbers.get("simple_folds", 0) > 1
+        and not rank(one.actions, shortest_crease(one.creases) / scale).unfoldable
+        and one.actions <= USUAL * _fewest(problem).bisectors
+        for one in made
+    )
+
+
+def _has_long_creases(problem: Problem, made: Made) -> bool:
+    """Return whether all creases are easy to fold; no pattern is easier than one of simple folds, then."""
+    return shortest_crease(made.creases) >= FOLDABLE_MM * frame_scale(problem.laid)
 
 
 def _proven_fewest(problem: Problem, _: Effort) -> Made:
@@ -134,7 +179,8 @@ class _Try:
 
     ``when``: whether the method is worth a try. ``unless``: what has been made is so good that it is not. ``until``:
     the progress that is reached after it. ``instead``: what to call instead of the method. ``last_resort``: try it only
-    if there is no pattern yet. ``is_best``: no other pattern can be better, so nothing more is tried. ``unsaid``: if it
+    if there is no pattern yet. ``is_best``: no other pattern can be better than one that it made, so nothing more is
+    tried. ``unsaid``: if it
     fails, that is not reported.
     """
 
@@ -144,11 +190,15 @@ class _Try:
     unless: Callable[[Problem, Sequence[Made]], bool] = lambda *_: False
     instead: Callable[[Problem, Effort], Made] | None = None
     last_resort: bool = False
-    is_best: bool = False
+    is_best: Callable[[Problem, Made], bool] = lambda *_: False
     unsaid: bool = False
 
     def fold(self, problem: Problem, effort: Effort) -> Made:
         return (self.instead or METHODS[self.method].fold)(problem, effort)
+
+
+def _has_few_corners(problem: Problem) -> bool:
+    return problem.shape.corner_count <= FEW_CORNERS
 
 
 def _has_one_loop(problem: Problem) -> bool:
@@ -172,11 +222,18 @@ def _halves_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
     return min(ranks).creases <= USUAL * _fewest(problem).bisectors
 
 
+def _parts_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
+    """Return whether a pattern for a part of the sheet has so few folds that one for all of it will not have fewer."""
+    return _halves_are_simpler(problem, made) or _is_row(problem, made)
+
+
 TRIES = (
-    _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=True, unsaid=True),
-    _Try("mirror", until=0.6),
-    _Try("skeleton", until=0.75, unless=_halves_are_simpler),
-    _Try("compact", until=0.9, unless=_halves_are_simpler),
+    _Try("simple", until=0.03, when=_has_few_corners, instead=_for_hands, is_best=_has_long_creases, unsaid=True),
+    _Try("skeleton", until=0.04, instead=_proven_fewest, is_best=lambda *_: True, unsaid=True),
+    _Try("simple", until=0.08, when=_has_few_corners, instead=_row, unsaid=True),
+    _Try("mirror", until=0.6, unless=_is_row),
+    _Try("skeleton", until=0.75, unless=_parts_are_simpler),
+    _Try("compact", until=0.9, unless=_parts_are_simpler),
     _Try("paper", until=FOLDED, when=_has_one_loop, last_resort=True),
     _Try("gate", until=FOLDED, when=_has_several_loops, last_resort=True),
 )

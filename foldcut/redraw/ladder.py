@@ -17,6 +17,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import CreaseTooShortError, UnfoldableError
 from foldcut.core.model import Finding, FoldedPattern, Shape
@@ -32,10 +34,12 @@ from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.proof.verify import verify
-from foldcut.redraw.bounds import HANDS_CREASE_MM, HANDS_FOLDS, Bounds
+from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_CREASE_MM, HANDS_FOLDS, Bounds
 from foldcut.redraw.distance import apart
 
 if TYPE_CHECKING:
+    from foldcut.folding_steps.phases import Phase
+    from foldcut.folding_steps.simple_first import Easier
     from foldcut.redraw.plans import Drawing
     from foldcut.redraw.redrawing import Redrawn
 
@@ -123,7 +127,7 @@ class Level:
 
     ``tolerance_mm``: how far the outline was allowed to be from the drawing; ``off_by_mm``: how far it is. ``laid``:
     the outline on its sheet, None where none was found; ``tried``: its pattern, None where there is none. ``failure``
-    says why.
+    says why. ``known``: its phases, if they were counted.
     ``folds``: straight folds that a person makes; ``layers``: how many the cut goes through. ``seconds``: how long it
     took. ``for_hands``: it has few enough folds and no crease that is too short. ``drawn``: the drawing on the same
     sheet, if the outline is another. ``notes``: what was done to the drawing. ``scale``: mm for each mm of the frame.
@@ -144,6 +148,7 @@ class Level:
     drawn: tuple[Floats, ...] = ()
     notes: tuple[str, ...] = ()
     title: str = ""
+    known: tuple[Phase, ...] = ()
 
     @property
     def shape(self) -> Shape | None:
@@ -173,17 +178,22 @@ class Level:
         return None if self.made is None else pattern_of(self.made, self.title, self.drawn)
 
     @cached_property
-    def simple_folds(self) -> int | None:
-        """How many of the folds are straight folds that are made one after another, flat sheet to flat sheet.
+    def phases(self) -> tuple[Phase, ...]:
+        """How many simple folds are made one after another, and how many creases then close together, and so on.
 
-        None where there is no pattern, and where it has so many creases that nobody has counted them.
+        None are known where there is no pattern, and where it has so many creases that nobody has counted them.
         """
         pattern = self.pattern
-        if pattern is None or pattern.creases.crease_count > MOST_STEPS:
-            return None
-        from foldcut.folding_steps.steps import folding_steps
+        if self.known or pattern is None or pattern.creases.crease_count > MOST_STEPS:
+            return self.known
+        from foldcut.folding_steps import folding_steps, phases
 
-        return sum(step.line is not None for step in folding_steps(pattern))
+        return phases(pattern, folding_steps(pattern))
+
+    @property
+    def simple_folds(self) -> int | None:
+        """How many of the folds are simple folds, flat sheet to flat sheet; None where nobody has counted them."""
+        return sum(phase.count for phase in self.phases if not phase.together) if self.phases else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -281,6 +291,7 @@ class _Search:
     interrupted: bool = False
     error: UnfoldableError | None = None
     told: Level | None = None
+    easier: dict[bytes, Easier | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _, _, placement, _ = Layout(parse_sheet("a4"), rotation=0.0).place(self.drawn.whole)
@@ -423,6 +434,7 @@ class _Search:
 
     def _with_pattern(self, level: Level, tried: Tried, off: float, seconds: float) -> Level:
         """Return a level with a pattern and what is known of it; ``off``: how far the outline is from the drawing."""
+        tried, known = self._begun_simply(tried)
         made, on = tried.made, tried.made.laid
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
@@ -438,7 +450,29 @@ class _Search:
             for_hands=few and long and not tried.findings,
             failure=f"not verified: {tried.findings[0]}" if tried.findings else "",
             seconds=seconds,
+            known=known,
         )
+
+    def _begun_simply(self, tried: Tried) -> tuple[Tried, tuple[Phase, ...]]:
+        """Return the pattern that begins with as many simple folds as its creases allow.
+
+        Also its phases, if it begins with any.
+        """
+        from foldcut.folding_steps.simple_first import easier
+
+        if tried.findings:
+            return tried, ()
+        made = tried.made
+        same = made.creases.vertices_coords.tobytes() + made.folded.layers.tobytes()
+        same += np.concatenate(made.laid.shape.loops).tobytes()
+        if same not in self.easier:  # one pattern may be found within several tolerances
+            self.easier[same] = easier(pattern_of(made, ""))
+        found = self.easier[same]
+        if found is None:
+            return tried, ()
+        creases, folded = found.pattern.creases, found.pattern.folded
+        made = replace(made, creases=creases, folded=folded, actions=min(made.actions, found.actions))
+        return replace(tried, made=made), found.phases
 
     def _has_few_corners(self, outline: Shape) -> bool:
         return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
@@ -468,6 +502,8 @@ class _Search:
         wishes, bounds = self.wishes, self.bounds
         if bounds.is_exact:
             return replace(wishes, adjust=0.0, symmetry=0.0)
+        if bounds.method not in FOLD_REDRAWN:  # it folds the drawing as it is, but it may make it symmetric
+            return replace(wishes, adjust=0.0, symmetry=min(wishes.symmetry, bounds.tolerance or math.inf))
         most = bounds.most(self.scale)
         if most >= ADJUST:
             return wishes

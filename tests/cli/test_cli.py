@@ -629,6 +629,30 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
     assert "layers" in error
 
 
+@pytest.mark.parametrize(
+    ("sample", "words", "phases"),
+    [
+        ("kite", "folds     2 simple folds\n", [{"count": 2, "together": False}]),
+        (
+            "letter-t",
+            "folds     8: 2 simple folds, then 6 creases that close together\n"
+            "            all but the first through 2 layers\n",
+            [{"count": 2, "together": False}, {"count": 6, "together": True}],
+        ),
+    ],
+)
+def test_simple_folds_are_counted_and_what_is_left_to_close(
+    sample: str, words: str, phases: list[dict[str, object]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    arguments = ["make", sample, "--exact", "--effort", "fast", "-o", "a.fold", "--force"]
+    assert main(arguments) == 0
+    assert words in capsys.readouterr().out
+    assert main([*arguments, "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert report["phases"] == phases
+    assert report["actions"] == sum(phase["count"] for phase in report["phases"])
+
+
 def test_progress_for_programs_is_lines_of_json_with_every_stage(
     folder: Path, drawing: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -636,7 +660,7 @@ def test_progress_for_programs_is_lines_of_json_with_every_stage(
     told = [json.loads(line) for line in capsys.readouterr().err.splitlines()]
     stages = [line["stage"].partition(":")[0] for line in told]
     assert (stages[0], stages[-1]) == ("reading", "verify")
-    assert "straight skeleton" in stages
+    assert "simple folds" in stages
     found = [line["pattern"] for line in told if "pattern" in line]
     assert [(one["tolerance_mm"], one["corners"], one["failure"]) for one in found] == [(0, 4, "")]
     parts = [line["fraction"] for line in told]

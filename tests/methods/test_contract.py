@@ -33,7 +33,14 @@ SHAPES: dict[str, list[Points]] = {
     "ring": RING,
     "two squares": TWO_SQUARES,
 }
-FOLDABLE = {"mirror": "square", "compact": "lopsided", "paper": "lopsided", "skeleton": "lopsided", "gate": "ring"}
+FOLDABLE = {
+    "mirror": "square",
+    "simple": "star",
+    "compact": "lopsided",
+    "paper": "lopsided",
+    "skeleton": "lopsided",
+    "gate": "ring",
+}
 """By method, a shape that it folds."""
 
 FAST = Effort("fast")
@@ -190,6 +197,8 @@ def nothing_folds(monkeypatch: pytest.MonkeyPatch) -> None:
     for method in METHODS.values():
         monkeypatch.setattr(f"foldcut.methods.{method.package}.method.fold", failing(f"no {method.name}"))
     monkeypatch.setattr("foldcut.methods.skeleton.method.fold_ridges_alone", failing("no ridges"))
+    monkeypatch.setattr("foldcut.methods.simple.method.fold_simply", failing("no simple folds"))
+    monkeypatch.setattr("foldcut.methods.simple.method.fold_row", failing("no row"))
 
 
 @pytest.mark.usefixtures("nothing_folds")

@@ -58,7 +58,13 @@ def test_the_bound_of_simple_shapes_is_what_they_need(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "folds"), [("star", 5), ("hexagon", 3), ("square", 2)])
-def test_a_pattern_with_the_fewest_folds_ends_the_search(name: str, folds: int) -> None:
+def test_a_pattern_with_the_fewest_folds_ends_the_search(
+    name: str, folds: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def none(*_: object) -> None:
+        raise UnfoldableError("no simple folds")
+
+    monkeypatch.setattr("foldcut.methods.simple.method.sequences", none)  # they come before
     result = foldcut.fold(sample_path(name), effort="best")
     assert [(attempt.method, attempt.actions) for attempt in result.attempts] == [("skeleton", folds)]
     assert result.findings == ()
@@ -76,9 +82,10 @@ def test_other_drawings_are_tried_by_every_method() -> None:
 
 def test_a_ribbon_that_creases_meet_within_is_kept() -> None:
     # the square's diagonals meet 95 mm from its sides, the ridges outside nowhere
-    assert foldcut.fold([rectangle(5, 5)], effort="fast", ribbon=94).attempts[0].method == "skeleton"
-    with pytest.raises(UnfoldableError, match="within the ribbon"):
-        foldcut.fold([rectangle(5, 5)], effort="fast", ribbon=96, method="skeleton")
+    assert foldcut.fold([rectangle(5, 5)], effort="fast", ribbon=94).attempts[0].method == "simple"
+    for method in ("simple", "skeleton"):
+        with pytest.raises(UnfoldableError, match="within the ribbon"):
+            foldcut.fold([rectangle(5, 5)], effort="fast", ribbon=96, method=method)
 
 
 def test_bisectors_of_opposite_corners_are_one_line_also_in_rounded_numbers() -> None:

@@ -259,17 +259,21 @@ def _connected(count: int, one: Ints, other: Ints) -> Ints:
             least = farther
 
 
-def layer_order(conditions: OrderConditions) -> list[int]:
+def layer_order(conditions: OrderConditions, given: Ints | None = None) -> list[int]:
     """Return the facets from bottom to top, in an order in which no paper passes through paper.
 
-    Raises ``UnfoldableError`` when there is no such order, and when none is found soon enough.
+    ``given`` ``(n, 2)``: pairs of facets that overlap, the first of which has to be above the second. Raises
+    ``UnfoldableError`` when there is no such order, and when none is found soon enough.
     """
     from pysat.solvers import Solver
 
     if any(conditions.contradictory):
         raise UnfoldableError(NO_ORDER)
     conditions.complete()
-    with Solver(name="minisat22", bootstrap_with=conditions.clauses()) as solver:
+    clauses = conditions.clauses()
+    if given is not None:
+        clauses += conditions.literals(*given.T)[:, None].tolist()
+    with Solver(name="minisat22", bootstrap_with=clauses) as solver:
         for conditions.rounds in range(1, MOST_ROUNDS + 1):
             solver.conf_budget(MOST_CONFLICTS)
             found = solver.solve_limited()
