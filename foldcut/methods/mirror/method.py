@@ -1,8 +1,9 @@
 """The method ``mirror``: the sheet is folded along the drawing's mirror axes first, the rest through all layers.
 
-The half that is left is folded along its straight skeleton, and by the method ``compact``; the easier pattern is taken.
-The shape is laid in all ways in which its axes lie along the sheet. Each of them gets a quick look at its straight
-skeleton, and the best ones a search.
+The part that is left, a half, a quarter or a wedge, is folded along its straight skeleton, and by the method
+``compact``; the easier pattern is taken. The shape is laid in all ways in which one of its axes or two lie along the
+sheet, and if it has three axes or more through one point, so that these are all folded first. Each of these ways gets a
+quick look at its straight skeleton, and the best ones a search.
 """
 
 from __future__ import annotations
@@ -11,20 +12,30 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import Shape
+from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.laying import AS_IT_IS, Laid
+from foldcut.geometry.dihedral import Dihedral, dihedral, made_dihedral
 from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symmetric
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
 from foldcut.methods.frame import ADJUST, Frame, frame_scale, frames, in_frame
 from foldcut.methods.mirror.halves import halves_of, one_loop_halves
 from foldcut.methods.mirror.search import fold_mirrored
-from foldcut.methods.mirror.skeletal import fold_half, made_of_half, search_half
+from foldcut.methods.mirror.skeletal import (
+    fold_half,
+    fold_wedge,
+    made_of_half,
+    made_of_wedge,
+    search_half,
+    search_wedge,
+)
 from foldcut.methods.mirror.unfold import Half
+from foldcut.methods.mirror.wedge import Wedge, fan_folds
 from foldcut.methods.progress import Progress
 from foldcut.methods.skeleton.search import SECONDS
 from foldcut.methods.skeleton.trial import Skeletal
@@ -33,6 +44,13 @@ from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.proof.tolerance import COINCIDENT
 
 __all__ = ["fold"]
+
+FEWEST_AXES = 3
+"""With fewer axes through one point the sheet is folded along its own middle lines."""
+
+FILE_ROUNDING = 1e-4
+"""Oblique axes are never exact in a file with rounded numbers: so much, relative to the shape's size, corners may be
+off them if corners may be moved at all."""
 
 NEARLY = 0.01
 """Corners that are off by less than this, relative to the shape's size, are worth a hint."""
@@ -53,9 +71,26 @@ WORSE = 1.5
 """A way to lay the shape is not searched further if its first pattern has more folds than this many times the best."""
 
 
+class _Way(Protocol):
+    """A way to lay the shape and to fold some of its mirror axes first; ``laid.shape`` is symmetric about these."""
+
+    @property
+    def laid(self) -> Laid:
+        """The shape on its sheet."""
+
+    def look(self, frame: Frame, ribbon: float) -> Rank:
+        """Return the rank of a pattern found soon; raises ``UnfoldableError`` where none is."""
+
+    def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
+        """Return the best pattern of a search, as ``search_half`` does."""
+
+    def made(self, found: Skeletal, laid: Laid, ribbon: float) -> Made:
+        """Return what the method made, ``found`` being the pattern of the whole sheet."""
+
+
 @dataclass(frozen=True, eq=False)
-class _Way:
-    """A way to lay the shape with its mirror ``axes`` along the sheet; ``laid.shape`` is symmetric about these."""
+class _AlongSheet:
+    """A way to lay the shape with mirror ``axes`` along the sheet: 0 is its upright middle line, 1 the level one."""
 
     laid: Laid
     axes: tuple[int, ...]
@@ -63,6 +98,45 @@ class _Way:
     def shape(self, frame: Frame) -> Shape:
         """Return the shape of a frame of the laid shape: symmetric, too, without rounding errors."""
         return symmetric(frame.shape, np.array([frame.sheet.width, frame.sheet.height]) / 2, self.axes)[0]
+
+    def look(self, frame: Frame, ribbon: float) -> Rank:
+        half = next(halves_of(self.shape(frame), frame.sheet, self.axes))
+        found = fold_half(half, ribbon=ribbon)
+        return rank(len(self.axes) + crease_numbers(found.part).lines, shortest_crease(found.creases))
+
+    def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
+        shape = self.shape(frame)
+        return search_half(shape, frame.sheet, self.axes, near=near, ribbon=ribbon, seconds=seconds, progress=progress)
+
+    def made(self, found: Skeletal, laid: Laid, ribbon: float) -> Made:
+        return made_of_half(self.axes, found, laid, ribbon=ribbon)
+
+
+@dataclass(frozen=True, eq=False)
+class _Around:
+    """A way to lay the shape with three ``axes`` or more through one point."""
+
+    laid: Laid
+    axes: Dihedral
+
+    def wedge(self, shape: Shape, sheet: Sheet) -> Wedge:
+        """Return a sector of a sheet with a shape that is as the laid one, but for its size and its place."""
+        exact = made_dihedral(shape, self.axes)
+        if exact is None:
+            raise UnfoldableError("the drawing's mirror axes do not agree")
+        return Wedge(exact[0], sheet, exact[1], self.axes.count, self.axes.angle)
+
+    def look(self, frame: Frame, ribbon: float) -> Rank:
+        wedge = self.wedge(frame.shape, frame.sheet)
+        found = fold_wedge(wedge, ribbon=ribbon)
+        return rank(fan_folds(wedge.count) + crease_numbers(found.part).lines, shortest_crease(found.creases))
+
+    def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
+        wedge = self.wedge(frame.shape, frame.sheet)
+        return search_wedge(wedge, near=near, ribbon=ribbon, seconds=seconds, progress=progress)
+
+    def made(self, found: Skeletal, laid: Laid, ribbon: float) -> Made:
+        return made_of_wedge(self.wedge(laid.shape, laid.sheet), found, laid, ribbon=ribbon)
 
 
 def fold(problem: Problem, effort: Effort) -> Made:
@@ -72,7 +146,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
     """
     stages, made, failed = problem.stages, list[Made](), list[str]()
     with stages("mirror axes", 0.02):
-        ways = list(_ways(problem))
+        ways = _ways(problem)
     interrupted = False
     with stages("straight skeleton of half", 0.4):
         try:
@@ -103,7 +177,8 @@ def fold(problem: Problem, effort: Effort) -> Made:
 
 
 def _has_few_folds(made: Made, key: Rank) -> bool:
-    corners = made.laid.shape.corner_count / 2 ** len(made.first_folds)
+    lines = len(made.first_folds)
+    corners = made.laid.shape.corner_count / (2 * lines if lines >= FEWEST_AXES else 2**lines)
     return not key.unfoldable and key.creases <= FEW * corners
 
 
@@ -113,8 +188,7 @@ def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> M
     for number, way in enumerate(ways):
         frame = next(frames(way.laid))
         with suppress(UnfoldableError):
-            half = next(halves_of(way.shape(frame), frame.sheet, way.axes))
-            ranked.append((_rank(half, fold_half(half, ribbon=problem.wishes.free_ribbon / frame.scale)), number))
+            ranked.append((way.look(frame, problem.wishes.free_ribbon / frame.scale), number))
     ranked.sort()
     finalists = [number for key, number in ranked if key.creases <= WORSE * ranked[0][0].creases][:FINALISTS] or [0]
     seconds = SKELETON_PART * effort.share * (SECONDS[effort.name] if effort.seconds is None else effort.seconds)
@@ -142,10 +216,6 @@ def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> M
     return replace(best, interrupted=made[-1].interrupted)
 
 
-def _rank(half: Half, found: Skeletal) -> Rank:
-    return rank(len(half.axes) + crease_numbers(found.part).lines, shortest_crease(found.creases))
-
-
 def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress, *, retry: bool) -> Made:
     """Return the best pattern that a search along the straight skeleton finds for one way to lay the shape.
 
@@ -156,15 +226,14 @@ def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress, *, re
     def in_this(frame: Frame) -> Made:
         ribbon = wishes.free_ribbon / frame.scale
         near = ADJUST if wishes.adjust is None else wishes.adjust / frame.scale
-        shape = way.shape(frame)
-        found = search_half(shape, frame.sheet, way.axes, near=near, ribbon=ribbon, seconds=seconds, progress=tell)
+        found = way.search(frame, near=near, ribbon=ribbon, seconds=seconds, progress=tell)
         creases, folded = frame.pattern(found.creases, found.folded, found.shape)
         moved, notes = found.moved_mm * frame.scale, laid.notes
         if moved > COINCIDENT[0] * laid.sheet.diagonal:
             notes = (*notes, f"corners moved by at most {moved:.2g} mm, so that creases meet")
         on = replace(laid, shape=frame.on_sheet(found.shape), notes=notes)
         found = replace(found, creases=creases, folded=folded, shape=on.shape, moved_mm=moved)
-        return made_of_half(way.axes, found, on, ribbon=wishes.free_ribbon)
+        return way.made(found, on, wishes.free_ribbon)
 
     return in_frame(laid, in_this, retry=retry)
 
@@ -175,6 +244,8 @@ def _compact(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
     candidates: list[tuple[Half, Laid]] = []
     refused = ""
     for way in ways:
+        if not isinstance(way, _AlongSheet):
+            continue
         try:
             candidates += [(half, way.laid) for half in one_loop_halves(way.laid.shape, way.laid.sheet, way.axes)]
         except UnfoldableError as error:
@@ -208,7 +279,46 @@ def _compact(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
     )
 
 
-def _ways(problem: Problem) -> Iterator[_Way]:
+def _ways(problem: Problem) -> list[_Way]:
+    """Return how the shape can be laid, first with all of its axes through one point if these are more than two.
+
+    Raises ``UnfoldableError`` where it has no axis that can be folded first.
+    """
+    ways: list[_Way] = []
+    around = _all_axes(problem)
+    if around is not None:
+        ways.append(around)
+    try:
+        ways += _along_sheet(problem)
+    except UnfoldableError:
+        if not ways:
+            raise
+    return ways
+
+
+def _all_axes(problem: Problem) -> _Around | None:
+    """Return how the shape lies with three axes or more to be folded first, None if it has not so many."""
+    wishes, size = problem.wishes, float(np.ptp(np.concatenate(problem.shape.loops), axis=0).max())
+    allowed = max(wishes.symmetry, 0.0 if wishes.adjust == 0 else FILE_ROUNDING * size)
+    found = dihedral(problem.shape, allowed)
+    if found is None or found.count < FEWEST_AXES:
+        return None
+    on, turn = problem.laid, found.upright_turn if problem.may_turn else 0.0
+    if turn:
+        on = problem.lay(math.degrees(turn))
+        found = found.turned(turn)
+    if on.quarter != problem.laid.quarter:
+        found = found.turned(math.pi / 2)
+    exact = made_dihedral(on.shape, found)
+    if exact is None or exact[2] > allowed:
+        return None
+    notes = on.notes
+    if exact[2] > COINCIDENT[0] * on.sheet.diagonal:
+        notes = (*notes, f"made symmetric: corners moved by at most {exact[2]:.2g} mm")
+    return _Around(Laid(on.sheet, exact[0], on.placement, notes, on.quarter, exact[0], AS_IT_IS), found)
+
+
+def _along_sheet(problem: Problem) -> Iterator[_AlongSheet]:
     """Yield how the shape can be laid with mirror axes along the sheet.
 
     Raises ``UnfoldableError`` where it cannot.
@@ -229,7 +339,7 @@ def _ways(problem: Problem) -> Iterator[_Way]:
         if moved > COINCIDENT[0] * on.sheet.diagonal:
             notes = (*notes, f"made symmetric: corners moved by at most {moved:.2g} mm")
         found = True
-        yield _Way(Laid(on.sheet, shape, on.placement, notes, on.quarter, shape, AS_IT_IS), axes)
+        yield _AlongSheet(Laid(on.sheet, shape, on.placement, notes, on.quarter, shape, AS_IT_IS), axes)
     if not found:
         raise UnfoldableError(refused or _no_axis(problem.shape, wishes.symmetry))
 
