@@ -17,7 +17,8 @@ See docs/several-loops.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice, pairwise
 
 import numpy as np
@@ -28,6 +29,7 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.vectors import cross, signed_area
 from foldcut.methods.mirror.unfold import Half
+from foldcut.methods.mirror.wedge import Wedge
 
 FAR = (1.0, 0.35)
 """How far beyond the border chains may be joined, as parts of the half sheet's diagonal."""
@@ -49,6 +51,9 @@ NESTED = 1.5
 
 FLAT = 3.0
 """A side that runs on along the border goes on for no longer than this many times the distance that is asked for."""
+
+QUARTER = (0, 1)
+"""Both borders of a quarter of the plane, as axes."""
 
 Arc = tuple[int, int]
 """The two ends of chains that an arc joins: 2 n is the start of the nth chain, 2 n + 1 its end."""
@@ -86,24 +91,51 @@ def one_loop_halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterat
     """
     half, middle = _part(sheet, axes)
     chains, closed = _chains(shape, middle, axes)
+    for loop in _one_loop(chains, closed, axes, half.diagonal, lambda place: place + middle):
+        yield Half(shape, (points_array(loop),), half, axes)
+
+
+def one_loop_wedges(wedge: Wedge) -> Iterator[Wedge]:
+    """Do as ``one_loop_halves`` with a wedge."""
+    # in coordinates along its two borders it is a quarter of a plane, and straight lines stay straight
+    borders = wedge.borders
+    to_quarter = np.linalg.inv(borders)
+    oblique = Shape(tuple(points_array(loop @ to_quarter) for loop in wedge.outline.loops), wedge.outline.parent)
+    chains, closed = _chains(oblique, np.zeros(2), QUARTER)
+    size = float(np.hypot(*np.max(wedge.sheet.corners @ to_quarter, axis=0)))
+    for loop in _one_loop(chains, closed, QUARTER, size, lambda place: wedge.on_whole(place[None] @ borders)[0]):
+        yield replace(wedge, loops=(points_array(loop @ borders),))
+
+
+def _one_loop(
+    chains: list[Floats],
+    closed: list[Floats],
+    axes: tuple[int, ...],
+    size: float,
+    on_whole: Callable[[Floats], Floats],
+) -> Iterator[Floats]:
+    """Yield single loops, ``(n, 2)``, that have all chains in them, the simplest first.
+
+    ``size`` is that of the part of the sheet, ``on_whole`` tells where on the whole sheet a place is.
+    """
     if closed and (chains or len(closed) > 1):
-        x, y = closed[0].mean(axis=0) + middle
+        x, y = on_whole(closed[0].mean(axis=0))
         raise UnfoldableError(f"the loop around ({x:.1f}, {y:.1f}) mm does not meet the mirror axis")
     if len(chains) > MOST_CHAINS:
         raise UnfoldableError(f"the drawing crosses the mirror axis {2 * len(chains)} times; too often to be folded")
     if closed:
-        yield Half(shape, (points_array(closed[0]),), half, axes)
+        yield closed[0]
         return
     ends = np.array([(_along_border(chain[0], axes), _along_border(chain[-1], axes)) for chain in chains])
     order = np.argsort(ends.ravel(), kind="stable")
     ways = list(islice((arcs for arcs in matchings(order.tolist()) if _is_one_loop(arcs)), MOST_MATCHINGS))
     # long arms of several chains would need many turns
-    far, near = [(0.0, part * half.diagonal) for part in FAR], [(part, 0.0) for part in NEAR]
+    far, near = [(0.0, part * size) for part in FAR], [(part, 0.0) for part in NEAR]
     for margins in far + near if len(chains) == 1 else near + far:
         for arcs in ways:
             loop = _joined(chains, arcs, axes, *margins)
             if loop is not None:
-                yield Half(shape, (points_array(loop),), half, axes)
+                yield loop
 
 
 def _part(sheet: Sheet, axes: tuple[int, ...]) -> tuple[Sheet, Floats]:

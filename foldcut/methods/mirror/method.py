@@ -24,8 +24,8 @@ from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symm
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
 from foldcut.methods.frame import ADJUST, Frame, frame_scale, frames, in_frame
-from foldcut.methods.mirror.halves import halves_of, one_loop_halves
-from foldcut.methods.mirror.search import fold_mirrored
+from foldcut.methods.mirror.halves import halves_of, one_loop_halves, one_loop_wedges
+from foldcut.methods.mirror.search import Part, fold_mirrored
 from foldcut.methods.mirror.skeletal import (
     fold_half,
     fold_wedge,
@@ -34,7 +34,6 @@ from foldcut.methods.mirror.skeletal import (
     search_half,
     search_wedge,
 )
-from foldcut.methods.mirror.unfold import Half
 from foldcut.methods.mirror.wedge import Wedge, fan_folds
 from foldcut.methods.progress import Progress
 from foldcut.methods.skeleton.search import SECONDS
@@ -84,6 +83,9 @@ class _Way(Protocol):
     def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
         """Return the best pattern of a search, as ``search_half`` does."""
 
+    def one_loop_parts(self) -> Iterator[Part]:
+        """Yield what is left of the sheet, with single loops to fold it by, as ``one_loop_halves`` does."""
+
     def made(self, found: Skeletal, laid: Laid, ribbon: float) -> Made:
         """Return what the method made, ``found`` being the pattern of the whole sheet."""
 
@@ -108,6 +110,9 @@ class _AlongSheet:
         shape = self.shape(frame)
         return search_half(shape, frame.sheet, self.axes, near=near, ribbon=ribbon, seconds=seconds, progress=progress)
 
+    def one_loop_parts(self) -> Iterator[Part]:
+        return one_loop_halves(self.laid.shape, self.laid.sheet, self.axes)
+
     def made(self, found: Skeletal, laid: Laid, ribbon: float) -> Made:
         return made_of_half(self.axes, found, laid, ribbon=ribbon)
 
@@ -124,7 +129,7 @@ class _Around:
         exact = made_dihedral(shape, self.axes)
         if exact is None:
             raise UnfoldableError("the drawing's mirror axes do not agree")
-        return Wedge(exact[0], sheet, exact[1], self.axes.count, self.axes.angle)
+        return Wedge.of(exact[0], sheet, exact[1], self.axes.count, self.axes.angle)
 
     def look(self, frame: Frame, ribbon: float) -> Rank:
         wedge = self.wedge(frame.shape, frame.sheet)
@@ -134,6 +139,9 @@ class _Around:
     def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
         wedge = self.wedge(frame.shape, frame.sheet)
         return search_wedge(wedge, near=near, ribbon=ribbon, seconds=seconds, progress=progress)
+
+    def one_loop_parts(self) -> Iterator[Part]:
+        return one_loop_wedges(self.wedge(self.laid.shape, self.laid.sheet))
 
     def made(self, found: Skeletal, laid: Laid, ribbon: float) -> Made:
         return made_of_wedge(self.wedge(laid.shape, laid.sheet), found, laid, ribbon=ribbon)
@@ -241,13 +249,11 @@ def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress, *, re
 def _compact(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
     """Fold the half by the method ``compact``."""
     ribbon = problem.wishes.free_ribbon
-    candidates: list[tuple[Half, Laid]] = []
+    candidates: list[tuple[Part, Laid]] = []
     refused = ""
     for way in ways:
-        if not isinstance(way, _AlongSheet):
-            continue
         try:
-            candidates += [(half, way.laid) for half in one_loop_halves(way.laid.shape, way.laid.sheet, way.axes)]
+            candidates += [(part, way.laid) for part in way.one_loop_parts()]
         except UnfoldableError as error:
             refused = str(error)
     if not candidates:
@@ -269,7 +275,7 @@ def _compact(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
         made.folded,
         laid,
         ribbon,
-        actions=len(half.axes) + straight_folds(found.part),
+        actions=half.fold_count + straight_folds(found.part),
         told=search_told("mirror", found.tried, interrupted=found.interrupted),
         numbers={"tried": found.tried, "interrupted": found.interrupted},
         first_folds=half.first_folds,

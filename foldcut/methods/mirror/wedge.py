@@ -27,11 +27,11 @@ import shapely
 
 from foldcut.core.arrays import Bools, Floats, index_array, points_array
 from foldcut.core.errors import UnfoldableError
-from foldcut.core.model import CreasePattern, FoldedState, Shape, Sheet
+from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
 from foldcut.geometry.convex_sheet import ConvexSheet
 from foldcut.geometry.dihedral import sector_maps
 from foldcut.geometry.vectors import signed_area
-from foldcut.methods.sheet_part import SheetPart
+from foldcut.methods.mirror.unfold import LoopedPart
 from foldcut.pattern.crop import crop_stack
 from foldcut.pattern.foldability import crease_numbers
 
@@ -87,18 +87,25 @@ def axis_order(count: int) -> list[int]:
 
 
 @dataclass(frozen=True, eq=False)
-class Wedge(SheetPart):
+class Wedge(LoopedPart):
     """A sector of the sheet, and loops to fold it by.
 
     ``shape`` is the whole shape on ``whole``, the whole sheet, symmetric about ``count`` axes through ``centre``
     ``(2,)`` mm; ``angle`` is the direction of the first of them in radians, and the sector lies counter-clockwise of
-    it.
+    it. ``loops``, ``(n, 2)`` mm each, are in the coordinates of ``sheet``; in it they agree with ``shape``.
     """
 
+    loops: tuple[Floats, ...]
     whole: Sheet
     centre: Floats
     count: int
     angle: float
+
+    @classmethod
+    def of(cls, shape: Shape, whole: Sheet, centre: Floats, count: int, angle: float) -> Wedge:
+        """Return a sector with all loops of the whole shape."""
+        bare = cls(shape, (), whole, centre, count, angle)
+        return replace(bare, loops=tuple(bare.in_sector(loop) for loop in shape.loops))
 
     @cached_property
     def sheet(self) -> ConvexSheet:
@@ -112,7 +119,7 @@ class Wedge(SheetPart):
             raise UnfoldableError(f"the point where the mirror axes meet, ({x:.4g}, {y:.4g}) mm, is not on the sheet")
         step, far = math.pi / self.count, 2 * self.whole.diagonal
         sector = shapely.Polygon([(0, 0), (far, 0), (far * math.cos(step), far * math.sin(step))])
-        paper = self._to_wedge(self.whole.corners)
+        paper = self.in_sector(self.whole.corners)
         parts = [
             shapely.intersection(shapely.Polygon(paper @ matrix.T), sector) for matrix in sector_maps(self.count, 0.0)
         ]
@@ -120,10 +127,16 @@ class Wedge(SheetPart):
         hull = hull if signed_area(hull) > 0 else hull[::-1]
         return ConvexSheet.of(_tidied(self._on_borders(hull), tie))
 
-    @cached_property
-    def outline(self) -> Shape:
-        """The whole shape in the coordinates of ``sheet``."""
-        return Shape(tuple(points_array(self._to_wedge(loop)) for loop in self.shape.loops), self.shape.parent)
+    @property
+    def borders(self) -> Floats:
+        """The unit directions of both borders, ``(2, 2)``, in the coordinates of ``sheet``."""
+        step = math.pi / self.count
+        return np.array([(1.0, 0.0), (math.cos(step), math.sin(step))])
+
+    @property
+    def fold_count(self) -> int:
+        """How many straight folds make the wedge."""
+        return fan_folds(self.count)
 
     def creased(self, creases: CreasePattern) -> Bools:
         """Return which edges of the wedge's pattern are creases of the whole: those on its borders are, too."""
@@ -152,10 +165,8 @@ class Wedge(SheetPart):
                 image[sector, face if sector % 2 == 0 else face[::-1]].tolist()
                 for sector in (pile[::-1] if up else pile)
             ]
-        cosine, sine = math.cos(self.angle), math.sin(self.angle)
-        on_sheet = places @ np.array([(cosine, sine), (-sine, cosine)]) + self.centre
         size = np.array([self.whole.width, self.whole.height])
-        return crop_stack(on_sheet, landing, stack, np.zeros(2), size)
+        return crop_stack(self.on_whole(places), landing, stack, np.zeros(2), size)
 
     @property
     def named(self) -> str:
@@ -164,10 +175,19 @@ class Wedge(SheetPart):
 
     def with_outline(self, outline: Shape) -> Wedge:
         """Return the wedge for another shape with the same axes, given in the coordinates of ``sheet``."""
-        cosine, sine = math.cos(self.angle), math.sin(self.angle)
-        turn = np.array([(cosine, sine), (-sine, cosine)])
-        loops = tuple(points_array(loop @ turn + self.centre) for loop in outline.loops)
-        return replace(self, shape=Shape(loops, outline.parent))
+        shape = Shape(tuple(points_array(self.on_whole(loop)) for loop in outline.loops), outline.parent)
+        return replace(self, shape=shape, loops=outline.loops)
+
+    def unfold_regions(self, regions: tuple[Region, ...]) -> tuple[Region, ...]:
+        """Return the regions of the whole sheet: those of the wedge, with their images in all sectors as outlines."""
+        maps = sector_maps(self.count, 0.0)
+        return tuple(
+            Region(
+                tuple(points_array(self.on_whole(outline @ one)) for outline in region.outlines for one in maps),
+                region.parent,
+            )
+            for region in regions
+        )
 
     @property
     def first_folds(self) -> tuple[Floats, ...]:
@@ -181,15 +201,20 @@ class Wedge(SheetPart):
             lines.append(points_array(shapely.get_coordinates(line.intersection(sheet))))
         return tuple(lines)
 
-    def _to_wedge(self, points: Floats) -> Floats:
-        """Return points of the whole sheet in the coordinates of ``sheet``."""
+    def in_sector(self, points: Floats) -> Floats:
+        """Return points of the whole sheet, ``(n, 2)`` mm, in the coordinates of ``sheet``."""
         cosine, sine = math.cos(self.angle), math.sin(self.angle)
-        turned: Floats = (points - self.centre) @ np.array([(cosine, -sine), (sine, cosine)])
-        return turned
+        return points_array((points - self.centre) @ np.array([(cosine, -sine), (sine, cosine)]))
+
+    def on_whole(self, points: Floats) -> Floats:
+        """Return points in the coordinates of ``sheet``, ``(n, 2)`` mm, on the whole sheet."""
+        cosine, sine = math.cos(self.angle), math.sin(self.angle)
+        turned: Floats = points @ np.array([(cosine, sine), (-sine, cosine)])
+        return turned + self.centre
 
     def in_wedge(self, segments: Floats) -> Floats:
         """Return segments of the whole sheet, ``(n, 2, 2)`` mm, as they lie in the wedge; none goes across an axis."""
-        placed = self._to_wedge(segments.reshape(-1, 2)).reshape(-1, 2, 2)
+        placed = self.in_sector(segments.reshape(-1, 2)).reshape(-1, 2, 2)
         x, y = placed.mean(axis=1).T
         sector = np.floor(np.arctan2(y, x) % math.tau / (math.pi / self.count)).astype(int) % (2 * self.count)
         back = sector_maps(self.count, 0.0).transpose(0, 2, 1)
