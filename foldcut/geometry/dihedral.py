@@ -45,6 +45,12 @@ class Dihedral:
         return Dihedral(self.count, _least(self.angle + turn, math.pi / self.count), self.deviation)
 
     @property
+    def first(self) -> float:
+        """The direction in radians of the axis to fold first: a level one, else an upright one, else ``angle``."""
+        is_upright = abs(math.remainder(math.pi / 2 - self.angle, math.pi / self.count)) < 1e-12
+        return math.pi / 2 if self.angle and is_upright else self.angle
+
+    @property
     def upright_turn(self) -> float:
         """The least turn, in radians, after which one of the axes is upright or level."""
         step = math.pi / self.count

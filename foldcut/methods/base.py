@@ -20,6 +20,10 @@ from foldcut.pattern.ranking import Goal
 __all__ = ["Effort", "Made", "Problem", "Wishes", "require_one_loop"]
 
 
+FILE_ROUNDING = 1e-4
+"""How far corners are off oblique axes in a file with rounded numbers, at most, relative to the shape's size."""
+
+
 @dataclass(frozen=True)
 class Effort:
     """How long a method may search: as ``name``, one of ``EFFORTS``, says, or if they are given, for ``seconds``.
@@ -70,6 +74,13 @@ class Wishes:
         ):
             if value is not None and not 0 <= value < float("inf"):
                 raise error(f"{what} is {value} mm; give 0 or a positive number")
+
+    def axes_off(self, size: float) -> float:
+        """Return how far corners of a shape, ``size`` mm across, may be off several axes through one point, in mm.
+
+        Oblique axes are never exact in a file with rounded numbers, so a little is allowed if corners may be moved.
+        """
+        return max(self.symmetry, 0.0 if self.adjust == 0 else FILE_ROUNDING * size)
 
     @property
     def free_ribbon(self) -> float:

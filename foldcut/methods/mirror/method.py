@@ -38,18 +38,12 @@ from foldcut.methods.mirror.wedge import Wedge, fan_folds
 from foldcut.methods.progress import Progress
 from foldcut.methods.skeleton.search import SECONDS
 from foldcut.methods.skeleton.trial import Skeletal
+from foldcut.pattern.first_folds import FEWEST_OF_WEDGE, layers_after
 from foldcut.pattern.foldability import crease_numbers
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.proof.tolerance import COINCIDENT
 
 __all__ = ["fold"]
-
-FEWEST_AXES = 3
-"""With fewer axes through one point the sheet is folded along its own middle lines."""
-
-FILE_ROUNDING = 1e-4
-"""Oblique axes are never exact in a file with rounded numbers: so much, relative to the shape's size, corners may be
-off them if corners may be moved at all."""
 
 NEARLY = 0.01
 """Corners that are off by less than this, relative to the shape's size, are worth a hint."""
@@ -129,7 +123,7 @@ class _Around:
         exact = made_dihedral(shape, self.axes)
         if exact is None:
             raise UnfoldableError("the drawing's mirror axes do not agree")
-        return Wedge.of(exact[0], sheet, exact[1], self.axes.count, self.axes.angle)
+        return Wedge.of(exact[0], sheet, exact[1], self.axes.count, self.axes.first)
 
     def look(self, frame: Frame, ribbon: float) -> Rank:
         wedge = self.wedge(frame.shape, frame.sheet)
@@ -185,8 +179,7 @@ def fold(problem: Problem, effort: Effort) -> Made:
 
 
 def _has_few_folds(made: Made, key: Rank) -> bool:
-    lines = len(made.first_folds)
-    corners = made.laid.shape.corner_count / (2 * lines if lines >= FEWEST_AXES else 2**lines)
+    corners = made.laid.shape.corner_count / layers_after(made.first_folds)
     return not key.unfoldable and key.creases <= FEW * corners
 
 
@@ -304,10 +297,9 @@ def _ways(problem: Problem) -> list[_Way]:
 
 def _all_axes(problem: Problem) -> _Around | None:
     """Return how the shape lies with three axes or more to be folded first, None if it has not so many."""
-    wishes, size = problem.wishes, float(np.ptp(np.concatenate(problem.shape.loops), axis=0).max())
-    allowed = max(wishes.symmetry, 0.0 if wishes.adjust == 0 else FILE_ROUNDING * size)
+    allowed = problem.wishes.axes_off(float(np.ptp(np.concatenate(problem.shape.loops), axis=0).max()))
     found = dihedral(problem.shape, allowed)
-    if found is None or found.count < FEWEST_AXES:
+    if found is None or found.count < FEWEST_OF_WEDGE:
         return None
     on, turn = problem.laid, found.upright_turn if problem.may_turn else 0.0
     if turn:

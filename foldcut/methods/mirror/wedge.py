@@ -33,6 +33,7 @@ from foldcut.geometry.dihedral import sector_maps
 from foldcut.geometry.vectors import signed_area
 from foldcut.methods.mirror.unfold import LoopedPart
 from foldcut.pattern.crop import crop_stack
+from foldcut.pattern.first_folds import sectors_left
 from foldcut.pattern.foldability import crease_numbers
 
 TIE = 1e-9
@@ -49,25 +50,16 @@ def fan(count: int) -> list[int]:
     comes first in this direction.
     """
     columns = [[number, 2 * count - 1 - number] for number in range(count)]
-    for left in columns_left(count):
+    for left in sectors_left(count):
         for column in range(left, len(columns)):
             columns[2 * left - 1 - column] += columns[column][::-1]
         columns = columns[:left]
     return columns[0]
 
 
-def columns_left(count: int) -> list[int]:
-    """Return how many sectors lie beside each other after each fold of a fan but the first, which leaves ``count``."""
-    left = []
-    while count > 1:
-        count = (count + 1) // 2
-        left.append(count)
-    return left
-
-
 def fan_folds(count: int) -> int:
     """Return how many straight folds make the fan."""
-    return 1 + len(columns_left(count))
+    return 1 + len(sectors_left(count))
 
 
 def axis_order(count: int) -> list[int]:
@@ -77,7 +69,7 @@ def axis_order(count: int) -> list[int]:
     """
     order = [0]
     layers = [[number, 2 * count - 1 - number] for number in range(count)]
-    for left in columns_left(count):
+    for left in sectors_left(count):
         # of a sector that lies turned over, the border that comes first is the one away from column 0
         order += sorted((sector + (sector - left) % 2) % count for sector in layers[left])
         for column in range(left, len(layers)):
