@@ -308,7 +308,7 @@ def _all_axes(problem: Problem) -> _Around | None:
     if on.quarter != problem.laid.quarter:
         found = found.turned(math.pi / 2)
     exact = made_dihedral(on.shape, found)
-    if exact is None or exact[2] > allowed:
+    if exact is None or exact[2] > max(allowed, ROUNDING * on.sheet.diagonal):
         return None
     notes = on.notes
     if exact[2] > COINCIDENT[0] * on.sheet.diagonal:
