@@ -46,6 +46,9 @@ MOST_MATCHINGS = 4
 STRAIGHT = 1e-9
 """Directions whose cross product is no larger than this are parallel."""
 
+JUST_BEYOND = 2e-3
+"""How far beyond a border of a wedge loops are closed that are closed near to it, as a part of the wedge's size."""
+
 NESTED = 1.5
 """An arc around another one reaches this many times as far."""
 
@@ -95,14 +98,38 @@ def one_loop_halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterat
         yield Half(shape, (points_array(loop),), half, axes)
 
 
+def closed_wedge(wedge: Wedge, near: tuple[bool, bool]) -> Wedge | None:
+    """Return a wedge with loops that are closed straight beyond its last border, its first one, or both.
+
+    ``near`` says for the last border and for the first one whether that is just beyond it, or far away; None where
+    loops would cross. The straight skeleton of these loops differs from that of the whole shape: near a border it has
+    the ridges between the shape and a side along the border, where otherwise the ridges of both sides of it meet.
+    """
+    borders = wedge.borders
+    chains, closed, size = _in_quarter(wedge)
+    away = np.where(near, JUST_BEYOND, FAR[0]) * size
+    loops = _cut_off(chains, QUARTER, away)
+    if loops is None:
+        return None
+    loops = [loop @ borders for loop in (*loops, *closed)]
+    return replace(wedge, loops=tuple(map(_counter_clockwise, loops))) if _are_disjoint(loops) else None
+
+
+def _in_quarter(wedge: Wedge) -> tuple[list[Floats], list[Floats], float]:
+    """Return the chains and loops of a wedge as ``_chains`` does, and its size, in coordinates along its two borders.
+
+    In these it is a quarter of a plane, and straight lines stay straight.
+    """
+    to_quarter = np.linalg.inv(wedge.borders)
+    oblique = Shape(tuple(points_array(loop @ to_quarter) for loop in wedge.outline.loops), wedge.outline.parent)
+    size = float(np.hypot(*np.max(wedge.sheet.corners @ to_quarter, axis=0)))
+    return *_chains(oblique, np.zeros(2), QUARTER), size
+
+
 def one_loop_wedges(wedge: Wedge) -> Iterator[Wedge]:
     """Do as ``one_loop_halves`` with a wedge."""
-    # in coordinates along its two borders it is a quarter of a plane, and straight lines stay straight
     borders = wedge.borders
-    to_quarter = np.linalg.inv(borders)
-    oblique = Shape(tuple(points_array(loop @ to_quarter) for loop in wedge.outline.loops), wedge.outline.parent)
-    chains, closed = _chains(oblique, np.zeros(2), QUARTER)
-    size = float(np.hypot(*np.max(wedge.sheet.corners @ to_quarter, axis=0)))
+    chains, closed, size = _in_quarter(wedge)
     for loop in _one_loop(chains, closed, QUARTER, size, lambda place: wedge.on_whole(place[None] @ borders)[0]):
         yield replace(wedge, loops=(points_array(loop @ borders),))
 
@@ -290,6 +317,31 @@ def _straight_on(chains: Sequence[Floats], axes: Sequence[int], away: float) -> 
     for a, b in zip(ends[::2], ends[1::2], strict=True):
         around = len(axes) == 2 and _along_border(place[a], axes) * _along_border(place[b], axes) < 0
         join(a, b, [far[a], *([np.array([-away, -away])] if around else []), far[b]])
+    return _loops_of(chains, joins)
+
+
+def _cut_off(chains: Sequence[Floats], axes: Sequence[int], away: Floats) -> list[Floats] | None:
+    """Let chains go straight on to ``away`` ``(2,)`` mm beyond the border at each axis, and close them there to loops.
+
+    They are closed where the shape is between neighbours. None where that fails.
+    """
+    place: dict[int, Floats] = {}
+    far: dict[int, Floats] = {}
+    for number, chain in enumerate(chains):
+        for end, (before, last) in ((2 * number, (chain[1], chain[0])), (2 * number + 1, (chain[-2], chain[-1]))):
+            axis = next(axis for axis in axes if last[axis] == 0)
+            place[end], far[end] = last, extended(before, last, axes, float(away[axis]))
+    ends = sorted(place, key=lambda end: _along_border(place[end], axes))
+    joins: dict[int, tuple[int, list[Floats]]] = {}
+    for a, b in zip(ends[::2], ends[1::2], strict=True):
+        around = _along_border(place[a], axes) * _along_border(place[b], axes) < 0
+        between = [far[a], *([-away] if around else []), far[b]]
+        joins[b if b % 2 else a] = (a, between[::-1]) if b % 2 else (b, between)
+    return _loops_of(chains, joins)
+
+
+def _loops_of(chains: Sequence[Floats], joins: dict[int, tuple[int, list[Floats]]]) -> list[Floats] | None:
+    """Return the loops that chains make with what joins their ends to starts, None where these are not all joined."""
     if len(joins) < len(chains) or any(not a % 2 or b % 2 for a, (b, _) in joins.items()):
         return None
     loops = []

@@ -19,12 +19,13 @@ import numpy as np
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.laying import AS_IT_IS, Laid
-from foldcut.geometry.dihedral import Dihedral, dihedral, made_dihedral
+from foldcut.geometry.dihedral import Dihedral, dihedral, made_dihedral, turns_of
 from foldcut.geometry.mirror_axes import ROUNDING, mirror_axes, sheet_axes, symmetric
+from foldcut.geometry.partial_symmetry import partial_axis
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
 from foldcut.methods.frame import ADJUST, Frame, frame_scale, frames, in_frame
-from foldcut.methods.mirror.halves import halves_of, one_loop_halves, one_loop_wedges
+from foldcut.methods.mirror.halves import closed_wedge, halves_of, one_loop_halves, one_loop_wedges
 from foldcut.methods.mirror.search import Part, fold_mirrored
 from foldcut.methods.mirror.skeletal import (
     fold_half,
@@ -40,7 +41,7 @@ from foldcut.methods.skeleton.search import SECONDS
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.first_folds import FEWEST_OF_WEDGE, layers_after
 from foldcut.pattern.foldability import crease_numbers
-from foldcut.pattern.ranking import Rank, rank, shortest_crease
+from foldcut.pattern.ranking import FOLDABLE_MM, Rank, rank, shortest_crease
 from foldcut.proof.tolerance import COINCIDENT
 
 __all__ = ["fold"]
@@ -59,6 +60,15 @@ FEW = 2.0
 
 FINALISTS = 2
 """How many ways to lay the shape are searched further."""
+
+FINALISTS_AROUND = 4
+"""The same where there are wedges among them: their searches are short."""
+
+CLOSED = (None, (True, True), (True, False), (False, True))
+"""How loops are closed beyond a wedge's borders: see ``_Around``."""
+
+TILTS = (1 / 6, 1 / 3, 1 / 2)
+"""How far wedges are turned, in parts of their angle, where creases are short with an axis along the sheet."""
 
 WORSE = 1.5
 """A way to lay the shape is not searched further if its first pattern has more folds than this many times the best."""
@@ -113,10 +123,23 @@ class _AlongSheet:
 
 @dataclass(frozen=True, eq=False)
 class _Around:
-    """A way to lay the shape with three ``axes`` or more through one point."""
+    """A way to lay the shape with three ``axes`` or more through one point.
+
+    ``near``: whether loops are closed near to the wedge's last border and to its first one (``closed_wedge``), None for
+    the loops of the whole shape.
+    """
 
     laid: Laid
     axes: Dihedral
+    near: tuple[bool, bool] | None = None
+
+    def loops(self, frame: Frame) -> Wedge:
+        """Return the wedge of a frame's sheet, with the loops to fold it by."""
+        whole = self.wedge(frame.shape, frame.sheet)
+        closed = whole if self.near is None else closed_wedge(whole, self.near)
+        if closed is None:
+            raise UnfoldableError("the shape cannot be cut off at the wedge's borders")
+        return closed
 
     def wedge(self, shape: Shape, sheet: Sheet) -> Wedge:
         """Return a sector of a sheet with a shape that is as the laid one, but for its size and its place."""
@@ -126,16 +149,17 @@ class _Around:
         return Wedge.of(exact[0], sheet, exact[1], self.axes.count, self.axes.first)
 
     def look(self, frame: Frame, ribbon: float) -> Rank:
-        wedge = self.wedge(frame.shape, frame.sheet)
+        wedge = self.loops(frame)
         found = fold_wedge(wedge, ribbon=ribbon)
         return rank(fan_folds(wedge.count) + crease_numbers(found.part).lines, shortest_crease(found.creases))
 
     def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
-        wedge = self.wedge(frame.shape, frame.sheet)
+        wedge = self.loops(frame)
         return search_wedge(wedge, near=near, ribbon=ribbon, seconds=seconds, progress=progress)
 
     def one_loop_parts(self) -> Iterator[Part]:
-        return one_loop_wedges(self.wedge(self.laid.shape, self.laid.sheet))
+        if self.near is None:
+            yield from one_loop_wedges(self.wedge(self.laid.shape, self.laid.sheet))
 
     def made(self, found: Skeletal, laid: Laid, ribbon: float) -> Made:
         return made_of_wedge(self.wedge(laid.shape, laid.sheet), found, laid, ribbon=ribbon)
@@ -185,13 +209,14 @@ def _has_few_folds(made: Made, key: Rank) -> bool:
 
 def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
     """Fold the half along its straight skeleton."""
-    ranked: list[tuple[Rank, int]] = []
-    for number, way in enumerate(ways):
-        frame = next(frames(way.laid))
-        with suppress(UnfoldableError):
-            ranked.append((way.look(frame, problem.wishes.free_ribbon / frame.scale), number))
+    ranked = _looks(problem, ways)
+    if ranked and isinstance(ways[0], _Around) and -min(ranked)[0].minus_shortest < FOLDABLE_MM:
+        tilted = _tilted(problem)
+        ranked += _looks(problem, tilted, len(ways))
+        ways = [*ways, *tilted]
     ranked.sort()
-    finalists = [number for key, number in ranked if key.creases <= WORSE * ranked[0][0].creases][:FINALISTS] or [0]
+    most = FINALISTS_AROUND if isinstance(ways[0], _Around) else FINALISTS
+    finalists = [number for key, number in ranked if key.creases <= WORSE * ranked[0][0].creases][:most] or [0]
     seconds = SKELETON_PART * effort.share * (SECONDS[effort.name] if effort.seconds is None else effort.seconds)
     made: list[Made] = []
     problems: list[UnfoldableError] = []
@@ -215,6 +240,16 @@ def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> M
     scale = frame_scale(problem.laid)
     best = min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale))
     return replace(best, interrupted=made[-1].interrupted)
+
+
+def _looks(problem: Problem, ways: Sequence[_Way], first: int = 0) -> list[tuple[Rank, int]]:
+    """Return the ranks of what a quick look finds, and the numbers of the ways, counted from ``first``."""
+    ranked: list[tuple[Rank, int]] = []
+    for number, way in enumerate(ways, start=first):
+        frame = next(frames(way.laid))
+        with suppress(UnfoldableError):
+            ranked.append((way.look(frame, problem.wishes.free_ribbon / frame.scale), number))
+    return ranked
 
 
 def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress, *, retry: bool) -> Made:
@@ -286,7 +321,7 @@ def _ways(problem: Problem) -> list[_Way]:
     ways: list[_Way] = []
     around = _all_axes(problem)
     if around is not None:
-        ways.append(around)
+        ways += [replace(around, near=near) for near in CLOSED]
     try:
         ways += _along_sheet(problem)
     except UnfoldableError:
@@ -295,13 +330,30 @@ def _ways(problem: Problem) -> list[_Way]:
     return ways
 
 
-def _all_axes(problem: Problem) -> _Around | None:
-    """Return how the shape lies with three axes or more to be folded first, None if it has not so many."""
+def _tilted(problem: Problem) -> list[_Way]:
+    """Return ways in which none of three axes or more lies along the sheet, so that creases end elsewhere at its edge.
+
+    Turned by the angle between two axes, or less by as much, the shape would lie as before.
+    """
+    ways: list[_Way] = []
+    for part in TILTS if problem.may_turn else ():
+        around = _all_axes(problem, part)
+        if around is not None:
+            ways += [replace(around, near=near) for near in CLOSED]
+    return ways
+
+
+def _all_axes(problem: Problem, tilt: float = 0.0) -> _Around | None:
+    """Return how the shape lies with three axes or more to be folded first, None if it has not so many.
+
+    Unless it may not be turned, one axis lies along the sheet, or ``tilt`` off that, in parts of the angle between two.
+    """
     allowed = problem.wishes.axes_off(float(np.ptp(np.concatenate(problem.shape.loops), axis=0).max()))
     found = dihedral(problem.shape, allowed)
     if found is None or found.count < FEWEST_OF_WEDGE:
         return None
     on, turn = problem.laid, found.upright_turn if problem.may_turn else 0.0
+    turn += tilt * math.pi / found.count
     if turn:
         on = problem.lay(math.degrees(turn))
         found = found.turned(turn)
@@ -311,6 +363,9 @@ def _all_axes(problem: Problem) -> _Around | None:
     if exact is None or exact[2] > max(allowed, ROUNDING * on.sheet.diagonal):
         return None
     notes = on.notes
+    if tilt:
+        why = f"turned by {math.degrees(turn):.4g} degrees, so that no crease is short at the sheet's edge"
+        notes = (why, *(note for note in problem.laid.notes if note not in on.notes[:1]))
     if exact[2] > COINCIDENT[0] * on.sheet.diagonal:
         notes = (*notes, f"made symmetric: corners moved by at most {exact[2]:.2g} mm")
     return _Around(Laid(on.sheet, exact[0], on.placement, notes, on.quarter, exact[0], AS_IT_IS), found)
@@ -348,9 +403,24 @@ def _no_axis(shape: Shape, symmetry: float) -> str:
         return "no mirror axis of the drawing lies along the sheet; leave out --offset and --rotate"
     near = mirror_axes(shape, NEARLY * float(np.ptp(np.concatenate(shape.loops), axis=0).max()))
     if not near:
-        return f"the drawing is not mirror-symmetric{f' within {symmetry:.3g} mm' if symmetry else ''}"
+        within = f" within {symmetry:.3g} mm" if symmetry else ""
+        return f"the drawing is not mirror-symmetric{within}{_instead_of_axis(shape, symmetry)}"
     off = min(axis.deviation for axis in near)
     return (
         f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; "
         f"make it so with --symmetry {math.ceil(off * 100) / 100:g}mm"
     )
+
+
+def _instead_of_axis(shape: Shape, symmetry: float) -> str:
+    """Say what a shape on the sheet without a mirror axis has instead: turns, or an axis for most of it."""
+    turns = turns_of(shape, symmetry)
+    if turns > 1:
+        return f"; {turns} equal turns bring it onto itself, but without an axis nothing can be folded first"
+    most = partial_axis(shape)
+    if most is None:
+        return ""
+    x, y = most.place
+    rest = f"{max(round(100 * (1 - most.share)), 1)}% of its outline"
+    where = f"the axis at {math.degrees(most.angle):.4g} degrees through ({x:.4g}, {y:.4g}) mm"
+    return f", but all except {rest} is so about {where}; draw the rest, which is up to {most.off:.2g} mm off, alike"
