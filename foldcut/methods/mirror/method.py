@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Protocol
 
 import numpy as np
@@ -61,13 +62,10 @@ FEW = 2.0
 FINALISTS = 2
 """How many ways to lay the shape are searched further."""
 
-FINALISTS_AROUND = 4
-"""The same where there are wedges among them: their searches are short."""
-
-CLOSED = (None, (True, True), (True, False), (False, True))
+CLOSED = (None, (False, True), (True, False), (True, True))
 """How loops are closed beyond a wedge's borders: see ``_Around``."""
 
-TILTS = (1 / 6, 1 / 3, 1 / 2)
+TILTS = (1 / 4, 1 / 3, 1 / 2, 1 / 6)
 """How far wedges are turned, in parts of their angle, where creases are short with an axis along the sheet."""
 
 WORSE = 1.5
@@ -208,25 +206,33 @@ def _has_few_folds(made: Made, key: Rank) -> bool:
 
 
 def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
-    """Fold the half along its straight skeleton."""
+    """Fold the half, or another part, along its straight skeleton.
+
+    If the best pattern of a wedge has short creases, it is also laid so that none of its axes lies along the sheet, and
+    its loops are closed in other ways, until there is a pattern without.
+    """
     ranked = _looks(problem, ways)
-    if ranked and isinstance(ways[0], _Around) and -min(ranked)[0].minus_shortest < FOLDABLE_MM:
-        tilted = _tilted(problem)
-        ranked += _looks(problem, tilted, len(ways))
-        ways = [*ways, *tilted]
-    ranked.sort()
-    most = FINALISTS_AROUND if isinstance(ways[0], _Around) else FINALISTS
-    finalists = [number for key, number in ranked if key.creases <= WORSE * ranked[0][0].creases][:most] or [0]
+    finalists = [number for key, number in ranked if key.creases <= WORSE * ranked[0][0].creases][:FINALISTS] or [0]
     seconds = SKELETON_PART * effort.share * (SECONDS[effort.name] if effort.seconds is None else effort.seconds)
     made: list[Made] = []
     problems: list[UnfoldableError] = []
-    for done, number in enumerate(finalists):
+    scale = frame_scale(problem.laid)
 
-        def tell(text: str, part: float, before: int = done) -> None:
+    def others() -> Iterator[_Way]:
+        if effort.name != "fast" and isinstance(ways[0], _Around):
+            yield from (way for number, way in enumerate(ways) if isinstance(way, _Around) and number not in finalists)
+            yield from _tilted(problem)
+
+    for done, way in enumerate(chain((ways[number] for number in finalists), others())):
+        is_other = done >= len(finalists)
+        if is_other and made and max(shortest_crease(one.creases) for one in made) >= FOLDABLE_MM * scale:
+            break
+
+        def tell(text: str, part: float, before: int = min(done, len(finalists) - 1)) -> None:
             problem.stages.tell(f"half of the sheet: {text}", (before + part) / len(finalists))
 
         try:
-            made.append(_searched(problem, ways[number], seconds / len(finalists), tell, retry=bool(ranked)))
+            made.append(_searched(problem, way, seconds / len(finalists), tell, retry=bool(ranked) and not is_other))
         except UnfoldableError as error:
             problems.append(error)
         except KeyboardInterrupt:
@@ -237,19 +243,18 @@ def _along_skeleton(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> M
             break
     if not made:
         raise problems[0]
-    scale = frame_scale(problem.laid)
     best = min(made, key=lambda one: rank(one.actions, shortest_crease(one.creases) / scale))
     return replace(best, interrupted=made[-1].interrupted)
 
 
-def _looks(problem: Problem, ways: Sequence[_Way], first: int = 0) -> list[tuple[Rank, int]]:
-    """Return the ranks of what a quick look finds, and the numbers of the ways, counted from ``first``."""
+def _looks(problem: Problem, ways: Sequence[_Way]) -> list[tuple[Rank, int]]:
+    """Return the ranks of what a quick look finds, and the numbers of the ways, the best first."""
     ranked: list[tuple[Rank, int]] = []
-    for number, way in enumerate(ways, start=first):
+    for number, way in enumerate(ways):
         frame = next(frames(way.laid))
         with suppress(UnfoldableError):
             ranked.append((way.look(frame, problem.wishes.free_ribbon / frame.scale), number))
-    return ranked
+    return sorted(ranked)
 
 
 def _searched(problem: Problem, way: _Way, seconds: float, tell: Progress, *, retry: bool) -> Made:
