@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
 
 ## Fold five drawings out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole, a letter with curves
 ## that is drawn anew so that it folds, and a snowflake along its mirror axes.
@@ -74,6 +74,10 @@ bench-redraw: $(VENV)/installed-test
 ## How many outlines the search for outlines assesses in a second, beside the way of its prototype: out/outlines.json.
 bench-outlines: $(VENV)/installed-test
 	$(BIN)/python tests/bench/outlines.py --out out
+
+## Folds of 60 random stars, snowflakes and rosettes with 3 to 12 mirror axes, beside what they may take.
+bench-dihedral: $(VENV)/installed-test
+	$(BIN)/python tests/bench/dihedral.py
 
 ## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz.
 READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold

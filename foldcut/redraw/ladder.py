@@ -28,7 +28,7 @@ from foldcut.geometry.curves import CurvedLoop
 from foldcut.geometry.dihedral import dihedral
 from foldcut.geometry.mirror_axes import mirror_axes
 from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
-from foldcut.methods.base import Effort, Made, Wishes
+from foldcut.methods.base import AS_TOLERATED, Effort, Made, Wishes
 from foldcut.methods.frame import ADJUST
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
@@ -76,6 +76,10 @@ SHARE_OF_SECONDS = 0.4
 
 NOT_MOVED = 1e-6
 """An outline that is no farther than this from the drawing, in mm of the frame, has not moved."""
+
+SYMMETRIC_MM = 0.5
+"""How far corners may be off in a drawing that is taken as symmetric without a tolerance, if that is to be looked for,
+in mm of the frame."""
 
 SEEN_MM = 0.05
 """What moved by less than this, in mm on the sheet, is not drawn as it was before."""
@@ -471,6 +475,9 @@ class _Search:
         if bounds.is_exact:
             return replace(wishes, adjust=0.0, symmetry=0.0)
         most = bounds.most(self.scale)
+        if wishes.symmetry == AS_TOLERATED:
+            stated = bounds.tolerance is not None or bounds.level
+            wishes = replace(wishes, symmetry=(most if stated else min(most, SYMMETRIC_MM)) * self.scale)
         if most >= ADJUST:
             return wishes
         adjust = most * self.scale if wishes.adjust is None else min(wishes.adjust, most * self.scale)

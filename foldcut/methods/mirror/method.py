@@ -369,7 +369,7 @@ def _all_axes(problem: Problem, tilt: float = 0.0) -> _Around | None:
         return None
     notes = on.notes
     if tilt:
-        why = f"turned by {math.degrees(turn):.4g} degrees, so that no crease is short at the sheet's edge"
+        why = f"turned by {math.degrees(turn):.4g} degrees, so that creases are longer at the sheet's edge"
         notes = (why, *(note for note in problem.laid.notes if note not in on.notes[:1]))
     if exact[2] > COINCIDENT[0] * on.sheet.diagonal:
         notes = (*notes, f"made symmetric: corners moved by at most {exact[2]:.2g} mm")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,11 +20,12 @@ from foldcut.drawing.shape import invariant_faults, make_shape
 from foldcut.geometry.dihedral import dihedral, made_dihedral
 from foldcut.methods import METHODS
 from foldcut.methods.base import Effort, Problem, Wishes
-from foldcut.methods.mirror.halves import one_loop_wedges
+from foldcut.methods.mirror.halves import closed_wedge, one_loop_wedges
 from foldcut.methods.mirror.skeletal import fold_wedge
 from foldcut.methods.mirror.wedge import Wedge, axis_order, fan, fan_folds, wedge_lines
 from foldcut.pattern.first_folds import first_fold_count, in_front, layers_after
 from foldcut.pattern.foldability import crease_numbers
+from foldcut.pattern.ranking import shortest_crease
 from foldcut.proof.verify import verify
 
 SOME = [
@@ -216,3 +218,67 @@ def test_lines_in_front_are_those_of_one_sector() -> None:
     angle = np.degrees(np.arctan2(at[:, 1], at[:, 0]))
     assert ((angle > 0) & (angle < 30)).all()
     assert 0 < len(shown) < len(lines) / 11
+
+
+@pytest.mark.parametrize(
+    ("kind", "axes", "seed", "near"),
+    [
+        *(("snowflake", 6, 10, near) for near in [(True, True), (True, False), (False, True)]),
+        ("rosette", 5, 8, (True, True)),  # far away its inner and its outer chain would cross
+        ("star", 3, 0, (True, False)),
+    ],
+)
+def test_loops_closed_beyond_a_border_fold_the_same_shape(
+    kind: str, axes: int, seed: int, near: tuple[bool, bool]
+) -> None:
+    wedge = wedge_of(dihedral_shape(kind, axes, seed).loops)
+    closed = closed_wedge(wedge, near)
+    assert closed is not None
+    on_wedge = shapely.Polygon(wedge.sheet.corners)
+    drawn = filled(wedge.outline).intersection(on_wedge)
+    assert drawn.symmetric_difference(filled(closed.outline).intersection(on_wedge)).area < 1e-6 * drawn.area
+    corners = np.concatenate(closed.loops)
+    last, first = (corners @ np.linalg.inv(wedge.borders)).T
+    for beyond, is_near in ((last, near[0]), (first, near[1])):
+        assert (beyond[beyond < -1e-9].max() > -1) == is_near
+    found = fold_wedge(closed)
+    assert verify(found.creases, found.folded.layers, wedge.shape) == []
+
+
+def test_a_drawing_is_turned_where_creases_are_short_at_the_edge_of_the_sheet() -> None:
+    problem = problem_of(list(dihedral_shape("star", 5, 106).loops))
+    short = METHODS["mirror"].fold(problem, Effort("fast"))
+    assert shortest_crease(short.creases) < 1
+    assert METHODS["mirror"].fold(problem, Effort("normal")).laid.notes == ()
+    made = METHODS["mirror"].fold(replace(problem, may_turn=True), Effort("normal"))
+    assert made.laid.notes == ("turned by 9 degrees, so that creases are longer at the sheet's edge",)
+    assert shortest_crease(made.creases) > 3
+    assert verify(made.creases, made.folded.layers, made.laid.shape) == []
+    assert made.actions == short.actions
+
+
+def test_a_windmill_is_told_from_a_shape_with_axes() -> None:
+    windmill: Points = [(1, 0), (4, 1), (0, 1), (-1, 4), (-1, 0), (-4, -1), (0, -1), (1, -4)]
+    with pytest.raises(foldcut.UnfoldableError, match="4 equal turns bring it onto itself, but without an axis"):
+        METHODS["mirror"].fold(problem_of([windmill]), Effort("fast"))
+
+
+def test_the_axis_of_most_of_a_drawing_is_named() -> None:
+    tree: Points = [(0, 0), (40, 0), (25, 30), (35, 30), (15, 70), (2, 96), (2, 98), (-2, 98), (-2, 96), (-15, 70)]
+    tree += [(-35, 30), (-25, 30), (-40, 0)]
+    bird: Points = [*tree[:7], (3, 100), (1, 103), *tree[7:]]
+    with pytest.raises(
+        foldcut.UnfoldableError,
+        match=r"all except \d% of its outline is so about the axis at 90 degrees through \(1.*\) mm; draw the rest",
+    ):
+        METHODS["mirror"].fold(problem_of([bird]), Effort("fast"))
+
+
+def test_as_many_axes_as_the_tolerance_allows_are_taken_on_request() -> None:
+    random = np.random.default_rng(3)
+    loop = np.array(dihedral_shape("star", 6, 9).loops[0])
+    loop += random.uniform(-0.0008, 0.0008, loop.shape)
+    assert dihedral(make_shape([loop])) is None
+    result = foldcut.fold([loop], method="mirror", effort="fast", symmetry="auto")
+    assert len(result.folded_pattern.first_folds) == 6
+    assert any(note.startswith("made symmetric: corners moved by at most 0.") for note in result.notes)
