@@ -69,6 +69,7 @@ def make_report(
         "attempts": list(map(asdict, result.attempts)),
         "actions": result.actions,
         "first_folds": [line.tolist() for line in pattern.first_folds],
+        "first_fold_count": first_fold_count(pattern.first_folds),
         "ribbon_mm": result.ribbon,
         "paper": paper,
         **asdict(foldability(pattern, paper_mm, fewer_creases())),

@@ -17,7 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from foldcut.core.errors import UnfoldableError
+from foldcut.core.errors import BadInputError, UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.drawing.laying import AS_IT_IS, Laid
 from foldcut.geometry.dihedral import Dihedral, dihedral, made_dihedral, turns_of
@@ -360,8 +360,12 @@ def _all_axes(problem: Problem, tilt: float = 0.0) -> _Around | None:
     on, turn = problem.laid, found.upright_turn if problem.may_turn else 0.0
     turn += tilt * math.pi / found.count
     if turn:
-        on = problem.lay(math.degrees(turn))
-        found = found.turned(turn)
+        try:
+            on = problem.lay(math.degrees(turn))
+            found = found.turned(turn)
+        except BadInputError:  # at the size that is asked for, it does not fit on the sheet like this
+            if tilt:
+                return None
     if on.quarter != problem.laid.quarter:
         found = found.turned(math.pi / 2)
     exact = made_dihedral(on.shape, found)
@@ -370,7 +374,7 @@ def _all_axes(problem: Problem, tilt: float = 0.0) -> _Around | None:
     notes = on.notes
     if tilt:
         why = f"turned by {math.degrees(turn):.4g} degrees, so that creases are longer at the sheet's edge"
-        notes = (why, *(note for note in problem.laid.notes if note not in on.notes[:1]))
+        notes = (why, *notes[1:])
     if exact[2] > COINCIDENT[0] * on.sheet.diagonal:
         notes = (*notes, f"made symmetric: corners moved by at most {exact[2]:.2g} mm")
     return _Around(Laid(on.sheet, exact[0], on.placement, notes, on.quarter, exact[0], AS_IT_IS), found)
@@ -385,7 +389,11 @@ def _along_sheet(problem: Problem) -> Iterator[_AlongSheet]:
     refused = ""
     found = False
     for turn, axes in sheet_axes(problem.shape, wishes.symmetry, may_turn=problem.may_turn):
-        on = problem.lay(turn) if turn else problem.laid
+        try:
+            on = problem.lay(turn) if turn else problem.laid
+        except BadInputError as error:  # at the size that is asked for, it does not fit on the sheet like this
+            refused = str(error)
+            continue
         if on.quarter != problem.laid.quarter:
             axes = tuple(1 - axis for axis in axes)
         middle = np.array([on.sheet.width, on.sheet.height]) / 2

@@ -20,6 +20,7 @@ from foldcut.drawing.shape import invariant_faults, make_shape
 from foldcut.geometry.dihedral import dihedral, made_dihedral
 from foldcut.methods import METHODS
 from foldcut.methods.base import Effort, Problem, Wishes
+from foldcut.methods.mirror import method
 from foldcut.methods.mirror.halves import closed_wedge, one_loop_wedges
 from foldcut.methods.mirror.skeletal import fold_wedge
 from foldcut.methods.mirror.wedge import Wedge, axis_order, fan, fan_folds, wedge_lines
@@ -276,9 +277,22 @@ def test_the_axis_of_most_of_a_drawing_is_named() -> None:
 
 def test_as_many_axes_as_the_tolerance_allows_are_taken_on_request() -> None:
     random = np.random.default_rng(3)
-    loop = np.array(dihedral_shape("star", 6, 9).loops[0])
+    loop = np.array(dihedral_shape("star", 6, 45).loops[0])
     loop += random.uniform(-0.0008, 0.0008, loop.shape)
     assert dihedral(make_shape([loop])) is None
     result = foldcut.fold([loop], method="mirror", effort="fast", symmetry="auto")
     assert len(result.folded_pattern.first_folds) == 6
     assert any(note.startswith("made symmetric: corners moved by at most 0.") for note in result.notes)
+
+
+def test_a_drawing_that_would_not_fit_is_not_turned() -> None:
+    # a square of 190 mm fits on A4 upright and level only
+    ring = [[(s * x, s * y) for x, y in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]] for s in (95.0, 60.0)]
+    laying = Laying(make_shape(ring), Layout(parse_sheet("a4"), 10.0, scale=1.0))
+    problem = Problem(laying.lay(), laying.lay, may_turn=True)
+    made = METHODS["mirror"].fold(problem, Effort("fast"))
+    assert made.laid.notes == ()
+    assert len(made.first_folds) in (2, 4)
+    assert method._tilted(problem) == []
+    roomy = Laying(make_shape(ring), Layout(parse_sheet("a4"), 10.0))
+    assert len(method._tilted(Problem(roomy.lay(), roomy.lay, may_turn=True))) > 4
