@@ -174,7 +174,7 @@ def fold(
     try the tolerance after the one that is taken, to say what it would cost.
 
     How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
-    the rest through two or four layers; "compact" makes few creases; "skeleton" is the method of Demaine, Demaine and
+    the rest through all layers; "compact" makes few creases; "skeleton" is the method of Demaine, Demaine and
     Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and "gate" the same for several loops. "auto" takes the
     pattern of the first three that is easiest to fold, and if they make none, "paper" for one loop and "gate" for
     several. ``ribbon`` is the half-width of the strip along the shape's boundary that is not folded; None is the

@@ -290,7 +290,7 @@ def _compact(problem: Problem, effort: Effort, ways: Sequence[_Way]) -> Made:
         except UnfoldableError as error:
             refused = str(error)
     if not candidates:
-        raise UnfoldableError(refused)
+        raise UnfoldableError(refused or "the loops cannot be joined to one beyond the mirror axes")
     made = fold_mirrored(
         [half for half, _ in candidates],
         ribbon=ribbon,

@@ -1,9 +1,9 @@
-"""Fold a half or a quarter of the sheet along the straight skeleton of its loops.
+"""Fold a half, a quarter or a wedge of the sheet along the straight skeleton of its loops.
 
-``Half`` -> ``Skeletal``: a verified pattern of the whole sheet -> ``Made``.
+``Half`` or ``Wedge`` -> ``Skeletal``: a verified pattern of the whole sheet -> ``Made``.
 
 Ridges and perpendiculars that come to an axis end there: the sheet is folded along the axes first, and everything else
-through both layers, or all four.
+through all layers.
 """
 
 from __future__ import annotations
