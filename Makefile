@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
 
 ## Fold five drawings out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole, a letter with curves
 ## that is drawn anew so that it folds, and a snowflake along its mirror axes.
@@ -75,6 +75,10 @@ bench-redraw: $(VENV)/installed-test
 bench-outlines: $(VENV)/installed-test
 	$(BIN)/python tests/bench/outlines.py --out out
 
+## Folds of 60 random stars, snowflakes and rosettes with 3 to 12 mirror axes, beside what they may take.
+bench-dihedral: $(VENV)/installed-test
+	$(BIN)/python tests/bench/dihedral.py
+
 ## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz.
 READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold
 SECONDS ?= 300
@@ -99,6 +103,8 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
 	$(BIN)/foldcut draw docs/drawings/s.svg --show outline,pattern -o docs/s.svg --force
 	$(BIN)/foldcut make docs/drawings/snowflake.svg -o docs/snowflake.svg --force
+	$(BIN)/foldcut make snowflake -o docs/snowflake-wedge.svg --force
+	$(BIN)/foldcut make rosette -o docs/rosette.svg --force
 	$(KITE) --show packing -o docs/figure-1.svg
 	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg
 	$(TRIANGLE) --show gusset -o docs/figure-3.svg

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 
 from foldcut.core.model import FoldedPattern
 from foldcut.jobs.job import Job
+from foldcut.pattern.first_folds import is_wedge, sectors_left
 from foldcut.profiles import Profile
 
 from .text import number, printable
@@ -66,6 +67,12 @@ def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Pro
     if pattern.first_folds:
         where = "line between arrowheads" if jobs else "wide pale line"
         lines += ["", f"Fold the sheet in half first, away from you, along each {where}."]
+        if is_wedge(pattern.first_folds):
+            left = ", then ".join(map(str, sectors_left(len(pattern.first_folds))))
+            lines[-1] = (
+                f"Fold the sheet first, always away from you, along each {where}: in half along one of them, then so "
+                f"that of the {len(pattern.first_folds)} sectors of the half {left} stay beside each other."
+            )
     lines += ["", "Fold mountains away from you and valleys toward you, flat, then cut once along the shape's outline."]
     return ("\r\n".join(lines) + "\r\n").encode()
 

@@ -33,7 +33,7 @@ from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
 from foldcut.geometry.curves import CurvedLoop
 from foldcut.methods import AUTO, DEFAULT_METHOD, METHODS, auto, check_choice, fewer_creases
 from foldcut.methods.auto import FOLDED, Attempt
-from foldcut.methods.base import Effort, Made, Problem, Wishes
+from foldcut.methods.base import AS_TOLERATED, Effort, Made, Problem, Wishes
 from foldcut.methods.frame import cut_down
 from foldcut.methods.progress import Progress, Stages
 from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
@@ -151,7 +151,7 @@ def fold(
     ribbon: float | None = None,
     min_crease: float | None = None,
     simplify: float = 0.0,
-    symmetry: float = 0.0,
+    symmetry: float | str = 0.0,
     adjust: float | None = None,
     effort: str = "normal",
     seconds: float | None = None,
@@ -183,7 +183,7 @@ def fold(
     try the tolerance after the one that is taken, to say what it would cost.
 
     How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
-    the rest through two or four layers; "simple" folds across the whole sheet only; "compact" makes few creases;
+    the rest through all layers; "simple" folds across the whole sheet only; "compact" makes few creases;
     "skeleton" is the method of Demaine, Demaine and Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and
     "gate" the same for several loops. "auto" takes the pattern of the first four that is easiest to fold, and if they
     make none, "paper" for one loop and "gate" for several. ``ribbon`` is the half-width of the strip along the shape's
@@ -193,10 +193,10 @@ def fold(
 
     These are bounds within the same search: ``adjust`` is how far "skeleton" may move corners so that creases meet,
     None a part of the drawing's size (about 1/500); ``symmetry`` is how far corners may be off in a drawing that is
-    taken as symmetric, and made so, by default only rounding errors in the drawing as it is; neither exceeds
-    ``tolerance``. ``simplify`` leaves out corners of the drawing first if that moves the outline by no more than this,
-    and without a ``tolerance`` no outline is farther off than this, either. ``effort`` ("fast", "normal", "best") or
-    ``seconds`` bounds the search.
+    taken as symmetric, and made so, by default only rounding errors in the drawing as it is, with "auto" as far as the
+    tolerance or the level that is given, or 0.5 on A4; neither exceeds ``tolerance``. ``simplify`` leaves out corners
+    of the drawing first if that moves the outline by no more than this, and without a ``tolerance`` no outline is
+    farther off than this, either. ``effort`` ("fast", "normal", "best") or ``seconds`` bounds the search.
 
     ``limits`` bound how large a file may be. ``preparation`` says how the drawing is mended and simplified; None: it
     must be a valid shape as it is. ``progress`` is called with a stage's name and how much is done, from 0 to 1;
@@ -209,7 +209,7 @@ def fold(
     """
     check_choice(method)
     exertion = Effort(effort, seconds)
-    wishes = Wishes(ribbon, min_crease, symmetry, adjust)
+    wishes = Wishes(ribbon, min_crease, AS_TOLERATED if symmetry == AUTO else float(symmetry), adjust)
     stages = Stages(progress)
     stages.up_to(READ)
     if (exact or level == "exact") and (simplify or symmetry or adjust):

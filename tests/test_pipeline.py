@@ -17,7 +17,7 @@ from foldcut.methods import CHOICES
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_names, sample_path
 
-SEVERAL_LOOPS = {"letter-a", "ring", "two-triangles"}
+SEVERAL_LOOPS = {"letter-a", "ring", "rosette", "two-triangles"}
 RANDOM = int(os.environ.get("FOLDCUT_RANDOM", "24"))  # `make sweep` asks for 300
 TURN = np.deg2rad(17)
 VARIANTS = {

@@ -23,6 +23,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.pattern.cut_line import contains
+from foldcut.pattern.first_folds import is_wedge
 from foldcut.profiles import LineStyle, Profile
 
 from ..legend import BACKING, Corner, Ground, Place
@@ -217,8 +218,9 @@ def _legend(pattern: FoldedPattern, look: LineStyle, room: float, letters: int, 
     ]
     if pattern.first_folds:
         edges = np.array([-0.5, 0.5]) * WIDE * look.crease_stroke_mm
+        into = "into a wedge" if is_wedge(pattern.first_folds) else "in half"
         samples.append(
-            (sample_line + np.stack([0 * edges, edges], axis=1)[:, None], "first: fold in half, away from you")
+            (sample_line + np.stack([0 * edges, edges], axis=1)[:, None], f"first: fold {into}, away from you")
         )
     legend = _Legend(size, [], [], [])
     indent = sample + 0.5 * size

@@ -246,7 +246,7 @@ class FoldOptions:
     folds: int | None
     small_parts: str
     simplify: float
-    symmetry: float
+    symmetry: float | str
     adjust: float | None
     effort: str
     seconds: float | None
@@ -389,10 +389,11 @@ def add_nearness(command: ArgumentParser) -> None:
     )
     near.add_argument(
         "--symmetry",
-        metavar="LENGTH",
+        metavar="LENGTH|auto",
         default="0mm",
-        help="how far corners may be off in a drawing that is taken as mirror-symmetric, and made exactly so (default: "
-        "in the drawing as it is only rounding errors, in an outline drawn anew as far as the tolerance goes)",
+        help="how far corners may be off in a drawing that is taken as mirror-symmetric, and made exactly so; auto: as "
+        "far as --tolerance or --level goes, or 0.5 mm on A4 (default: in the drawing as it is only rounding errors, "
+        "in an outline drawn anew as far as the tolerance goes)",
     )
     near.add_argument(
         "--adjust",
@@ -455,7 +456,7 @@ def folding(args: Namespace) -> FoldOptions:
         folds=args.folds,
         small_parts=args.small_parts,
         simplify=parse_length(args.simplify),
-        symmetry=parse_length(args.symmetry),
+        symmetry=AUTO if args.symmetry == AUTO else parse_length(args.symmetry),
         adjust=length(args.adjust),
         effort=args.effort,
         seconds=args.seconds,

@@ -11,10 +11,15 @@ from dataclasses import asdict
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from foldcut.core.arrays import Floats
 from foldcut.core.model import CreasePattern, Finding, Sheet
 from foldcut.core.units import rounded_up
 from foldcut.folding_steps.phases import Phase, in_words
+from foldcut.geometry.vectors import cross
 from foldcut.methods import METHODS, fewer_creases
+from foldcut.pattern.first_folds import first_fold_count, is_wedge, layers_after, sectors_left
 from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.proof.verify import CHECKS
 
@@ -66,6 +71,7 @@ def make_report(
         "actions": result.actions,
         "phases": [asdict(phase) for phase in result.phases],
         "first_folds": [line.tolist() for line in pattern.first_folds],
+        "first_fold_count": first_fold_count(pattern.first_folds),
         "ribbon_mm": result.ribbon,
         "paper": paper,
         **asdict(foldability(pattern, paper_mm, fewer_creases())),
@@ -313,17 +319,47 @@ def _attempt_text(attempt: Report) -> str:
 
 def _fold_rows(report: Report) -> list[tuple[str, str]]:
     """Return the lines about the first folds and the number of folds."""
-    rows: list[tuple[str, str]] = []
-    for (x, y), (to_x, _) in report["first_folds"]:
-        line = f"upright line at x = {x:.4g} mm" if x == to_x else f"level line at y = {y:.4g} mm"
-        name = "then" if rows else "first"
-        rows.append((name, f"fold the sheet in half along the {line}, away from you"))
+    lines = [np.array(line) for line in report["first_folds"]]
+    rows = [
+        ("then" if number else "first", f"fold the sheet in half along {_line_text(line)}, away from you")
+        for number, line in enumerate(lines[:1] if is_wedge(lines) else lines)
+    ]
+    if is_wedge(lines):
+        count = len(lines)
+        left = ", then ".join(map(str, sectors_left(count)))
+        x, y = _crossing(*lines[:2]).tolist()
+        way = (
+            f"through ({x:.4g}, {y:.4g}) mm, always away from you: of its {count} sectors {left} stay beside each other"
+        )
+        rows.append(("then", f"fold the half into a wedge of {180 / count:.4g} degrees, along the other lines {way}"))
     counted = [Phase(**phase) for phase in report["phases"]]
     total = "" if len(counted) == 1 else f"{report['actions']}: " if counted else str(report["actions"])
     folds = [("folds", total + in_words(counted))]
     if rows:
-        folds.append(("", f"all but the first{' two' if len(rows) > 1 else ''} through {2 ** len(rows)} layers"))
+        first = first_fold_count(lines)
+        number = {1: "", 2: " two", 3: " three", 4: " four"}.get(first, f" {first}")
+        folds.append(("", f"all but the first{number} through {layers_after(lines)} layers"))
     return [*rows, *folds]
+
+
+def _line_text(line: Floats) -> str:
+    """Return in words where a line across the sheet is, ``(2, 2)`` mm."""
+    (x, y), (to_x, to_y) = line.tolist()
+    if x == to_x:
+        return f"the upright line at x = {x:.4g} mm"
+    return (
+        f"the level line at y = {y:.4g} mm"
+        if y == to_y
+        else (f"the line from ({x:.4g}, {y:.4g}) to ({to_x:.4g}, {to_y:.4g}) mm")
+    )
+
+
+def _crossing(one: Floats, other: Floats) -> Floats:
+    """Return where two lines, ``(2, 2)`` mm each, cross."""
+    along, across = one[1] - one[0], other[1] - other[0]
+    part = cross(other[0] - one[0], across) / cross(along, across)
+    place: Floats = one[0] + part * along
+    return place
 
 
 def check_report(creases: CreasePattern, findings: Sequence[Finding], with_shape: bool, notes: Sequence[str]) -> Report:

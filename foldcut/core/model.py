@@ -138,7 +138,8 @@ class FoldedPattern:
     """All that an exporter needs: the creases, how they fold, the sheet, the shape on it, and its name.
 
     ``first_folds``: straight lines across the whole sheet, each ``(2, 2)`` mm, to be folded away from you one after
-    another before anything else. ``regions``: where the molecules lie, as a tree, if that is known. ``drawn``: the
+    another before anything else; three or more go through one point and fold the sheet into a wedge
+    (``pattern/first_folds.py``). ``regions``: where the molecules lie, as a tree, if that is known. ``drawn``: the
     loops of the drawing, ``(n, 2)`` mm on the sheet, if ``shape`` is another outline that was drawn near to them.
     """
 

@@ -58,11 +58,11 @@ def mirror_axes(shape: Shape, allowed: float = 0.0) -> list[Axis]:
     found: list[Axis] = []
     for other in np.flatnonzero(np.abs(far - far[first]) <= 2 * allowed).tolist():
         angle = float((angles[first] + angles[other]) / 2 % math.pi)
-        partner, deviation = _partners(shape, _reflected(centred, angle), centred)
+        partner, deviation = partners(shape, _reflected(centred, angle), centred)
         if partner is None or deviation > allowed:
             continue
         angle = _best_angle(centred, centred[partner], angle)
-        partner, deviation = _partners(shape, _reflected(centred, angle), centred)
+        partner, deviation = partners(shape, _reflected(centred, angle), centred)
         if partner is not None:
             found.append(Axis(0.0 if math.pi - angle < ALIGNED else angle, deviation))
     return sorted(found, key=lambda axis: (axis.deviation > rounding, axis.angle))
@@ -124,13 +124,15 @@ def _nearest(points: Floats, places: Floats) -> Numbers:
     return np.asarray(shapely.STRtree(shapely.points(points)).nearest(shapely.points(places)), dtype=np.intp)
 
 
-def _partners(shape: Shape, reflected: Floats, points: Floats) -> tuple[Numbers | None, float]:
-    """Return for each corner the one nearest to its mirror image, and the largest distance between the two.
+def partners(shape: Shape, images: Floats, points: Floats, *, turned: bool = False) -> tuple[Numbers | None, float]:
+    """Return for each corner the one nearest to its image, and the largest distance between the two.
 
-    None if those are not the corners of the same loops, walked backwards.
+    ``points`` and ``images`` ``(n, 2)``: the corners of all loops, and where a reflection takes them, or if the shape
+    is ``turned``, a turn. None if the partners are not the corners of the same loops, walked backwards where it was
+    reflected.
     """
-    partner = _nearest(points, reflected)
-    distance = np.hypot(*(points[partner] - reflected).T)
+    partner = _nearest(points, images)
+    distance = np.hypot(*(points[partner] - images).T)
     if len(np.unique(partner)) < len(points):
         return None, math.inf
     first = 0
@@ -138,6 +140,7 @@ def _partners(shape: Shape, reflected: Floats, points: Floats) -> tuple[Numbers 
     for loop in shape.loops:
         following[first : first + len(loop)] = first + np.roll(np.arange(len(loop)), -1)
         first += len(loop)
-    if not np.array_equal(following[partner[following]], partner):
+    same = following[partner] == partner[following] if turned else following[partner[following]] == partner
+    if not same.all():
         return None, math.inf
     return partner, float(distance.max())

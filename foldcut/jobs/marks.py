@@ -20,6 +20,7 @@ from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import left_normal
 from foldcut.pattern.cut_line import fold_boundary
 from foldcut.pattern.face_maps import fold_faces, folded_edges
+from foldcut.pattern.first_folds import in_front
 from foldcut.pattern.straight_lines import straight_lines
 
 TOUCHING = 1e-9
@@ -102,14 +103,14 @@ def cut_line(pattern: FoldedPattern) -> list[Floats]:
 def pressing_order(pattern: FoldedPattern) -> tuple[list[Floats], list[Floats]]:
     """Return the first folds, and the lines of creases to press after them, longest first; ``(2, 2)`` mm each.
 
-    A crease pressed through several layers is several lines on the flat sheet; only the one to the right of the first
-    folds, or above them, is listed.
+    A crease pressed through several layers is several lines on the flat sheet; only the one that is then on top is
+    listed.
     """
     creases = pattern.creases
     edges = creases.edges_vertices[folded_edges(creases)].tolist()
     lines = [creases.vertices_coords[list(ends)] for ends in straight_lines(creases.vertices_coords, edges)]
     firsts = list(pattern.first_folds)
-    rest = [line for line in lines if all(_in_front(line, first) for first in firsts)]
+    rest = [line for line in lines if in_front(line, firsts)]
     rest.sort(key=lambda line: (-round(math.dist(*line), 6), *np.round(line, 6).ravel().tolist()))
     return firsts, rest
 
@@ -221,9 +222,3 @@ def _turned(stroke: Floats, along: Floats) -> Floats:
 def _on_sheet(strokes: Iterable[Floats], sheet: Sheet) -> list[Floats]:
     """Return the strokes that lie wholly on the sheet."""
     return [s for s in strokes if s.min() >= 0 and s[:, 0].max() <= sheet.width and s[:, 1].max() <= sheet.height]
-
-
-def _in_front(line: Floats, first: Floats) -> bool:
-    """Return whether a line is, at least in part, to the right of a vertical first fold or above a horizontal one."""
-    across = 0 if first[0, 0] == first[1, 0] else 1
-    return bool(line[:, across].max() > first[0, across] + 1e-6)

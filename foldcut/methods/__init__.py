@@ -65,7 +65,7 @@ METHODS = {
     for method in (
         Method(
             "mirror",
-            "fold the drawing's mirror axes first, the rest through two or four layers",
+            "fold the drawing's mirror axes first, the rest through all layers of what is left",
             package="mirror",
             min_crease_mm=0.5,
         ),

@@ -17,7 +17,14 @@ from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import crease_numbers
 from foldcut.pattern.ranking import Goal
 
-__all__ = ["Effort", "Made", "Problem", "Wishes", "require_one_loop"]
+__all__ = ["AS_TOLERATED", "Effort", "Made", "Problem", "Wishes", "require_one_loop"]
+
+
+AS_TOLERATED = float("inf")
+"""How far corners may be off for a mirror axis where that is as far as the tolerance goes."""
+
+FILE_ROUNDING = 1e-4
+"""How far corners are off oblique axes in a file with rounded numbers, at most, relative to the shape's size."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +57,8 @@ class Wishes:
 
     ``ribbon``: the half-width of the strip along the shape's boundary that is not folded, None for the method's
     default; ``min_crease``: the shortest crease allowed, None for the method's default; ``symmetry``: how far corners
-    may be off for a mirror axis; ``adjust``: how far corners may be moved so that creases meet, None for a
-    part of the drawing's size.
+    may be off for a mirror axis, ``AS_TOLERATED`` before it is known how far that is; ``adjust``: how far corners may
+    be moved so that creases meet, None for a part of the drawing's size.
 
     Raises ``BadInputError`` for a negative or infinite number, for the ribbon the subclass ``RibbonError``.
     """
@@ -65,11 +72,22 @@ class Wishes:
         for value, what, error in (
             (self.ribbon, "the ribbon's half-width", RibbonError),
             (self.min_crease, "the shortest crease allowed", BadInputError),
-            (self.symmetry, "the deviation from symmetry allowed", BadInputError),
+            (
+                0.0 if self.symmetry == AS_TOLERATED else self.symmetry,
+                "the deviation from symmetry allowed",
+                BadInputError,
+            ),
             (self.adjust, "how far corners may be moved", BadInputError),
         ):
             if value is not None and not 0 <= value < float("inf"):
                 raise error(f"{what} is {value} mm; give 0 or a positive number")
+
+    def axes_off(self, size: float) -> float:
+        """Return how far corners of a shape, ``size`` mm across, may be off several axes through one point, in mm.
+
+        Oblique axes are never exact in a file with rounded numbers, so a little is allowed if corners may be moved.
+        """
+        return max(self.symmetry, 0.0 if self.adjust == 0 else FILE_ROUNDING * size)
 
     @property
     def free_ribbon(self) -> float:

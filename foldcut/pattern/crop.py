@@ -14,7 +14,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.model import CreasePattern, FoldedState
 from foldcut.pattern.assemble import Polygon, assemble, creases_of_stack
 
-__all__ = ["crop"]
+__all__ = ["crop", "crop_stack"]
 
 ON_BORDER = 1e-9
 """Vertices this close to the border, relative to the rectangle's diagonal, lie on it."""
@@ -27,7 +27,18 @@ def crop(creases: CreasePattern, folded: FoldedState, low: Floats, high: Floats)
     ``NoFaceUpError`` if all that is left looks down.
     """
     faces = creases.faces_vertices.to_lists()
-    piece = _Pieces(creases.vertices_coords, folded.vertices_coords, [faces[k] for k in folded.layers.tolist()])
+    stack = [faces[k] for k in folded.layers.tolist()]
+    return crop_stack(creases.vertices_coords, folded.vertices_coords, stack, low, high)
+
+
+def crop_stack(
+    flat: Floats, landing: Floats, stack: list[Polygon], low: Floats, high: Floats
+) -> tuple[CreasePattern, FoldedState]:
+    """Do as ``crop`` with faces in a ``stack``, from bottom to top.
+
+    Their vertices are ``flat``, and fold to ``landing``, both ``(v, 2)`` mm.
+    """
+    piece = _Pieces(flat, landing, stack)
     tie = ON_BORDER * float(np.hypot(*(high - low)))
     for axis in (0, 1):
         piece.cut(axis, 1.0, float(low[axis]), tie)

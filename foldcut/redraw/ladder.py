@@ -10,7 +10,6 @@ work is counted, so that the result is the same on every machine.
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -26,9 +25,10 @@ from foldcut.core.units import rounded_up
 from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.geometry.curves import CurvedLoop
+from foldcut.geometry.dihedral import dihedral
 from foldcut.geometry.mirror_axes import mirror_axes
 from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
-from foldcut.methods.base import Effort, Made, Wishes
+from foldcut.methods.base import AS_TOLERATED, Effort, Made, Wishes
 from foldcut.methods.frame import ADJUST
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
@@ -79,8 +79,9 @@ SHARE_OF_SECONDS = 0.4
 NOT_MOVED = 1e-6
 """An outline that is no farther than this from the drawing, in mm of the frame, has not moved."""
 
-RIGHT_ANGLE = 1e-5
-"""Axes whose angle differs from a right one by less than this, in radians, are perpendicular."""
+SYMMETRIC_MM = 0.5
+"""How far corners may be off in a drawing that is taken as symmetric without a tolerance, if that is to be looked for,
+in mm of the frame."""
 
 SEEN_MM = 0.05
 """What moved by less than this, in mm on the sheet, is not drawn as it was before."""
@@ -356,11 +357,14 @@ class _Search:
         return self._folded(start, only="" if alone else HANDS)
 
     def _corners_beside_axes(self) -> float:
-        """Return how many corners the drawing has on one side of its mirror axes, of two of them if they cross."""
+        """Return how many corners the drawing has in a sector between its mirror axes, or on one side of one."""
         shape = self.drawn.laying.outline
-        angles = [axis.angle for axis in mirror_axes(shape, self.wishes.symmetry / (self.scale * self.unit))]
-        crossing = any(abs(math.cos(one - other)) < RIGHT_ANGLE for one in angles for other in angles)
-        return shape.corner_count / (4 if crossing else 2 if angles else 1)
+        allowed = self._wishes().axes_off(
+            float(np.ptp(np.concatenate(shape.loops), axis=0).max()) * self.unit * self.scale
+        )
+        allowed /= self.unit * self.scale
+        several = dihedral(shape, allowed)
+        return shape.corner_count / (2 * several.count if several else 2 if mirror_axes(shape, allowed) else 1)
 
     def _redrawn(self, tolerance: float, *, last: bool) -> Level | None:
         """Draw the outline anew within a tolerance in mm of the frame, and fold it.
@@ -505,6 +509,9 @@ class _Search:
         if bounds.method not in FOLD_REDRAWN:  # it folds the drawing as it is, but it may make it symmetric
             return replace(wishes, adjust=0.0, symmetry=min(wishes.symmetry, bounds.tolerance or math.inf))
         most = bounds.most(self.scale)
+        if wishes.symmetry == AS_TOLERATED:
+            stated = bounds.tolerance is not None or bounds.level
+            wishes = replace(wishes, symmetry=(most if stated else min(most, SYMMETRIC_MM)) * self.scale)
         if most >= ADJUST:
             return wishes
         adjust = most * self.scale if wishes.adjust is None else min(wishes.adjust, most * self.scale)

@@ -13,12 +13,12 @@ from foldcut.core.arrays import Floats
 class Vertices:
     """The growing list of vertices: where they are on the sheet, and where they land, in mm.
 
-    ``cuts``: vertices where an edge is cut off at the sheet's border, with the edge's ends and the border's axis.
+    ``cuts``: vertices where an edge is cut off at the sheet's border, with the edge's ends and the border's normal.
     """
 
     flat: list[tuple[float, float]] = field(default_factory=list)
     folded: list[tuple[float, float]] = field(default_factory=list)
-    cuts: list[tuple[int, int, int, int]] = field(default_factory=list)
+    cuts: list[tuple[int, int, int, tuple[float, float]]] = field(default_factory=list)
 
     def add(self, flat: Floats, folded: tuple[float, float]) -> int:
         """Add a vertex and return its number."""

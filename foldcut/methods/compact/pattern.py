@@ -18,7 +18,8 @@ import numpy as np
 
 from foldcut.core.arrays import Bools, Floats, Numbers, points_array
 from foldcut.core.model import CreasePattern, FoldedState, Region, Sheet
-from foldcut.geometry.vectors import cross
+from foldcut.geometry.convex_sheet import ConvexSheet
+from foldcut.geometry.vectors import cross, left_normal
 from foldcut.methods.compact.facets import Vertices
 from foldcut.methods.compact.molecule import Border, Molecule, NotClosedError, build_molecule
 from foldcut.methods.compact.part_state import THRESHOLDS, Thresholds
@@ -148,20 +149,20 @@ class _Clip:
         self.vertices = vertices
         self.sheet = sheet
         self.tie = 1e-11 * sheet.diagonal
-        self.sides = ((0, -1.0, 0.0), (0, 1.0, sheet.width), (1, -1.0, 0.0), (1, 1.0, sheet.height))
+        self.sides = _sides(sheet)
         self.cuts: dict[tuple[int, int, int], int] = {}
         flat = np.array(vertices.flat)
-        beyond = np.max([sign * (flat[:, axis] - limit) for axis, sign, limit in self.sides], axis=0)
+        beyond = np.max([flat @ outward - limit for outward, limit in self.sides], axis=0)
         self.within, self.well_within = (beyond <= self.tie).tolist(), (beyond < -self.tie).tolist()
 
     def clip(self, polygon: Polygon) -> list[Polygon]:
         """Return what is left of a polygon inside the sheet: none or one polygon."""
         if all(self.within[v] for v in polygon) and any(self.well_within[v] for v in polygon):
             return [polygon]
-        for side, (axis, sign, limit) in enumerate(self.sides):
+        for side, ((x, y), limit) in enumerate(self.sides):
             if not polygon:
                 break
-            beyond = [sign * (self.vertices.flat[v][axis] - limit) for v in polygon]
+            beyond = [self.vertices.flat[v][0] * x + self.vertices.flat[v][1] * y - limit for v in polygon]
             kept: Polygon = []
             for k, (v, d) in enumerate(zip(polygon, beyond, strict=True)):
                 after = (k + 1) % len(polygon)
@@ -175,14 +176,14 @@ class _Clip:
     def _cut(self, a: int, b: int, side: int) -> int:
         key = (min(a, b), max(a, b), side)
         if key not in self.cuts:
-            axis, _, limit = self.sides[side]
+            outward, limit = np.array(self.sides[side][0]), self.sides[side][1]
             start, end = np.array(self.vertices.flat[key[0]]), np.array(self.vertices.flat[key[1]])
-            part = (limit - start[axis]) / (end[axis] - start[axis])
+            part = float((limit - start @ outward) / ((end - start) @ outward))
             place = start + (end - start) * part
-            place[axis] = limit
+            place += (limit - place @ outward) * outward
             (x0, z0), (x1, z1) = self.vertices.folded[key[0]], self.vertices.folded[key[1]]
             self.cuts[key] = self.vertices.add(place, (x0 + (x1 - x0) * part, z0 + (z1 - z0) * part))
-            self.vertices.cuts.append((self.cuts[key], *key[:2], axis))
+            self.vertices.cuts.append((self.cuts[key], *key[:2], self.sides[side][0]))
         return self.cuts[key]
 
     def corners(self) -> set[int]:
@@ -193,6 +194,17 @@ class _Clip:
             for corner in self.sheet.corners
             for v in np.flatnonzero(np.abs(flat - corner).max(axis=1) <= self.tie)
         }
+
+
+def _sides(sheet: Sheet) -> list[tuple[tuple[float, float], float]]:
+    """Return the lines that bound a sheet: the unit normal outwards, and how far in this direction the line is."""
+    if not isinstance(sheet, ConvexSheet):
+        return [((-1.0, 0.0), 0.0), ((1.0, 0.0), sheet.width), ((0.0, -1.0), 0.0), ((0.0, 1.0), sheet.height)]
+    sides = []
+    for start, end in zip(sheet.corners, np.roll(sheet.corners, -1, axis=0), strict=True):
+        x, y = (-left_normal(end - start) / np.hypot(*(end - start))).tolist()
+        sides.append(((x, y), float(start @ (x, y))))
+    return sides
 
 
 def molecule_faults(molecules: Molecules) -> list[str]:

@@ -43,11 +43,12 @@ def vertex_slopes(molecules: Molecules, places: Floats, images: Floats) -> Float
     known = np.concatenate([places, images[:, None], np.zeros_like(images)[:, None]], axis=1)
     slopes = np.zeros((len(flat), 2, images.shape[1]))
     slopes[:whole] = system.solve(known)
-    for vertex, a, b, axis in vertices.cuts:
+    for vertex, a, b, normal in vertices.cuts:
         edge = flat[b] - flat[a]
-        part = (flat[vertex, axis] - flat[a, axis]) / edge[axis]
+        across = edge @ normal
+        part = ((flat[vertex] - flat[a]) @ normal) / across
         moved = slopes[a] + (slopes[b] - slopes[a]) * part
-        slopes[vertex] = moved - edge[:, None] / edge[axis] * moved[axis]
+        slopes[vertex] = moved - edge[:, None] / across * (np.array(normal) @ moved)
     return slopes
 
 

@@ -17,7 +17,8 @@ See docs/several-loops.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from itertools import islice, pairwise
 
 import numpy as np
@@ -28,6 +29,7 @@ from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.vectors import cross, signed_area
 from foldcut.methods.mirror.unfold import Half
+from foldcut.methods.mirror.wedge import Wedge
 
 FAR = (1.0, 0.35)
 """How far beyond the border chains may be joined, as parts of the half sheet's diagonal."""
@@ -44,11 +46,17 @@ MOST_MATCHINGS = 4
 STRAIGHT = 1e-9
 """Directions whose cross product is no larger than this are parallel."""
 
+JUST_BEYOND = 2e-3
+"""How far beyond a border of a wedge loops are closed that are closed near to it, as a part of the wedge's size."""
+
 NESTED = 1.5
 """An arc around another one reaches this many times as far."""
 
 FLAT = 3.0
 """A side that runs on along the border goes on for no longer than this many times the distance that is asked for."""
+
+QUARTER = (0, 1)
+"""Both borders of a quarter of the plane, as axes."""
 
 Arc = tuple[int, int]
 """The two ends of chains that an arc joins: 2 n is the start of the nth chain, 2 n + 1 its end."""
@@ -86,24 +94,75 @@ def one_loop_halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterat
     """
     half, middle = _part(sheet, axes)
     chains, closed = _chains(shape, middle, axes)
+    for loop in _one_loop(chains, closed, axes, half.diagonal, lambda place: place + middle):
+        yield Half(shape, (points_array(loop),), half, axes)
+
+
+def closed_wedge(wedge: Wedge, near: tuple[bool, bool]) -> Wedge | None:
+    """Return a wedge with loops that are closed straight beyond its last border, its first one, or both.
+
+    ``near`` says for the last border and for the first one whether that is just beyond it, or far away; None where
+    loops would cross. The straight skeleton of these loops differs from that of the whole shape: near a border it has
+    the ridges between the shape and a side along the border, where otherwise the ridges of both sides of it meet.
+    """
+    borders = wedge.borders
+    chains, closed, size = _in_quarter(wedge)
+    away = np.where(near, JUST_BEYOND, FAR[0]) * size
+    loops = _cut_off(chains, QUARTER, away)
+    if loops is None:
+        return None
+    loops = [loop @ borders for loop in (*loops, *closed)]
+    return replace(wedge, loops=tuple(map(_counter_clockwise, loops))) if _are_disjoint(loops) else None
+
+
+def _in_quarter(wedge: Wedge) -> tuple[list[Floats], list[Floats], float]:
+    """Return the chains and loops of a wedge as ``_chains`` does, and its size, in coordinates along its two borders.
+
+    In these it is a quarter of a plane, and straight lines stay straight.
+    """
+    to_quarter = np.linalg.inv(wedge.borders)
+    oblique = Shape(tuple(points_array(loop @ to_quarter) for loop in wedge.outline.loops), wedge.outline.parent)
+    size = float(np.hypot(*np.max(wedge.sheet.corners @ to_quarter, axis=0)))
+    return *_chains(oblique, np.zeros(2), QUARTER), size
+
+
+def one_loop_wedges(wedge: Wedge) -> Iterator[Wedge]:
+    """Do as ``one_loop_halves`` with a wedge."""
+    borders = wedge.borders
+    chains, closed, size = _in_quarter(wedge)
+    for loop in _one_loop(chains, closed, QUARTER, size, lambda place: wedge.on_whole(place[None] @ borders)[0]):
+        yield replace(wedge, loops=(points_array(loop @ borders),))
+
+
+def _one_loop(
+    chains: list[Floats],
+    closed: list[Floats],
+    axes: tuple[int, ...],
+    size: float,
+    on_whole: Callable[[Floats], Floats],
+) -> Iterator[Floats]:
+    """Yield single loops, ``(n, 2)``, that have all chains in them, the simplest first.
+
+    ``size`` is that of the part of the sheet, ``on_whole`` tells where on the whole sheet a place is.
+    """
     if closed and (chains or len(closed) > 1):
-        x, y = closed[0].mean(axis=0) + middle
+        x, y = on_whole(closed[0].mean(axis=0))
         raise UnfoldableError(f"the loop around ({x:.1f}, {y:.1f}) mm does not meet the mirror axis")
     if len(chains) > MOST_CHAINS:
         raise UnfoldableError(f"the drawing crosses the mirror axis {2 * len(chains)} times; too often to be folded")
     if closed:
-        yield Half(shape, (points_array(closed[0]),), half, axes)
+        yield closed[0]
         return
     ends = np.array([(_along_border(chain[0], axes), _along_border(chain[-1], axes)) for chain in chains])
     order = np.argsort(ends.ravel(), kind="stable")
     ways = list(islice((arcs for arcs in matchings(order.tolist()) if _is_one_loop(arcs)), MOST_MATCHINGS))
     # long arms of several chains would need many turns
-    far, near = [(0.0, part * half.diagonal) for part in FAR], [(part, 0.0) for part in NEAR]
+    far, near = [(0.0, part * size) for part in FAR], [(part, 0.0) for part in NEAR]
     for margins in far + near if len(chains) == 1 else near + far:
         for arcs in ways:
             loop = _joined(chains, arcs, axes, *margins)
             if loop is not None:
-                yield Half(shape, (points_array(loop),), half, axes)
+                yield loop
 
 
 def _part(sheet: Sheet, axes: tuple[int, ...]) -> tuple[Sheet, Floats]:
@@ -258,6 +317,31 @@ def _straight_on(chains: Sequence[Floats], axes: Sequence[int], away: float) -> 
     for a, b in zip(ends[::2], ends[1::2], strict=True):
         around = len(axes) == 2 and _along_border(place[a], axes) * _along_border(place[b], axes) < 0
         join(a, b, [far[a], *([np.array([-away, -away])] if around else []), far[b]])
+    return _loops_of(chains, joins)
+
+
+def _cut_off(chains: Sequence[Floats], axes: Sequence[int], away: Floats) -> list[Floats] | None:
+    """Let chains go straight on to ``away`` ``(2,)`` mm beyond the border at each axis, and close them there to loops.
+
+    They are closed where the shape is between neighbours. None where that fails.
+    """
+    place: dict[int, Floats] = {}
+    far: dict[int, Floats] = {}
+    for number, chain in enumerate(chains):
+        for end, (before, last) in ((2 * number, (chain[1], chain[0])), (2 * number + 1, (chain[-2], chain[-1]))):
+            axis = next(axis for axis in axes if last[axis] == 0)
+            place[end], far[end] = last, extended(before, last, axes, float(away[axis]))
+    ends = sorted(place, key=lambda end: _along_border(place[end], axes))
+    joins: dict[int, tuple[int, list[Floats]]] = {}
+    for a, b in zip(ends[::2], ends[1::2], strict=True):
+        around = _along_border(place[a], axes) * _along_border(place[b], axes) < 0
+        between = [far[a], *([-away] if around else []), far[b]]
+        joins[b if b % 2 else a] = (a, between[::-1]) if b % 2 else (b, between)
+    return _loops_of(chains, joins)
+
+
+def _loops_of(chains: Sequence[Floats], joins: dict[int, tuple[int, list[Floats]]]) -> list[Floats] | None:
+    """Return the loops that chains make with what joins their ends to starts, None where these are not all joined."""
     if len(joins) < len(chains) or any(not a % 2 or b % 2 for a, (b, _) in joins.items()):
         return None
     loops = []

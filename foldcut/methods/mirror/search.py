@@ -17,7 +17,11 @@ from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
 from foldcut.methods.compact.search import Compact, fold_compact
 from foldcut.methods.mirror.unfold import Half
+from foldcut.methods.mirror.wedge import Wedge
 from foldcut.pattern.ranking import FOLDABLE_MM, Goal, Rank, rank, shortest_crease
+
+Part = Half | Wedge
+"""What is left of the sheet once its axes are folded, and a single loop to fold it by."""
 
 SCAN = 0.4
 """The part of the effort for the first looks."""
@@ -56,7 +60,7 @@ class Mirrored:
     """The pattern of a sheet that is folded along its axes first: what was found for a half, and which half."""
 
     found: Compact
-    half: Half
+    half: Part
 
     @property
     def creases(self) -> CreasePattern:
@@ -75,7 +79,7 @@ class Mirrored:
 
 
 def fold_mirrored(
-    candidates: Sequence[Half],
+    candidates: Sequence[Part],
     *,
     ribbon: float = 0.0,
     effort: str = "normal",
@@ -101,7 +105,7 @@ def fold_mirrored(
         if progress is not None:
             progress(f"half of the sheet: {text}", (part + share * done) / whole)
 
-    def look(half: Half, goal: Goal) -> Rank | None:
+    def look(half: Part, goal: Goal) -> Rank | None:
         nonlocal best, part
         try:
             found = fold_compact(
@@ -114,13 +118,13 @@ def fold_mirrored(
                 share=share,
                 part=half,
                 goal=goal,
-                first_folds=len(half.axes),
+                first_folds=half.fold_count,
             )
         except UnfoldableError:
             return None
         finally:
             part += share
-        key = rank(len(half.axes) + found.part.crease_count, shortest_crease(found.creases))
+        key = rank(half.fold_count + found.part.crease_count, shortest_crease(found.creases))
         if best is None or key < best[0]:
             best = key, Mirrored(found, half)
         if found.interrupted:
@@ -132,7 +136,7 @@ def fold_mirrored(
         if best is None:
             return False
         made = best[1]
-        return enough.is_reached(len(made.half.axes) + straight_folds(made.found.part), shortest_crease(made.creases))
+        return enough.is_reached(made.half.fold_count + straight_folds(made.found.part), shortest_crease(made.creases))
 
     try:
         looks = min(max(round(SCAN * whole * (seconds or EFFORT_SECONDS[effort]) / LOOK_S), FEWEST_LOOKS), MOST_LOOKS)
@@ -163,12 +167,12 @@ def fold_mirrored(
     return best[1]
 
 
-def _by_promise(candidates: Sequence[Half]) -> list[Half]:
-    """Return candidates with few corners and two axes first; those for different layings of the shape take turns."""
-    seen: Counter[tuple[int, tuple[int, ...]]] = Counter()
+def _by_promise(candidates: Sequence[Part]) -> list[Part]:
+    """Return candidates with few corners and many first folds first; those for different ways to lay it take turns."""
+    seen: Counter[int] = Counter()
     keys = []
     for number, half in enumerate(candidates):
-        way = id(half.shape), half.axes
-        keys.append((len(half.loops[0]) - 2 * len(half.axes), seen[way], number))
+        way = id(half.shape)  # each way to lay the shape has its own
+        keys.append((len(half.loops[0]) - 2 * half.fold_count, seen[way], number))
         seen[way] += 1
     return [candidates[number] for *_, number in sorted(keys)]

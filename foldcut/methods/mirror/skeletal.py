@@ -1,9 +1,9 @@
-"""Fold a half or a quarter of the sheet along the straight skeleton of its loops.
+"""Fold a half, a quarter or a wedge of the sheet along the straight skeleton of its loops.
 
-``Half`` -> ``Skeletal``: a verified pattern of the whole sheet -> ``Made``.
+``Half`` or ``Wedge`` -> ``Skeletal``: a verified pattern of the whole sheet -> ``Made``.
 
 Ridges and perpendiculars that come to an axis end there: the sheet is folded along the axes first, and everything else
-through both layers, or all four.
+through all layers.
 """
 
 from __future__ import annotations
@@ -14,21 +14,26 @@ import numpy as np
 
 from foldcut.core.model import CreasePattern, Shape, Sheet
 from foldcut.drawing.laying import Laid
+from foldcut.geometry.dihedral import Dihedral, made_dihedral
 from foldcut.geometry.mirror_axes import symmetric
 from foldcut.methods import METHODS
 from foldcut.methods.base import Made
 from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half, axis_lines
+from foldcut.methods.mirror.wedge import Wedge, fan_folds, wedge_lines
 from foldcut.methods.skeleton.budget import Budget
 from foldcut.methods.skeleton.quick import TRIES, fold_outline
 from foldcut.methods.skeleton.search import MOST_CORNERS, Search, adjusted
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.foldability import crease_numbers
 
-__all__ = ["fold_half", "made_of_half", "search_half"]
+__all__ = ["fold_half", "fold_wedge", "made_of_half", "made_of_wedge", "search_half", "search_wedge"]
 
 PATIENCE = 0.5
 """While there is no pattern, shapes with moved corners are tried for this part of the time, each."""
+
+MOST_MOVED = 40
+"""Corners of a shape with several axes are moved only if it has no more than this: the time grows with the cube."""
 
 SYMMETRIC = 1e-8
 """How far corners that were moved may be off from symmetry, relative to the sheet's diagonal."""
@@ -73,6 +78,57 @@ def search_half(
                 search.fold(other.outline, moved, PATIENCE * seconds, other)
 
     return search.run(fold_variants)
+
+
+def fold_wedge(wedge: Wedge, *, ribbon: float = 0.0, tries: int = TRIES) -> Skeletal:
+    """Do as ``fold_half`` with a wedge."""
+    return fold_outline(wedge.outline, wedge.sheet, ribbon=ribbon, tries=tries, part=wedge)
+
+
+def search_wedge(
+    wedge: Wedge,
+    *,
+    near: float,
+    ribbon: float = 0.0,
+    seconds: float,
+    progress: Callable[[str, float], None] | None = None,
+) -> Skeletal:
+    """Do as ``search_half`` with a wedge."""
+    search = Search(wedge.sheet, ribbon, Budget(seconds), progress)
+
+    def fold_variants() -> None:
+        search.fold(wedge.outline, 0.0, seconds, wedge)
+        if wedge.outline.corner_count > MOST_MOVED:
+            return
+        for variant, moved in adjusted(wedge.outline, wedge.sheet, near)[:-1]:
+            exact = made_dihedral(variant, Dihedral(wedge.count, 0.0, 0.0))
+            if exact is not None and exact[2] <= SYMMETRIC * wedge.whole.diagonal:
+                other = wedge.with_outline(exact[0])
+                search.fold(other.outline, moved, PATIENCE * seconds, other)
+
+    return search.run(fold_variants)
+
+
+def made_of_wedge(wedge: Wedge, found: Skeletal, laid: Laid, *, ribbon: float = 0.0) -> Made:
+    """Return what the method made of a shape: ``found`` is the pattern of its whole sheet, ``laid`` how it lies there.
+
+    ``wedge`` is on that sheet; ``ribbon`` is in mm.
+    """
+    count = found.perpendiculars
+    return Made(
+        "mirror",
+        found.creases,
+        found.folded,
+        laid,
+        ribbon,
+        actions=fan_folds(wedge.count) + wedge_lines(found.creases, wedge),
+        told=(f"mirror: the straight skeleton of {wedge.named}, {count} perpendicular{'s' * (count != 1)}",),
+        numbers={"perpendiculars": count, "moved_mm": found.moved_mm, "axes": wedge.count},
+        first_folds=wedge.first_folds,
+        min_crease_mm=METHODS["skeleton"].min_crease_mm,
+        interrupted=found.interrupted,
+        detail=found,
+    )
 
 
 def made_of_half(axes: tuple[int, ...], found: Skeletal, laid: Laid, *, ribbon: float = 0.0) -> Made:

@@ -23,8 +23,24 @@ from foldcut.methods.sheet_part import SheetPart
 from foldcut.pattern.assemble import assemble, creases_of_stack
 
 
+class LoopedPart(SheetPart):
+    """A part of the sheet with loops of its own to fold it by: ``loops``, ``(n, 2)`` mm each."""
+
+    loops: tuple[Floats, ...]
+
+    @cached_property
+    def outline(self) -> Shape:
+        """The loops as a shape, in the coordinates of the part."""
+        polygons = shapely.polygons([shapely.linearrings(loop) for loop in self.loops])
+        inside, around = shapely.STRtree(polygons).query(polygons, predicate="within")
+        depth = np.bincount(inside, minlength=len(polygons))
+        pairs = zip(inside.tolist(), around.tolist(), strict=True)
+        parent = {one: other for one, other in pairs if depth[one] == depth[other] + 1}
+        return Shape(self.loops, tuple(parent.get(number, -1) for number in range(len(polygons))))
+
+
 @dataclass(frozen=True, eq=False)
-class Half(SheetPart):
+class Half(LoopedPart):
     """A half or a quarter of the sheet, and loops to fold it by.
 
     ``axes`` are the axes that are folded first: 0 is the sheet's upright middle line, 1 the level one. ``sheet`` is the
@@ -37,15 +53,10 @@ class Half(SheetPart):
     sheet: Sheet
     axes: tuple[int, ...]
 
-    @cached_property
-    def outline(self) -> Shape:
-        """The loops as a shape, in the coordinates of the part."""
-        polygons = shapely.polygons([shapely.linearrings(loop) for loop in self.loops])
-        inside, around = shapely.STRtree(polygons).query(polygons, predicate="within")
-        depth = np.bincount(inside, minlength=len(polygons))
-        pairs = zip(inside.tolist(), around.tolist(), strict=True)
-        parent = {one: other for one, other in pairs if depth[one] == depth[other] + 1}
-        return Shape(self.loops, tuple(parent.get(number, -1) for number in range(len(polygons))))
+    @property
+    def fold_count(self) -> int:
+        """How many straight folds make the half or the quarter of the sheet."""
+        return len(self.axes)
 
     @property
     def _middle(self) -> Floats:

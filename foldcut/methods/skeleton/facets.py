@@ -21,6 +21,7 @@ import shapely
 
 from foldcut.core.arrays import Floats, index_array
 from foldcut.core.errors import UnfoldableError
+from foldcut.geometry.convex_sheet import ConvexSheet
 from foldcut.geometry.planar_graph import trace_faces
 from foldcut.methods.skeleton.perpendiculars import Perpendiculars, Point, Ridges
 from foldcut.methods.skeleton.skeleton_faces import Edge, Vertices, half_edges
@@ -165,9 +166,12 @@ class Division:
             self._face_of[one, other], self._face_of[other, one] = left, right
 
     def _draw_border(self) -> None:
-        middle = self._ridges.size / 2
-        away = np.array([self.points[v] for v in self._border]) / middle - 1
-        order = np.argsort(_around_square(away))
+        places = np.array([self.points[v] for v in self._border])
+        if isinstance(self._ridges.sheet, ConvexSheet):
+            x, y = (places - self._ridges.sheet.corners.mean(axis=0)).T
+            order = np.argsort(np.arctan2(y, x))
+        else:
+            order = np.argsort(_around_square(places / (self._ridges.size / 2) - 1))
         self._edges += half_edges([self._border[k] for k in order.tolist()])
 
 

@@ -27,6 +27,7 @@ import numpy as np
 
 from foldcut.core.errors import UnfoldableWhereError
 from foldcut.core.model import Sheet
+from foldcut.geometry.convex_sheet import ConvexBorder, ConvexSheet
 from foldcut.methods.skeleton.skeleton_faces import Edge, Skeleton, Vertices, half_edges
 
 Point = tuple[float, float]
@@ -126,6 +127,7 @@ class Ridges:
             (*starts[face.side], *along[face.side]) for face in faces
         ]
         self._low, self._high = self.snap, (sheet.width - self.snap, sheet.height - self.snap)
+        self._border = ConvexBorder(sheet, self.snap) if isinstance(sheet, ConvexSheet) else None
         self._face_of: dict[Edge, int] = {}
         for number, face in enumerate(faces):
             for pair in half_edges(face.vertices if face.flank.left else face.vertices[::-1]):
@@ -157,11 +159,15 @@ class Ridges:
 
     def on_sheet(self, point: Point) -> bool:
         """Return whether a point is strictly on the sheet, off its border."""
+        if self._border is not None:
+            return self._border.has_inside(point)
         return self._low < point[0] < self._high[0] and self._low < point[1] < self._high[1]
 
     def on_sheet_part(self, a: int, b: int) -> tuple[float, float] | None:
         """Return from which to which part, 0 to 1, a ridge is on the sheet, None where none of it is."""
         start, end = self.places[a], self.places[b]
+        if self._border is not None:
+            return self._border.part_inside(start, end)
         low, high = 0.0, 1.0
         for at, other, size in zip(start, end, (self.sheet.width, self.sheet.height), strict=True):
             step = other - at
@@ -203,6 +209,8 @@ class Ridges:
 
     def exit_of(self, here: Point, there: Point) -> Point | None:
         """Return where the segment from a point on the sheet leaves it, None if it does not."""
+        if self._border is not None:
+            return self._border.exit_of(here, there)
         if self.on_sheet(there):
             return None
         (x, y), size = here, (self.sheet.width, self.sheet.height)

@@ -136,8 +136,8 @@ def test_the_image_on_the_wrong_side_of_a_face_is_found_by_verification() -> Non
             {},
             "the drawing is not mirror-symmetric",
         ),
-        ([cross()], {"offset": (20.0, 20.0), "scale": 20.0}, "not in the middle of the sheet"),
-        ([regular(3)], {"rotation": 17.0}, "no mirror axis of the drawing lies along the sheet"),
+        ([rectangle(4, 3)], {"offset": (20.0, 20.0), "scale": 20.0}, "not in the middle of the sheet"),
+        ([rectangle(4, 3)], {"rotation": 17.0}, "no mirror axis of the drawing lies along the sheet"),
     ],
 )
 def test_what_cannot_be_mirrored_is_refused_with_the_reason(
