@@ -99,6 +99,7 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
 	$(BIN)/foldcut draw docs/drawings/s.svg --show outline,pattern -o docs/s.svg --force
 	$(BIN)/foldcut make docs/drawings/snowflake.svg -o docs/snowflake.svg --force
+	$(BIN)/python docs/drawings/machines.py
 	$(KITE) --show packing -o docs/figure-1.svg
 	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg
 	$(TRIANGLE) --show gusset -o docs/figure-3.svg
