@@ -7,11 +7,12 @@ in the page above the line ``MARK`` is written by hand and stays as it is.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import get_args
 
 from foldcut import fold
 from foldcut.exporters.text import number
 from foldcut.jobs.job import Job, make_jobs
-from foldcut.profiles import Profile, load_profile, profile_names
+from foldcut.profiles import Profile, Role, load_profile, profile_names
 from foldcut.samples import sample_path
 
 DOCS = Path(__file__).resolve().parent.parent
@@ -78,7 +79,8 @@ def _section(name: str, profile: Profile, shared: dict[str, str]) -> str:
 def _rows(profile: Profile) -> list[tuple[str, str, str]]:
     crease, perforated = (profile.does[action] for action in (profile.treatment, "perforate"))
     rows = []
-    for role, operation in profile.operations.items():
+    for role in get_args(Role):
+        operation = profile.operations[role]
         does = {"mark": profile.does["mark"], "cut": profile.does["cut"]}.get(
             role, f"{crease}; with `--treatment perforate`: {perforated}"
         )
@@ -109,7 +111,8 @@ def picture(job: Job, profile: Profile) -> str:
         ]
     wide, high = len(job.steps) * step_width, height + 14
     head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {number(wide)} {number(high)}" width="{3 * wide:.0f}">'
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {number(wide)} {number(high)}" '
+        f'width="{3 * wide:.0f}" height="{3 * high:.0f}">'
     )
     return "\n".join([head, *parts, "</svg>", ""])
 

@@ -137,23 +137,23 @@ def _printed(size: tuple[float, float], bed: Bed, margin: float) -> Box:
 
 
 def _on_paper(sheet: Sheet, profile: Profile) -> Lay:
-    """Lay a sheet on a plotter's paper of its size, or else on the smallest one on which the pen reaches all of it."""
+    """Lay a sheet on a plotter's paper of its size, or else on the first one on which the pen reaches all of it."""
     unit = profile.hpgl.unit_mm if profile.hpgl is not None else 1.0
     both = ((False, (sheet.width, sheet.height)), (True, (sheet.height, sheet.width)))
-    by_size = sorted(profile.papers.items(), key=lambda item: item[1].width_mm * item[1].height_mm)
-    for name, paper in by_size:
+    for name, paper in profile.papers.items():
         for turned, (w, h) in both:
             if max(abs(w - paper.width_mm), abs(h - paper.height_mm)) <= SAME_PAPER_MM:
                 x, y = paper.origin_x_mm, paper.origin_y_mm
                 reach = (x, y, x + paper.x_units * unit, y + paper.y_units * unit)
                 return Lay(sheet, (w, h), (-x, -y), turned, reach=reach, paper=name)
-    for name, paper in by_size:
+    for name, paper in profile.papers.items():
         for turned, (w, h) in both:
             if w <= paper.x_units * unit + SLACK_MM and h <= paper.y_units * unit + SLACK_MM:
                 return Lay(sheet, (w, h), (0.0, 0.0), turned, paper=name, cut_out=True)
+    largest, paper = max(profile.papers.items(), key=lambda item: item[1].x_units * item[1].y_units)
     raise JobError(
         f"the sheet of {sheet.width:g} x {sheet.height:g} mm is larger than what {profile.title} reaches on its "
-        f"largest paper; use --sheet {by_size[-1][0]}, or {_reach(by_size[-1][1], unit)} or smaller"
+        f"largest paper; use --sheet {largest}, or {_reach(paper, unit)} or smaller"
     )
 
 

@@ -44,7 +44,7 @@ def _ahead(angle: float, blade: Blade) -> Floats:
 
 def _beginning(points: Floats, length: float) -> Floats:
     """Return the points of a line after its first one, as far as ``length``."""
-    found = []
+    found: list[Floats] = []
     for start, end in pairwise(points):
         size = math.dist(start, end)
         if size >= length:
