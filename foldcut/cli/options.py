@@ -703,7 +703,7 @@ def _letter_is_usual() -> bool:
 
 
 def _profile_asked_for(args: Namespace) -> Profile | None:
-    """Return the profile that decides on the sheet: the named one, or the usual one of the first output with one."""
+    """Return the profile that decides on the sheet: the named one, or that of an output; above all a printer's."""
     from foldcut.profiles import load_profile
 
     if not hasattr(args, "profile"):
@@ -712,10 +712,9 @@ def _profile_asked_for(args: Namespace) -> Profile | None:
         return load_profile(args.profile, args.set)
     outputs = [args.output] if isinstance(args.output, str) else args.output or []
     formats = [f".{name.strip()}" for name in (getattr(args, "formats", None) or "").split(",")]
-    for ending in [*(Path(output).suffix.lower() for output in outputs), *formats]:
-        if ending in USUAL_MACHINES:
-            return load_profile(_usual_machine(args, ending), args.set)
-    return None
+    endings = {*(Path(output).suffix.lower() for output in outputs), *formats} & USUAL_MACHINES.keys()
+    profiles = [load_profile(_usual_machine(args, ending), args.set) for ending in sorted(endings)]
+    return min(profiles, key=lambda profile: profile.page is None, default=None)
 
 
 def _usual_sheet(args: Namespace) -> str:

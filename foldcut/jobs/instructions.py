@@ -119,7 +119,9 @@ def notes(profile: Profile, job: Job) -> list[str]:
         if width > MISSED_MM
     ]
     if edges:
-        where = f"the outer {job.missed[0]:.1f} mm" if len(set(job.missed)) == 1 else ", ".join(edges)
+        where = (
+            f"the outer {job.missed[0]:.1f} mm" if max(job.missed) - min(job.missed) < MISSED_MM else ", ".join(edges)
+        )
         lines.append(f"Not reached: {where}; creases that end there go straight on to the edge of the sheet.")
     if job.uncut:
         one = job.uncut == 1

@@ -74,6 +74,12 @@ def test_a_machines_own_sheet_is_the_usual_one() -> None:
     assert load_profile("print-shop-a3").sheet == "a3"
 
 
+def test_with_a_pdf_among_the_files_the_sheet_is_the_printers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LC_ALL", "en_US.UTF-8")
+    assert options.folding(arguments("star", "-o", "a.dxf", "-o", "a.pdf")).sheet == parse_sheet("letter")
+    assert options.folding(arguments("star", "-o", "a.dxf")).sheet == parse_sheet("a4")
+
+
 @pytest.mark.parametrize("profile", [name for name in profile_names() if load_profile(name).operations])
 def test_the_usual_margin_is_as_wide_as_what_the_machine_does_not_reach(profile: str) -> None:
     made = options.folding(arguments("star", "--profile", profile))

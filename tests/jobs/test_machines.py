@@ -481,12 +481,12 @@ def test_lines_are_unbroken_where_pens_tell_mountains_from_valleys(machine: str)
 # Perforations
 
 
-@pytest.mark.parametrize("kerf", [0.0, 0.3])
-@pytest.mark.parametrize("sample", ["fish", "letter-a", "swan"])
-@pytest.mark.parametrize("machine", ["laser-dxf", "cricut-maker", "drag-knife"])
+@pytest.mark.parametrize(("sample", "kerf"), [("fish", 0.0), ("letter-a", 0.3), ("swan", 0.1)])
+@pytest.mark.parametrize("machine", ["laser-dxf", "drag-knife"])
 def test_cuts_of_two_creases_stay_apart(machine: str, sample: str, kerf: float) -> None:
     profile = load_profile(machine, [f"kerf_mm={kerf}"])
-    for name, material in profile.materials.items():
+    for name in ("paper-80g", "card-300g"):
+        material = profile.materials[name]
         (job,) = make_jobs(folded(sample), profile, treatment="perforate", material=name)
         strokes = [stroke for step in job.steps if step.action == "perforate" for stroke in step.strokes]
         lines = shapely.linestrings(np.array(strokes))
