@@ -14,7 +14,7 @@ from typing import cast
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.job import Job, check_job, steps_of
-from foldcut.profiles import Profile, load_profile
+from foldcut.profiles import Profile, Registration, load_profile, profile_names
 
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
 JobExporter = Callable[[Job, Profile], bytes]
@@ -66,7 +66,9 @@ def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile |
                 needs("build123d")
         return
     if suffix.lower() in JOB_EXPORTERS:
-        raise FileFormatError(f"{suffix} files are for a machine: name it with --profile; see foldcut profiles")
+        for_it = [name for name in profile_names() if f".{load_profile(name).format}" == suffix.lower()]
+        which = f" {' or '.join(for_it)}" if for_it else ""
+        raise FileFormatError(f"{suffix} files are for a machine: name it with --profile{which}; see foldcut profiles")
     what = f"foldcut cannot write {suffix} files" if suffix else "an output file needs an ending that names its format"
     machines = "" if machine else f"; for a machine, with --profile, {', '.join(JOB_EXPORTERS)}"
     raise FileFormatError(f"{what}; use one of {', '.join(known)}{machines}")
@@ -87,10 +89,16 @@ def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) 
 
 
 def check_job_export(
-    suffix: str, profile: Profile, sheet: Sheet, *, material: str | None = None, tile: bool = False
+    suffix: str,
+    profile: Profile,
+    sheet: Sheet,
+    *,
+    material: str | None = None,
+    tile: bool = False,
+    registration: Registration | None = None,
 ) -> None:
     """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would raise for any on this sheet."""
-    check_job(sheet, profile, material=material, tile=tile)
+    check_job(sheet, profile, material=material, tile=tile, registration=registration)
     size = (sheet.width, sheet.height)
     export_job(Job("", size, (0.0, 0.0), False, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)
 

@@ -7,9 +7,13 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
+import numpy as np
+
+from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
+from foldcut.jobs.instructions import instructions
 from foldcut.jobs.job import Job
 from foldcut.pattern.first_folds import is_wedge, sectors_left
 from foldcut.profiles import Profile
@@ -30,10 +34,12 @@ WHAT = {
 """What a file without a job is, by its ending."""
 
 
-def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None) -> bytes:
+def readme(
+    pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None, whole: Sequence[Job] = ()
+) -> bytes:
     """Return the text that lists the files in the order to load them and says how to go on.
 
-    ``files``: the job in each file, by name; None if the file has the pattern itself.
+    ``files``: what of the jobs is in each file, by name; None if the file has the pattern itself; ``whole``: the jobs.
     """
     sheet = pattern.sheet
     jobs = [job for job in files.values() if job is not None]
@@ -49,7 +55,7 @@ def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Pro
         what = f": {WHAT[ending]}" if job is None and (ending := name.rpartition(".")[2]) in WHAT else what
         turned = ", which lies a quarter turn to the left" if job and job.turned else ""
         lines.append(f"  {place}. {name}{what}{turned}")
-    for job in jobs:
+    for job in whole:
         lines += ["", f"Operations{'' if job.side == 'both' else f' on the {job.side}'}, in this order:"]
         for step in job.steps:
             setting = ""
@@ -57,24 +63,32 @@ def readme(pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Pro
                 numbers = {key: value for key, value in step.setting.model_dump().items() if value is not None}
                 setting = f" ({', '.join(f'{key} {value:g}' for key, value in numbers.items())}: a starting point)"
             lines.append(f"  - {step.operation.layer}: {len(step.strokes)} strokes, {step.length:.0f} mm{setting}")
-    if len(jobs) > 1:
-        lines += [
-            "",
-            "Do the front first. Turn the sheet over like a page, left to right, line it up, and do the back.",
-        ]
-    if profile is not None and profile.instructions:
-        lines += ["", f"{profile.title}:", *(f"  {line}" for line in profile.instructions)]
+    if profile is not None:
+        lines += ["", f"{profile.title}:", *(f"  {line}" for line in instructions(profile, whole))]
     if pattern.first_folds:
-        where = "line between arrowheads" if jobs else "wide pale line"
-        lines += ["", f"Fold the sheet in half first, away from you, along each {where}."]
+        # arrowheads are a mark, which a job may have or not
+        where = _places(pattern.first_folds) if jobs else "each wide pale line"
+        lines += ["", f"Fold the sheet in half first, away from you, along {where}."]
         if is_wedge(pattern.first_folds):
             left = ", then ".join(map(str, sectors_left(len(pattern.first_folds))))
             lines[-1] = (
-                f"Fold the sheet first, always away from you, along each {where}: in half along one of them, then so "
+                f"Fold the sheet first, always away from you, along {where}: in half along one of them, then so "
                 f"that of the {len(pattern.first_folds)} sectors of the half {left} stay beside each other."
             )
-    lines += ["", "Fold mountains away from you and valleys toward you, flat, then cut once along the shape's outline."]
+    lines += [
+        "",
+        "With the front up, fold mountains away from you and valleys toward you, flat, then cut once along the shape's "
+        "outline.",
+    ]
     return ("\r\n".join(lines) + "\r\n").encode()
+
+
+def _places(first_folds: Sequence[Floats]) -> str:
+    """Return where lines are on the sheet, in mm from its lower left corner as the drawing stands upright."""
+    lines = (
+        f"the line from ({a:.1f}, {b:.1f}) to ({c:.1f}, {d:.1f})" for (a, b), (c, d) in map(np.asarray, first_folds)
+    )
+    return f"{' and '.join(lines)}, in mm from the sheet's lower left corner"
 
 
 def zipped(parts: Mapping[str, bytes]) -> bytes:

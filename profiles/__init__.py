@@ -16,7 +16,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from foldcut.core.errors import FileFormatError
 
@@ -27,7 +28,20 @@ Role = Literal["mark", "mountain", "valley", "cut"]
 """What the lines of a step are: marks, creases of either kind, or the outline of the sheet."""
 
 Treatment = Literal["score", "perforate", "draw"]
-"""What is made of a crease: a scored line, a row of cuts, or the dashes of the origami notation."""
+"""What is made of a crease: an unbroken line, a row of cuts, or the dashes of the origami notation."""
+
+Action = Literal["mark", "score", "perforate", "draw", "cut"]
+"""What is done with the lines of a step: marks are marked, creases treated, and the outline of the sheet is cut."""
+
+Registration = Literal["jig", "corners", "holes", "pins"]
+"""What lines the back up with the front: the hole that the sheet was cut out of, marks in the corners, holes for pegs,
+or pinholes."""
+
+MarkName = Literal["outline", "first-folds", "cut-line", "numbers", "title", "ruler"]
+"""The marks that a job can have."""
+
+UNVERIFIED = "unverified"
+"""A source begins with this word if nobody has compared its number with what the machine's maker says."""
 
 
 class _Table(BaseModel):
@@ -75,10 +89,11 @@ class Operation(_Table):
 
 
 class Setting(_Table):
-    """Speed, power in percent of the machine's maximum, and the number of passes."""
+    """Speed, a laser's power in percent of its maximum or a blade's force in grams, and the number of passes."""
 
     speed_mm_s: Millimetres
-    power_percent: Annotated[float, Field(ge=0, le=100)]
+    power_percent: Annotated[float, Field(ge=0, le=100)] | None = None
+    force_g: Annotated[float, Field(gt=0, le=5000)] | None = None
     passes: Annotated[int, Field(ge=1, le=20)] = 1
 
 
@@ -91,9 +106,13 @@ class Dash(_Table):
 
 
 class Material(_Table):
-    """What a sheet is made of: its thickness, its perforations, and the machine's settings, if it has any."""
+    """What a sheet is made of: its thickness, its perforations, and the machine's settings, if it has any.
+
+    ``web_mm``: how much paper stays between the cuts of two creases, beside the kerf.
+    """
 
     thickness_mm: Millimetres
+    web_mm: Annotated[float, Field(ge=0, lt=10)] = 0.0
     mountain: Dash
     valley: Dash
     mark: Setting | None = None
@@ -103,9 +122,48 @@ class Material(_Table):
 
 
 class Hpgl(_Table):
-    """The size of a plotter's unit of length."""
+    """The size of a plotter's unit of length, and how it changes its tool.
+
+    ``tools``: "select" if the machine obeys SP and changes the tool itself; "separate" if every tool gets a file of its
+    own, since the machine has one holder and takes no notice of SP. ``pause``: an instruction on which the machine
+    waits before it goes on with another tool, such as "NR;"; none if empty.
+    """
 
     unit_mm: Millimetres
+    tools: Literal["select", "separate"] = "select"
+    pause: Annotated[str, Field(pattern="^([A-Z!][^;]*;)?$")] = ""
+
+
+class Paper(_Table):
+    """A paper of a plotter: its size as it lies, and the part of it that the pen reaches.
+
+    ``origin_x_mm``, ``origin_y_mm``: where the plotter's (0, 0) is, from the paper's lower left corner; ``x_units``,
+    ``y_units``: the hard-clip limits, from there; ``set_ps``: the number that the instruction PS selects it by;
+    ``final_x_units``, ``final_y_units``: where the pen goes at the end, out of the way.
+    """
+
+    width_mm: Millimetres
+    height_mm: Millimetres
+    origin_x_mm: Annotated[float, Field(ge=0)]
+    origin_y_mm: Annotated[float, Field(ge=0)]
+    x_units: Annotated[int, Field(gt=0)]
+    y_units: Annotated[int, Field(gt=0)]
+    set_ps: int | None = None
+    final_x_units: int
+    final_y_units: int
+
+
+class Blade(_Table):
+    """A blade that trails its holder, and swivels round in corners.
+
+    ``offset_mm``: how far it trails; cuts shorter than that are not given to it. ``overcut_mm``: how far a closed line
+    is cut beyond its start. ``compensate``: whether foldcut leads the holder so that the blade follows the lines;
+    otherwise the machine or its software does.
+    """
+
+    offset_mm: Annotated[float, Field(ge=0, lt=5)]
+    overcut_mm: Annotated[float, Field(ge=0, lt=10)] = 0.0
+    compensate: bool = False
 
 
 class Solid(_Table):
@@ -124,36 +182,83 @@ class Page(_Table):
 
 
 class Gcode(_Table):
-    """How the tool is switched on and off: a laser by its power, a pen by Z in mm or by a servo's S value."""
+    """How the tool is switched on and off: a laser by its power, a pen by Z in mm or by a servo's S value.
+
+    ``most_power``: the S value of full power, ``$30``. ``pen_up``, ``pen_down``: Z in mm, and ``plunge_mm_s`` how fast
+    the pen goes down. ``servo_up``, ``servo_down``: S values, and ``dwell_s`` how long the servo takes to get there.
+    """
 
     tool: Literal["laser", "z", "servo"]
     most_power: Annotated[int, Field(gt=0)] = 1000
     pen_up: float = 5.0
     pen_down: float = 0.0
-    travel_mm_s: Millimetres = 80.0
+    plunge_mm_s: Millimetres = 10.0
+    servo_up: Annotated[int, Field(ge=0)] = 300
+    servo_down: Annotated[int, Field(ge=0)] = 700
+    dwell_s: Annotated[float, Field(ge=0, le=10)] = 0.25
     draw_mm_s: Millimetres = 40.0
+
+    @model_validator(mode="after")
+    def _moves(self) -> Gcode:
+        """A pen that is where it was is never lifted."""
+        if self.tool == "z" and self.pen_up <= self.pen_down:
+            raise PydanticCustomError("pen", "pen_up has to be above pen_down, or the pen draws all the way")
+        if self.tool == "servo" and self.servo_up == self.servo_down:
+            raise PydanticCustomError("pen", "servo_up and servo_down are the same, so the pen would never move")
+        return self
 
 
 class Profile(_Table):
-    """A machine, and how foldcut makes jobs for it."""
+    """A machine, and how foldcut makes jobs for it.
+
+    ``sheet``: what it is fed with unless another sheet is asked for. ``stroke_mm``: how wide lines are in its files.
+    ``marks`` and ``registration``: those of its jobs unless others are asked for. ``instructions``: what the operator
+    does; what each layer is for is said after the first of them, in the words of ``does``. ``palette``: the colours
+    that its software tells apart, if these are few. ``pause_prefix``: what a layer's name begins with if the pen has
+    to be changed before it.
+    """
 
     title: str
     kind: Literal["laser", "cutter", "plotter", "printer", "software"]
     format: Literal["svg", "dxf", "hpgl", "gcode", "pdf", "stl", "lbrn2"]
     treatment: Treatment
     cut_outline: bool
+    sheet: str = "a4"
+    stroke_mm: Millimetres | None = None
+    marks: tuple[MarkName, ...] = ()
+    registration: Registration = "corners"
     kerf_mm: Annotated[float, Field(ge=0, lt=5)] = 0.0
     dxf_version: Literal["R12", "R2000"] = "R2000"
-    instructions: Annotated[tuple[str, ...], Field(min_length=3, max_length=3)]
+    instructions: Annotated[tuple[str, ...], Field(min_length=1)]
+    does: dict[Action, str] = {}
+    palette: tuple[Colour, ...] = ()
+    pause_prefix: str = ""
     drawing: LineStyle
     bed: Bed | None = None
+    papers: dict[str, Paper] = {}
     operations: dict[Role, Operation] = {}
     materials: dict[str, Material] = {}
     page: Page | None = None
     solid: Solid | None = None
     hpgl: Hpgl | None = None
     gcode: Gcode | None = None
+    blade: Blade | None = None
     sources: dict[str, str]
+
+    @property
+    def draws(self) -> bool:
+        """Whether the machine puts ink on the sheet, and neither scores nor cuts it."""
+        return self.kind in ("plotter", "printer")
+
+    @property
+    def unverified(self) -> tuple[str, ...]:
+        """The keys of the numbers that nobody has compared with what the machine's maker says."""
+        return tuple(key for key, source in self.sources.items() if source.startswith(UNVERIFIED))
+
+    @property
+    def line_mm(self) -> float:
+        """How wide lines are in the machine's files."""
+        return self.stroke_mm or self.drawing.crease_stroke_mm
 
 
 def profile_names() -> tuple[str, ...]:
@@ -297,6 +402,8 @@ def _explained(error: ValidationError) -> str:
         known = _fields(around)
         near = difflib.get_close_matches(last, known, 1)
         return f"unknown key {key}" + (f"; did you mean {near[0]}?" if near else f"; known: {', '.join(known)}")
+    if first["type"] == "pen":
+        return str(first["msg"])
     if first["type"] == "missing":
         return f"the key {key} is missing"
     if first["type"] == "string_pattern_mismatch":
@@ -319,6 +426,8 @@ def _fields(path: Sequence[str]) -> list[str]:
         "gcode": Gcode,
         "page": Page,
         "solid": Solid,
+        "blade": Blade,
+        "papers": Paper,
         "operations": Operation,
     }
     tables |= {"mountain": Dash, "valley": Dash, "materials": Material}

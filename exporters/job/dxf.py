@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import logging
+from collections.abc import Container
 
 import ezdxf
 from ezdxf import colors, units
@@ -34,10 +35,13 @@ def export(job: Job, profile: Profile) -> bytes:
         document.header["$MEASUREMENT"] = 1
         document.header["$PSVPSCALE"] = 1.0
     space = document.modelspace()
+    taken: set[int] = set()
     for step in job.steps:
         name = step.operation.layer
         red, green, blue = (int(step.operation.colour[n : n + 2], 16) for n in (1, 3, 5))
-        layer = document.layers.add(name, color=_index((red, green, blue)))
+        index = _index((red, green, blue), taken)
+        taken.add(index)
+        layer = document.layers.add(name, color=index)
         if not old:
             layer.rgb = (red, green, blue)
         attributes = {"layer": name}
@@ -55,9 +59,13 @@ def export(job: Job, profile: Profile) -> bytes:
     return _bytes(document)
 
 
-def _index(rgb: tuple[int, int, int]) -> int:
-    """Return the nearest of the nine standard colours, for programs that know no others."""
-    return min(range(1, 10), key=lambda n: sum((a - b) ** 2 for a, b in zip(_standard(n), rgb, strict=True)))
+def _index(rgb: tuple[int, int, int], taken: Container[int]) -> int:
+    """Return the nearest of the standard colours that no other layer has, for programs that know no others.
+
+    The first nine have names, and come first if they are the colour itself.
+    """
+    free = (number for number in range(1, 256) if number not in taken)
+    return min(free, key=lambda n: sum((a - b) ** 2 for a, b in zip(_standard(n), rgb, strict=True)))
 
 
 def _standard(number: int) -> tuple[int, int, int]:

@@ -1,8 +1,8 @@
 """G-code: a job for machines that run GRBL, with a laser, or with a pen on a Z axis or a servo.
 
 Input: a ``Job`` and a ``Profile``; output: G-code in mm, absolute, one block to a line. A laser runs in dynamic mode
-(M4): its power follows the speed, and it is off during G0; power is relative to ``$30``. Source: GRBL 1.1, *Laser
-Mode*.
+(M4): its power follows the speed; power is relative to ``$30``. It is off during G0, and every G0 says S0 for
+controllers that are not in laser mode (``$32=0``). Source: GRBL 1.1, *Laser Mode*.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ def export(job: Job, profile: Profile) -> bytes:
     if code is None:
         raise JobError(f"the profile {profile.title!r} lacks what G-code needs: --set gcode.tool=laser, z or servo")
     lines = [_comment(f"foldcut: {job.title}"), "G21", "G90"]
-    lines += _laser(job, profile, code) if code.tool == "laser" else _pen(job, code)
-    lines += ["G0 X0 Y0", "M2"]
+    laser = code.tool == "laser"
+    lines += _laser(job, profile, code) if laser else _pen(job, code)
+    lines += ["G0 X0 Y0 S0" if laser else "G0 X0 Y0", "M2"]
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
@@ -34,36 +35,40 @@ def _laser(job: Job, profile: Profile, code: Gcode) -> Iterator[str]:
     yield "M4 S0"
     for step in job.steps:
         setting = step.setting
-        if setting is None:
+        if setting is None or setting.power_percent is None:
             raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")
         power = round(setting.power_percent / 100 * code.most_power)
         yield _comment(step.operation.layer)
         for _ in range(setting.passes):
             for first, rest in _strokes(job, step):
-                yield f"G0 {first}"
+                yield f"G0 {first} S0"
                 yield f"G1 {rest[0]} S{power} F{number(60 * setting.speed_mm_s)}"
                 yield from (f"G1 {point}" for point in rest[1:])
     yield "M5"
 
 
 def _pen(job: Job, code: Gcode) -> Iterator[str]:
+    dwell = [f"G4 P{number(code.dwell_s)}"] if code.dwell_s else []
     up, down = (
-        ([f"M3 S{code.pen_up:g}", "G4 P0.2"], [f"M3 S{code.pen_down:g}", "G4 P0.2"])
+        ([f"M3 S{code.servo_up}", *dwell], [f"M3 S{code.servo_down}", *dwell])
         if code.tool == "servo"
-        else ([f"G0 Z{number(code.pen_up)}"], [f"G1 Z{number(code.pen_down)} F{number(60 * code.draw_mm_s)}"])
+        else ([f"G0 Z{number(code.pen_up)}"], [f"G1 Z{number(code.pen_down)} F{number(60 * code.plunge_mm_s)}"])
     )
-    feed = number(60 * code.draw_mm_s)
     yield from up
     pen: int | None = None
     for step in job.steps:
         if step.operation.pen != pen:
             pen = step.operation.pen
             yield from (_comment(f"pen {pen}: {step.operation.layer}"), "M0")
-        for first, rest in _strokes(job, step):
-            yield f"G0 {first}"
-            yield from down
-            yield from (f"G1 {point} F{feed}" for point in rest)
-            yield from up
+        else:
+            yield _comment(f"pen {pen}: {step.operation.layer}")
+        speed = code.draw_mm_s if step.setting is None else step.setting.speed_mm_s
+        for _ in range(1 if step.setting is None else step.setting.passes):
+            for first, rest in _strokes(job, step):
+                yield f"G0 {first}"
+                yield from down
+                yield from (f"G1 {point} F{number(60 * speed)}" for point in rest)
+                yield from up
     if code.tool == "servo":
         yield "M5"
 

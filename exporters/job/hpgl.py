@@ -1,16 +1,21 @@
 """HPGL: a job for pen plotters and drag-knife cutters, with a pen or tool for each operation.
 
-Input: a ``Job`` and a ``Profile`` with its unit; output: HP-GL, one group of instructions to a line. The bed's lower
-left corner is at (0, 0). Source: HP 7475A *Interfacing and Programming Manual*, chapters 1 to 4: IN, SP, PU, PD, VS.
+Input: a ``Job`` and a ``Profile`` with its unit; output: HP-GL, one group of instructions to a line. (0, 0) is the
+bed's lower left corner, or that of the part of its paper that a plotter reaches. Sources: HP 7475A *Interfacing and
+Programming Manual*, chapters 1 to 4: IN, SP, PU, PD, VS; HP 7550A's: PS, FS, NR.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from foldcut.core.arrays import Floats
+from foldcut.jobs.blade import holder_path
 from foldcut.jobs.errors import JobError
-from foldcut.jobs.job import Job
-from foldcut.profiles import Profile
+from foldcut.jobs.job import Job, JobStep
+from foldcut.profiles import Paper, Profile, Setting
 
 POINTS_A_LINE = 16
 """The most pairs of coordinates in one instruction: old plotters have small buffers."""
@@ -19,38 +24,67 @@ POINTS_A_LINE = 16
 def export(job: Job, profile: Profile) -> bytes:
     """Return a job as an HPGL file.
 
-    Raises JobError: the profile has no unit or bed, an operation has no pen, or a stroke leaves the bed.
+    Raises JobError: the profile has no unit, bed or papers, an operation has no pen, or a stroke leaves the bed.
     """
-    if profile.hpgl is None or profile.bed is None:
+    if profile.hpgl is None or (profile.bed is None and not profile.papers):
         raise JobError(
             f"the profile {profile.title!r} lacks what HPGL needs: hpgl.unit_mm and bed; add them with --set"
         )
-    unit = profile.hpgl.unit_mm
-    reach = np.array([profile.bed.width_mm, profile.bed.height_mm])
-    lines = ["IN;"]
+    paper = None if job.paper is None else profile.papers[job.paper]
+    lines = ["IN;"] + ([f"PS{paper.set_ps};"] if paper is not None and paper.set_ps is not None else [])
+    pen: int | None = None
     for step in job.steps:
+        if pen is not None and step.operation.pen != pen and profile.hpgl.pause:
+            lines += ["PU;", profile.hpgl.pause]
         pen = step.operation.pen
         if pen is None:
             raise JobError(
                 f"the profile {profile.title!r} has no pen for {step.role}: --set operations.{step.role}.pen=1"
             )
-        lines.append(f"SP{pen};")
-        if step.setting is not None:
-            lines.append(f"VS{max(1, round(step.setting.speed_mm_s / 10))};")  # cm/s
-        passes = step.setting.passes if step.setting is not None else 1
-        if not step.strokes:
-            continue
-        points = np.concatenate(step.strokes) + np.array(job.at)
-        if (points < -1e-6).any() or (points > reach + 1e-6).any():
-            x, y = points[int(np.argmax(np.abs(points - reach / 2).max(axis=1)))]
-            raise JobError(f"({x:.2f}, {y:.2f}) mm is beyond the machine's {reach[0]:g} x {reach[1]:g} mm")
-        units = np.rint(points / unit).astype(int).tolist()
-        end = 0
-        for stroke in step.strokes:
-            start, end = end, end + len(stroke)
-            lines += _stroke(units[start:end]) * passes
-    lines += ["PU;", "SP0;"]
-    return ("\n".join(lines) + "\n").encode("ascii")
+        lines += [f"SP{pen};", *_setting(step.setting), *_strokes(step, job, profile, paper)]
+    last = f"PU{paper.final_x_units},{paper.final_y_units};" if paper is not None else "PU;"
+    return ("\n".join([*lines, last, "SP0;"]) + "\n").encode("ascii")
+
+
+def _setting(setting: Setting | None) -> Iterator[str]:
+    if setting is None:
+        return
+    if setting.force_g is not None:
+        yield f"FS{max(1, round(setting.force_g))};"
+    yield f"VS{max(1, round(setting.speed_mm_s / 10))};"  # cm/s
+
+
+def _strokes(step: JobStep, job: Job, profile: Profile, paper: Paper | None) -> Iterator[str]:
+    """Yield the instructions for the strokes of a step; all of them once before any is repeated."""
+    if not step.strokes:
+        return
+    assert profile.hpgl is not None
+    blade = profile.blade if profile.blade is not None and profile.blade.compensate else None
+    strokes = [stroke if blade is None else holder_path(stroke, blade) for stroke in step.strokes]
+    units = np.rint((np.concatenate(strokes) + np.array(job.at)) / profile.hpgl.unit_mm).astype(int)
+    _check(units, profile, paper)
+    ends = np.cumsum([len(stroke) for stroke in strokes])
+    for _ in range(1 if step.setting is None else step.setting.passes):
+        for some in np.split(units, ends[:-1]):
+            yield from _stroke(some.tolist())
+
+
+def _check(units: Floats, profile: Profile, paper: Paper | None) -> None:
+    """Raise JobError if a point is beyond what the machine reaches."""
+    assert profile.hpgl is not None
+    unit = profile.hpgl.unit_mm
+    if paper is not None:
+        reach = np.array([paper.x_units, paper.y_units])
+    else:
+        assert profile.bed is not None
+        reach = np.rint(np.array([profile.bed.width_mm, profile.bed.height_mm]) / unit).astype(int)
+    beyond = np.flatnonzero(((units < 0) | (units > reach)).any(axis=1))
+    if len(beyond):
+        x, y = units[beyond[0]] * unit
+        width, height = reach * unit
+        raise JobError(
+            f"({x:.2f}, {y:.2f}) mm is beyond the machine's {width:g} x {height:g} mm; use a smaller --sheet"
+        )
 
 
 def _stroke(units: list[list[int]]) -> list[str]:

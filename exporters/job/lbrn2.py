@@ -12,8 +12,12 @@ from foldcut.jobs.errors import JobError
 from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Profile
 
-PALETTE = {"#000000": 0, "#0000ff": 1, "#ff0000": 2, "#00ff00": 3}
-"""The indices of LightBurn's first layers by their colours, which are fixed."""
+COLOURS = (
+    "000000 0000ff ff0000 00e000 d0d000 ff8000 00e0e0 ff00ff b4b4b4 0000a0 a00000 00a000 a0a000 c08000 00a0ff "
+    "a000a0 808080 7d87b9 bb7784 4a6fe3 d33f6a 8cd78c f0b98d f6c4e1 fa9ed4 500a78 b45a00 004754 86fa88 ffdb66"
+)
+PALETTE = {f"#{colour}": index for index, colour in enumerate(COLOURS.split())} | {"#00ff00": 3}
+"""The indices of LightBurn's layers by their colours, which are fixed; plain green stands for its green."""
 
 
 def export(job: Job, profile: Profile) -> bytes:
@@ -57,7 +61,8 @@ def _shape(points: list[list[float]], index: int, at: tuple[float, float]) -> st
 def _indices(job: Job) -> list[int]:
     """Return the index of a layer for each step: LightBurn's own of the same colour where there is one."""
     indices: list[int] = []
-    others = iter(range(4, 4 + len(job.steps)))
+    wanted = {PALETTE.get(step.operation.colour) for step in job.steps}
+    others = (index for index in range(len(PALETTE)) if index not in wanted)
     for step in job.steps:
         index = PALETTE.get(step.operation.colour)
         indices.append(next(others) if index is None or index in indices else index)
@@ -66,7 +71,7 @@ def _indices(job: Job) -> list[int]:
 
 def _cut_setting(root: ET.Element, step: JobStep, index: int, priority: int, profile: Profile) -> None:
     setting = step.setting
-    if setting is None:
+    if setting is None or setting.power_percent is None:
         raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")
     cut = ET.SubElement(root, "CutSetting", type="Cut")
     for name, value in (

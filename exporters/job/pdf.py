@@ -39,6 +39,12 @@ MEANING: dict[Role, str] = {
 }
 """What the legend says about a role."""
 
+BEHIND: dict[Role, str] = MEANING | {
+    "mountain": "mountain, seen from behind: fold toward you",
+    "valley": "valley, seen from behind: fold away from you",
+}
+"""What the legend says on the page of the back."""
+
 LEGEND = "Legend"
 """The name of the legend's layer."""
 
@@ -63,7 +69,6 @@ def export(job: Job, profile: Profile) -> bytes:
     canvas = Canvas(raw, invariant=True, pageCompression=0)
     canvas.setTitle(printable(job.title) or "foldcut")
     canvas.setCreator("foldcut")
-    look = profile.drawing
     strokes = [stroke for step in job.steps for stroke in step.strokes]
     corners = np.concatenate([np.zeros((0, 2)), *strokes])
     ends = np.cumsum([len(stroke) for stroke in strokes], dtype=np.int64)
@@ -79,7 +84,7 @@ def export(job: Job, profile: Profile) -> bytes:
         for number, step in enumerate(job.steps):
             canvas._code.append(f"/OC /L{number} BDC")
             canvas.setStrokeColor(step.operation.colour)
-            canvas.setLineWidth(look.crease_stroke_mm * mm)
+            canvas.setLineWidth(profile.line_mm * mm)
             for stroke in step.strokes:
                 path = canvas.beginPath()
                 start, end = end, end + len(stroke)
@@ -176,7 +181,8 @@ def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
     pieces = {"mountain": mountain_pieces(sample, look), "valley": valley_pieces(sample, look)}
     roles = Counter(step.role for step in job.steps)
     # on a test card the rows are steps of the same role
-    words = [MEANING[s.role] if roles[s.role] == 1 else printable(s.operation.layer) for s in job.steps]
+    meaning = BEHIND if job.side == "back" else MEANING
+    words = [printable(step.words) or meaning[step.role] for step in job.steps]
     title = shortened(printable(job.title), float(ground.room[0]) / size)
     widths = [*(indent + _width(text, size) for text in words), _width(title, size)]
     place = ground.place([(max(widths), row * len(widths))], size / 2)
@@ -192,7 +198,7 @@ def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
             canvas.drawString(x * mm, base * mm, text)
             continue
         canvas.setStrokeColor(step.operation.colour)
-        canvas.setLineWidth(look.crease_stroke_mm * mm)
+        canvas.setLineWidth(profile.line_mm * mm)
         dashes = pieces.get(step.role, sample[None]) if roles[step.role] == 1 else sample[None]
         for start, end in dashes.tolist():
             height = base + 0.35 * size

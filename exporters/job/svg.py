@@ -2,7 +2,8 @@
 
 Input: a ``Job`` and a ``Profile``; output: SVG 1.1. One user unit is 1 mm, y points down, nothing is transformed; the
 drawing is as large as the sheet. Layers are Inkscape's, in the order of the job; AxiDraw reads the order and pauses
-from their names, and LightBurn, Glowforge, xTool and Cricut tell steps by their colours.
+from their names, and LightBurn, Glowforge, xTool and Cricut tell steps by their colours. A step is one compound path,
+and so one object to them.
 """
 
 from __future__ import annotations
@@ -38,10 +39,10 @@ def export(job: Job, profile: Profile) -> bytes:
             id=name,
             fill="none",
             stroke=operation.colour,
-            stroke_width=number(profile.drawing.crease_stroke_mm),
+            stroke_width=number(profile.line_mm),
         )
         drawing.add(group)
-        paths_of[name] = _paths(step, height)
+        paths_of[name] = [" ".join(_paths(step, height))]
     return with_paths(drawing, paths_of)
 
 

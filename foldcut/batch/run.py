@@ -186,7 +186,7 @@ def _check_free(out: Path, items: Sequence[Item], recipe: Recipe, names: Sequenc
     targets = [out / name for name in names]
     for item in items:
         for ending in recipe.endings:
-            targets += [out / path for path in recipe.job.sides(Path(item.stem + ending)).values()]
+            targets += [out / path for path in recipe.job.targets(Path(item.stem + ending), recipe.profile)]
     check_targets([target for target in targets if os.path.exists(target)], replace=replace)
 
 

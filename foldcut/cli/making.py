@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from foldcut.cli.console import Console
-from foldcut.cli.options import FoldRequest, Machine, OpenRequest, Request, Source
+from foldcut.cli.options import FoldRequest, OpenRequest, Request, Source
 from foldcut.core.errors import BadInputError, FileFormatError, ShapeError, UnfoldableError
 
 if TYPE_CHECKING:
+    from foldcut.cli.outputs import MadeFor
     from foldcut.foldfile.reopen import Reopened
-    from foldcut.jobs.job import Job
     from foldcut.pipeline import Result
 
 NOT_VERIFIED = "nothing is written"
@@ -87,19 +87,20 @@ def write_and_report(
     console: Console,
     *,
     replace: bool,
-    jobs: Sequence[Job] = (),
-    machine: Machine | None = None,
+    made: Sequence[MadeFor] = (),
 ) -> int:
-    """Write the files of a verified result and print its report; return the exit status."""
+    """Write the files of a verified result and print its report; return the exit status.
+
+    ``made``: the machines that there are files for, and their jobs.
+    """
     from foldcut.cli import report
     from foldcut.foldfile.reopen import Reopened
     from foldcut.output.atomic import write_files
 
     files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
     write_files(contents, replace=replace)
-    profile, material = (machine.profile, machine.job.material) if machine else (None, None)
     if isinstance(result, Reopened):
-        made = report.reopened_report(result, files, jobs, profile)
-        return console.verdict(made, report.reopened_lines(made), result.findings, NOT_VERIFIED)
-    made = report.make_report(result, files, jobs, profile, material)
-    return console.verdict(made, report.make_lines(made), result.findings, NOT_VERIFIED)
+        told = report.reopened_report(result, files, made)
+        return console.verdict(told, report.reopened_lines(told), result.findings, NOT_VERIFIED)
+    told = report.make_report(result, files, made)
+    return console.verdict(told, report.make_lines(told), result.findings, NOT_VERIFIED)

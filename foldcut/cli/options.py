@@ -7,6 +7,8 @@ commands' own ``run`` see the parsed arguments.
 
 from __future__ import annotations
 
+import math
+import os
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -34,8 +36,14 @@ STDIN = "-"
 """The SHAPE that stands for standard input."""
 LONGEST_STEM = 40
 """A file that is named after a text gets this many of its letters."""
-ANY_LASER = "laser-dxf"
-"""The profile for DXF files when no machine is named."""
+USUAL_MACHINES = {".dxf": ("laser-dxf",), ".pdf": ("printer-a4", "printer-letter", "print-shop-a3")}
+"""The profiles for files with these endings when no machine is named; among printers the one for the sheet is taken."""
+LETTER_COUNTRIES = frozenset(("BZ", "CA", "CL", "CO", "CR", "GT", "MX", "NI", "PA", "PH", "PR", "SV", "US", "VE"))
+"""Where letter paper is usual: Unicode CLDR, supplemental data, paperSize US-Letter."""
+USUAL_SHEET = "a4"
+"""The sheet if neither the user nor a machine has another."""
+USUAL_MARGIN_MM = 10.0
+"""The margin, unless the machine cannot reach a wider one."""
 
 
 # ---- reports ----
@@ -261,13 +269,14 @@ def add_folding(command: ArgumentParser) -> None:
     """Add where a drawing lies on the sheet, how it is read and mended, and how to search for its pattern."""
     command.add_argument(
         "--sheet",
-        default="a4",
         help="a paper size such as a4, turned to suit the drawing, or a4-landscape, or WIDTHxHEIGHT. A drawing that "
         "leaves much of it free may get a pattern for less paper; the report then says to what size to cut the sheet "
-        "down first. With --offset that never happens (default: %(default)s)",
+        f"down first. With --offset that never happens (default: the machine's own, or {USUAL_SHEET})",
     )
     command.add_argument(
-        "--margin", default="10mm", help="room kept free along the sheet's edges (default: %(default)s)"
+        "--margin",
+        help=f"room kept free along the sheet's edges (default: {USUAL_MARGIN_MM:g}mm, or as much as the machine "
+        "cannot reach)",
     )
     command.add_argument(
         "--scale",
@@ -439,9 +448,10 @@ def folding(args: Namespace) -> FoldOptions:
     def length(text: str | None) -> float | None:
         return None if text is None else parse_length(text)
 
+    sheet = parse_sheet(args.sheet or _usual_sheet(args))
     return FoldOptions(
-        sheet=parse_sheet(args.sheet),
-        margin=parse_length(args.margin),
+        sheet=sheet,
+        margin=_usual_margin(args, sheet) if args.margin is None else parse_length(args.margin),
         scale=_scale(args.scale, args.width, args.height),
         offset=_offset(args.offset),
         rotation=_rotation(args.rotate),
@@ -590,7 +600,8 @@ def add_machine(command: ArgumentParser) -> None:
     machine.add_argument(
         "--profile",
         metavar="NAME",
-        help=f"write the job for this machine; see foldcut profiles (default: none, and {ANY_LASER} for DXF alone)",
+        help="write the job for this machine; see foldcut profiles (default: none, any laser for DXF, the home printer "
+        "for PDF)",
     )
     machine.add_argument(
         "--set", metavar="KEY=VALUE", action="append", default=[], help="change a value of the profile (repeatable)"
@@ -607,16 +618,17 @@ def add_machine(command: ArgumentParser) -> None:
     )
     machine.add_argument(
         "--registration",
-        choices=("corners", "holes", "pins"),
-        help="what lines the back up with the front: corner marks, 3 mm holes for pegs, or 1 mm holes for needles "
-        "(default: corners)",
+        choices=("jig", "corners", "holes", "pins"),
+        help="what lines the back up with the front: a jig, the hole that the sheet is cut out of before it is turned "
+        "over; corner marks; 3 mm holes for pegs; or 1 mm holes for needles (default: a jig where the machine cuts, "
+        "corners where it draws)",
     )
     machine.add_argument(
         "--marks",
         metavar="NAME,...",
         help="what else is marked: outline (where the cut will be), first-folds, cut-line (only what can be seen of "
         "the outline when the sheet is folded), numbers (the order to press creases), title, ruler (PDF has both "
-        "anyway); or none (default: outline,first-folds)",
+        "anyway); or none (default: outline,first-folds where the machine draws, none where it cuts)",
     )
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the printer's paper on several pages"
@@ -649,20 +661,90 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
         material=args.material,
         treatment=args.treatment,
         two_sided=args.two_sided,
-        registration=args.registration or "corners",
+        registration=args.registration,
         marks=_marks(args.marks),
         tile=args.tile,
     )
     return Machine(name, profile, job)
 
 
-def _marks(text: str | None) -> tuple[str, ...]:
-    """Return the names of marks; raises JobError for an unknown one."""
+def usual_machines(args: Namespace, endings: Iterable[str]) -> dict[str, Machine]:
+    """Return the machines for files with these endings that have an obvious one, if the user names none."""
+    if args.profile is not None:
+        return {}
+    known = {ending.lower() for ending in endings} & USUAL_MACHINES.keys()
+    return {ending: machine(args, default=_usual_machine(args, ending)) for ending in sorted(known)}
+
+
+def no_machine() -> Machine:
+    """Return what files of the pattern alone are made for."""
+    from foldcut.output.render import JobOptions
+
+    return Machine(None, None, JobOptions())
+
+
+def _usual_machine(args: Namespace, ending: str) -> str:
+    """Return the machine for an ending: of several the one for the sheet, or for the paper of the user's country."""
+    from foldcut.drawing.placement import parse_sheet
+    from foldcut.profiles import load_profile
+
+    names = USUAL_MACHINES[ending]
+    wanted = parse_sheet(args.sheet or ("letter" if _letter_is_usual() else USUAL_SHEET))
+    for name in names:
+        own = parse_sheet(load_profile(name).sheet)
+        if sorted((own.width, own.height)) == sorted((wanted.width, wanted.height)):
+            return name
+    return names[1] if len(names) > 1 and _letter_is_usual() else names[0]
+
+
+def _letter_is_usual() -> bool:
+    """Whether letter paper is usual where the user lives, by the locale."""
+    locale = next((os.environ[name] for name in ("LC_ALL", "LC_PAPER", "LANG") if os.environ.get(name)), "")
+    return locale.partition(".")[0].partition("_")[2] in LETTER_COUNTRIES
+
+
+def _profile_asked_for(args: Namespace) -> Profile | None:
+    """Return the profile that decides on the sheet: the named one, or that of an output; above all a printer's."""
+    from foldcut.profiles import load_profile
+
+    if not hasattr(args, "profile"):
+        return None
+    if args.profile is not None:
+        return load_profile(args.profile, args.set)
+    outputs = [args.output] if isinstance(args.output, str) else args.output or []
+    formats = [f".{name.strip()}" for name in (getattr(args, "formats", None) or "").split(",")]
+    endings = {*(Path(output).suffix.lower() for output in outputs), *formats} & USUAL_MACHINES.keys()
+    profiles = [load_profile(_usual_machine(args, ending), args.set) for ending in sorted(endings)]
+    return min(profiles, key=lambda profile: profile.page is None, default=None)
+
+
+def _usual_sheet(args: Namespace) -> str:
+    """Return the sheet if none is asked for: the machine's own, or A4."""
+    profile = _profile_asked_for(args)
+    return USUAL_SHEET if profile is None else profile.sheet
+
+
+def _usual_margin(args: Namespace, sheet: Sheet) -> float:
+    """Return the margin if none is asked for, in mm: as wide as what the machine cannot reach."""
+    from foldcut.jobs.bed import unreached
     from foldcut.jobs.errors import JobError
-    from foldcut.jobs.marks import DEFAULT_MARKS, MARKS
+
+    profile = _profile_asked_for(args)
+    if profile is None or not profile.operations or args.tile:
+        return USUAL_MARGIN_MM
+    try:
+        return max(USUAL_MARGIN_MM, math.ceil(10 * unreached(sheet, profile)) / 10)
+    except JobError:  # it does not fit, which is said where files are checked
+        return USUAL_MARGIN_MM
+
+
+def _marks(text: str | None) -> tuple[str, ...] | None:
+    """Return the names of marks, None for those of the machine; raises JobError for an unknown one."""
+    from foldcut.jobs.errors import JobError
+    from foldcut.jobs.marks import MARKS
 
     if text is None:
-        return DEFAULT_MARKS
+        return None
     names = () if text == "none" else tuple(name.strip() for name in text.split(","))
     for name in names:
         if name not in MARKS:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,75 +13,107 @@ from foldcut.core.errors import BadInputError
 if TYPE_CHECKING:
     from foldcut.core.model import FoldedPattern, Sheet
     from foldcut.jobs.job import Job
+    from foldcut.output.render import Maker
 
 PATTERN_FORMATS = ("svg", "fold", "png")
 """What goes into a folder or an archive that is for no machine."""
 
 
 @dataclass(frozen=True)
+class MadeFor:
+    """A machine and the jobs that were made for it."""
+
+    machine: Machine
+    jobs: list[Job]
+
+
+@dataclass(frozen=True)
 class Outputs:
     """Files for a ``machine``, by their endings; a folder that exists, or a zip archive, is a *bundle* of several.
 
-    ``stem``: what the files in a folder are called.
+    ``stem``: what the files in a folder are called. ``usual``: machines for files with some endings, if the user names
+    none; all other files are of the pattern alone.
     """
 
     paths: tuple[Path, ...]
     stem: str
     machine: Machine
+    usual: Mapping[str, Machine] = field(default_factory=dict)
+
+    def machine_for(self, path: Path) -> Machine:
+        """Return the machine that a file is for."""
+        return self.usual.get(path.suffix.lower(), self.machine)
+
+    def machines(self) -> list[MadeFor]:
+        """Return the machines that there may be files for, without jobs."""
+        return [MadeFor(machine, []) for machine in (*self.usual.values(), self.machine) if machine.profile is not None]
 
     def check_formats(self, sheet: Sheet) -> None:
         """Raise what is wrong with the formats for this machine and sheet, before any long work."""
         from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
 
-        machine, job = self.machine.with_jobs, self.machine.job
         in_bundles = [member for path in self.paths if is_bundle(path) for member in self._members(path)]
         for path in [*in_bundles, *(path for path in self.paths if not is_bundle(path))]:
-            check_suffix(path.suffix, machine, self.machine.profile)
-            if machine is not None and path.suffix.lower() in JOB_EXPORTERS:
-                check_job_export(path.suffix, machine, sheet, material=job.material, tile=job.tile)
+            machine = self.machine_for(path)
+            check_suffix(path.suffix, machine.with_jobs, machine.profile)
+            if machine.with_jobs is not None and path.suffix.lower() in JOB_EXPORTERS:
+                job = machine.job
+                registration = (job.registration or machine.with_jobs.registration) if job.two_sided else None
+                check_job_export(
+                    path.suffix,
+                    machine.with_jobs,
+                    sheet,
+                    material=job.material,
+                    tile=job.tile,
+                    registration=registration,
+                )
 
     def targets(self) -> list[Path]:
-        """Return every file that will be written."""
+        """Return every file that may be written."""
         return [target for path in self.paths for target in self._targets(path)]
 
-    def contents(self, pattern: FoldedPattern) -> tuple[dict[Path, bytes], list[Job]]:
-        """Return the bytes of every file, and the jobs among them."""
+    def contents(self, pattern: FoldedPattern) -> tuple[dict[Path, bytes], list[MadeFor]]:
+        """Return the bytes of every file, and the machines that they are for with their jobs."""
         from foldcut.exporters.bundle import README, readme, zipped
         from foldcut.output.render import Maker
 
-        maker = Maker(pattern, self.machine.profile, self.machine.job)
+        makers: dict[str | None, tuple[Machine, Maker]] = {}
         contents: dict[Path, bytes] = {}
         for path in self.paths:
+            machine = self.machine_for(path)
+            made = Maker(pattern, machine.profile, machine.job)
+            _, maker = makers.setdefault(machine.name, (machine, made))
             if not is_bundle(path):
                 contents |= maker.files(path)
                 continue
             members: dict[str, bytes] = {}
-            sides: dict[str, Job | None] = {}
             for member in self._members(path):
                 members |= {str(name): data for name, data in maker.files(member).items()}
-                of_member = self.machine.job.sides(member)
-                sides |= {str(name): maker.jobs.get(side) for side, name in of_member.items()}
-            every = {README: readme(pattern, sides, self.machine.profile)} | members
+            jobs = {name: maker.jobs_of.get(Path(name)) for name in members}
+            text = readme(pattern, jobs, machine.profile, list(maker.jobs.values()))
+            every = {README: text} | members
             contents |= {path / name: data for name, data in every.items()} if path.is_dir() else {path: zipped(every)}
-        return contents, list(maker.jobs.values())
+        machines = [MadeFor(machine, list(maker.jobs.values())) for machine, maker in makers.values()]
+        return contents, [made for made in machines if made.machine.profile is not None]
 
     def _members(self, path: Path) -> list[Path]:
-        """Return the names of what goes into a bundle, without its README; a job may have two files for one name."""
+        """Return the names of what goes into a bundle, without its README; a job may have several files for one."""
         stem = self.stem if path.is_dir() else path.stem
         profile = self.machine.profile
         return [Path(f"{stem}.{ending}") for ending in (PATTERN_FORMATS if profile is None else (profile.format,))]
 
     def _targets(self, path: Path) -> list[Path]:
-        """Return the files that will be written for one output."""
-        sides = self.machine.job.sides
+        """Return the files that may be written for one output."""
+        machine = self.machine_for(path)
         if not path.is_dir():
-            return [path] if is_bundle(path) else list(sides(path).values())
+            return [path] if is_bundle(path) else machine.job.targets(path, machine.profile)
         from foldcut.exporters.bundle import OURS, README
 
         about = path / README
         if about.is_file() and not about.read_bytes().startswith(OURS.encode()):
             raise BadInputError(f"{about} exists and was not written by foldcut; choose an empty folder, or a .zip")
-        return [about, *(path / name for member in self._members(path) for name in sides(member).values())]
+        members = (name for member in self._members(path) for name in machine.job.targets(member, machine.profile))
+        return [about, *(path / name for name in members)]
 
 
 def is_bundle(path: Path) -> bool:

@@ -24,6 +24,7 @@ from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, t
 from foldcut.proof.verify import CHECKS
 
 if TYPE_CHECKING:
+    from foldcut.cli.outputs import MadeFor
     from foldcut.foldfile.reopen import Reopened
     from foldcut.jobs.job import Job
     from foldcut.pipeline import Result
@@ -44,18 +45,18 @@ MOST_FINDINGS = 10
 def make_report(
     result: Result,
     files: Sequence[Report],
-    jobs: Sequence[Job] = (),
-    profile: Profile | None = None,
-    material: str | None = None,
+    made: Sequence[MadeFor] = (),
 ) -> Report:
     """Return the report of ``foldcut make``.
 
-    ``files``: a dictionary with path, bytes and replaced for each file that was written. The thickness is that of the
-    profile's ``material``, by default its first one, or of office paper where the profile names no materials.
+    ``files``: a dictionary with path, bytes and replaced for each file that was written; ``made``: the machines that
+    they are for, and their jobs. The thickness is that of the first machine's material, by default the first one of its
+    profile, or of office paper where the profile names no materials.
     """
     pattern = result.folded_pattern
     sheet = pattern.sheet
-    paper, paper_mm = _paper(profile, material)
+    first = made[0].machine if made else None
+    paper, paper_mm = _paper(first.profile, first.job.material) if first is not None else ("office paper", PAPER_MM)
     return {
         "ok": result.verified,
         "title": pattern.title,
@@ -80,9 +81,7 @@ def make_report(
         "verified": list(CHECKS) if result.verified else [],
         "findings": list(map(asdict, result.findings)),
         "notes": list(result.notes),
-        "jobs": [_job_report(job) for job in jobs],
-        "machine": profile.title if profile else None,
-        "next": _next(files, profile),
+        **_machine_report(files, made),
         "files": list(files),
     }
 
@@ -232,12 +231,29 @@ def _paper(profile: Profile | None, material: str | None) -> tuple[str, float]:
     return name, profile.materials[name].thickness_mm
 
 
-def _next(files: Sequence[Report], profile: Profile | None) -> list[str]:
-    """Return what to do in the machine's software, if one of the files is in the format that it reads."""
+def _machine_report(files: Sequence[Report], made: Sequence[MadeFor]) -> Report:
+    """Return what a report says of machines: their jobs, their titles, and what their operators do."""
+    profiles = [one.machine.profile for one in made if one.machine.profile is not None]
+    return {
+        "jobs": [_job_report(job) for one in made for job in one.jobs],
+        "machine": ", ".join(profile.title for profile in profiles) or None,
+        "next": [line for one in made for line in _next(files, one, len(made) > 1)],
+    }
+
+
+def _next(files: Sequence[Report], made: MadeFor, several: bool) -> list[str]:
+    """Return what the operator does: in the machine's software only if a file is in the format that it reads."""
+    from foldcut.jobs.instructions import instructions
+
+    profile, jobs = made.machine.profile, made.jobs
     if profile is None:
         return []
     endings = {str(file["path"]).rpartition(".")[2].lower() for file in files}
-    return list(profile.instructions) if endings & {profile.format, "zip"} else []
+    fits = bool(endings & {profile.format, "zip"})
+    if not fits and not jobs:
+        return []
+    lines = [line for line in instructions(profile, jobs) if fits or line not in profile.instructions]
+    return [f"{profile.title}: {line}" for line in lines] if several else lines
 
 
 def make_lines(report: Report) -> list[str]:
@@ -272,12 +288,19 @@ def _job_report(job: Job) -> Report:
     return {
         "side": job.side,
         "turned": job.turned,
+        "turned_over": job.turned_over,
+        "registration": job.registration,
+        "holes_mm": None if job.holes is None else (job.holes + job.at).tolist(),
+        "missed_mm": list(job.missed),
+        "uncut": job.uncut,
         "travel_before_mm": job.travel_before,
         "travel_mm": job.travel,
         "steps": [
             {
                 "role": step.role,
                 "layer": step.operation.layer,
+                "colour": step.operation.colour,
+                "action": step.action,
                 "strokes": len(step.strokes),
                 "length_mm": step.length,
                 **({"setting": step.setting.model_dump()} if step.setting else {}),
@@ -380,17 +403,13 @@ def check_lines(report: Report) -> list[str]:
     return _aligned([*_pattern_rows(report), *notes, *_verdict_rows(report)])
 
 
-def reopened_report(
-    result: Reopened, files: Sequence[Report], jobs: Sequence[Job] = (), profile: Profile | None = None
-) -> Report:
+def reopened_report(result: Reopened, files: Sequence[Report], made: Sequence[MadeFor] = ()) -> Report:
     """Return the report of a pattern that was read from a FOLD file; ``files`` as in ``make_report``."""
     pattern = result.folded_pattern
     return {
         **check_report(pattern.creases, result.findings, True, result.notes),
         "title": pattern.title,
-        "jobs": [_job_report(job) for job in jobs],
-        "machine": profile.title if profile else None,
-        "next": _next(files, profile),
+        **_machine_report(files, made),
         "files": list(files),
     }
 

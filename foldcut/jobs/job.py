@@ -4,30 +4,32 @@
 corner of the sheet as it lies on the bed (``bed``); ``Job.at`` says where on the bed that is.
 
 The steps come in this order: marks, mountains, valleys, and last the outline of the sheet, which is cut when everything
-else is done. No line is drawn twice. ``marks`` draws the marks, ``dashes`` divides creases into pieces, and
-``pen_path`` orders the strokes of each step.
+else is done. No line is drawn twice, and none goes beyond what the machine reaches. ``marks`` draws the marks,
+``dashes`` divides creases into pieces, and ``pen_path`` joins and orders the strokes of each step.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 import shapely
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
-from foldcut.jobs.bed import Lay, Side
-from foldcut.jobs.dashes import crease_pieces
+from foldcut.jobs.bed import Box, Lay, Side, TurnedOver
+from foldcut.jobs.dashes import Cuts, crease_pieces, perforations
 from foldcut.jobs.errors import JobError
-from foldcut.jobs.marks import DEFAULT_MARKS, HOLES_MM, MARKS, corner_marks, crosses, holes
-from foldcut.jobs.pen_path import Run, ordered, travel
-from foldcut.profiles import Dash, Operation, Profile, Role, Setting, Treatment
+from foldcut.jobs.marks import HOLES_MM, MARKS, Room, corner_marks, crosses, hole_centres, holes
+from foldcut.jobs.pen_path import Run, chained, joined, ordered, travel
+from foldcut.profiles import Action, Material, Operation, Profile, Registration, Role, Setting, Treatment
 
-Registration = Literal["corners", "holes", "pins"]
-"""What lines the back up with the front: marks in the corners, holes for pegs, or pinholes."""
+__all__ = ["Job", "JobStep", "Registration", "check_job", "make_jobs", "steps_of"]
+
+SHORTEST_STROKE_MM = 0.05
+"""What is left of a line at the edge of a plotter's reach is drawn if it is at least this long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,12 +37,15 @@ class JobStep:
     """The strokes of one role, ``(n, 2)`` each, in the order and the direction in which they are made.
 
     ``operation`` says what the machine calls the role; ``setting`` is None where the material has none for it.
+    ``action``: what is done with the strokes; ``words``: what is said of them if their role does not say it all.
     """
 
     role: Role
     operation: Operation
     setting: Setting | None
     strokes: tuple[Floats, ...]
+    action: Action = "mark"
+    words: str = ""
 
     @property
     def length(self) -> float:
@@ -52,8 +57,11 @@ class JobStep:
 class Job:
     """Everything that is done to one side of a sheet.
 
-    ``size``, ``at`` and ``turned`` are those of the ``Lay``; ``travel_before`` and ``travel``: how far the tool moves
-    between strokes, in mm, in the pattern's own order and in the job's.
+    ``size``, ``at``, ``turned`` and ``paper`` are those of the ``Lay``; ``travel_before`` and ``travel``: how far the
+    tool moves between strokes, in mm, in the pattern's own order and in the job's. ``turned_over``: how the sheet is
+    turned over between the front and the back, and what ``registration`` lines them up; ``holes``: the centres of
+    registration holes, ``(3, 2)``. ``missed``: how wide the margins are that the machine does not reach, at the left,
+    lower, right and upper edge; ``uncut``: how many creases are too short to perforate.
     """
 
     title: str
@@ -64,6 +72,12 @@ class Job:
     steps: tuple[JobStep, ...]
     travel_before: float
     travel: float
+    paper: str | None = None
+    turned_over: TurnedOver | None = None
+    registration: Registration | None = None
+    holes: Floats | None = None
+    missed: Box = (0.0, 0.0, 0.0, 0.0)
+    uncut: int = 0
 
 
 def make_jobs(
@@ -73,124 +87,222 @@ def make_jobs(
     material: str | None = None,
     treatment: Treatment | None = None,
     two_sided: bool = False,
-    registration: Registration = "corners",
-    marks: Sequence[str] = DEFAULT_MARKS,
+    registration: Registration | None = None,
+    marks: Sequence[str] | None = None,
     tile: bool = False,
 ) -> tuple[Job, ...]:
     """Return the job for a pattern on a machine, or with ``two_sided`` one for its front and one for its back.
 
     ``material``: a name from the profile; its first by default. ``treatment`` of the creases: "score", "perforate" or
-    "draw"; the profile's by default. ``two_sided``: mountains from the front and valleys from the back; the sheet is
-    turned over like a page, left to right. ``registration`` lines the sides up: corner marks on both, or "holes" or
-    "pins" that are cut from the front and have crosses at their places on the back. ``marks``: names from ``MARKS``.
-    ``tile``: a printer may use several pages for the sheet.
+    "draw"; the profile's by default. ``two_sided``: mountains from the front and valleys from the back; how the sheet
+    is turned over between them is in ``Job.turned_over``. ``registration`` lines the sides up, by default the
+    profile's: "jig": the outline is cut with the front, and the sheet turned over in the hole it leaves; "corners":
+    marks on both sides; or "holes" or "pins" that are cut from the front and have crosses at their places on the back.
+    ``marks``: names from ``MARKS``; the profile's by default. ``tile``: a printer may use several pages for the sheet.
 
     Raises JobError: the sheet does not fit the bed, or the profile has no such material.
     """
     treatment = treatment or profile.treatment
-    check_job(pattern.sheet, profile, material=material, tile=tile)
-    dashes, settings = _material(profile, material, treatment)
-    lay = Lay.on(pattern.sheet, None if tile else profile.bed)
-    sides: tuple[Side, ...] = ("front", "back") if two_sided else ("both",)
+    registration = registration or profile.registration
+    check_job(pattern.sheet, profile, material=material, tile=tile, registration=registration if two_sided else None)
+    lay = Lay.for_machine(pattern.sheet, profile, tile=tile)
+    stuff = _material(profile, material)
+    creases, uncut = _creases(pattern, profile, stuff, treatment)
+    # the cut line is part of the outline, and no line may be there twice
+    names = profile.marks if marks is None else marks
+    drawn = [
+        line for name in names if name != "cut-line" or "outline" not in names for line in _mark(name, pattern, lay)
+    ]
     jobs = []
-    for side in sides:
+    for side in cast("tuple[Side, ...]", ("front", "back") if two_sided else ("both",)):
         runs: dict[Role, list[Run]] = {"mark": [], "mountain": [], "valley": [], "cut": []}
         if side != "back":
-            # the cut line is part of the outline, and no line may be there twice
-            names = [name for name in marks if name != "cut-line" or "outline" not in marks]
-            runs["mark"] += [[line] for name in names for line in MARKS[name](pattern)]
+            runs["mark"] += [[line] for line in drawn]
         if two_sided:
-            role, lines = _registration(pattern.sheet, registration, side)
+            role, lines = _registration(pattern.sheet, registration, side, lay.room)
             runs[role] += [[line] for line in lines]
         for role, letter, absent in (("mountain", "M", "back"), ("valley", "V", "front")):
             if side != absent:
-                runs[role] += list(crease_pieces(pattern.creases, letter, treatment, dashes, profile.drawing))
-        if profile.cut_outline and side != "front":
-            corners = _outset(pattern.sheet.corners, profile.kerf_mm / 2)
-            runs["cut"].append([np.concatenate([corners, corners[:1]])])
-        jobs.append(_job(pattern, profile, runs, settings, lay, side))
+                runs[role] += creases[letter]
+        # out of a jig the sheet is cut before it is turned over
+        last = "front" if registration == "jig" else "back"
+        if (profile.cut_outline or lay.cut_out) and side in ("both", last):
+            runs["cut"].append([_outset(pattern.sheet.corners, profile.kerf_mm / 2)])
+        job = replace(_job(pattern, profile, runs, _actions(treatment), stuff, lay, side), uncut=uncut)
+        if two_sided:
+            job = replace(job, registration=registration, turned_over=lay.turned_over)
+        if two_sided and registration in HOLES_MM:
+            centres = hole_centres(pattern.sheet, HOLES_MM[registration], lay.room)
+            job = replace(job, holes=lay.place(centres, side))
+        jobs.append(job)
     return tuple(jobs)
 
 
-def _registration(sheet: Sheet, kind: Registration, side: Side) -> tuple[Role, list[Floats]]:
+def _mark(name: str, pattern: FoldedPattern, lay: Lay) -> list[Floats]:
+    return MARKS[name](pattern, None if lay.reach is None else lay.room)
+
+
+def _creases(
+    pattern: FoldedPattern, profile: Profile, stuff: Material, treatment: Treatment
+) -> tuple[Mapping[str, list[Run]], int]:
+    """Return the runs of mountains and valleys, and how many creases are too short to perforate."""
+    if treatment == "perforate":
+        shortest = profile.blade.offset_mm if profile.blade is not None else 0.0
+        dashes = {"M": stuff.mountain, "V": stuff.valley}
+        return perforations(pattern.creases, Cuts(dashes, profile.kerf_mm + stuff.web_mm, shortest))
+    return {
+        letter: list(crease_pieces(pattern.creases, letter, treatment, profile.drawing)) for letter in ("M", "V")
+    }, 0
+
+
+def _registration(sheet: Sheet, kind: Registration, side: Side, room: Room) -> tuple[Role, list[Floats]]:
     """Return the lines that line one side up with the other, and their role."""
+    if kind == "jig":
+        return "cut", []
     if kind == "corners":
-        return "mark", corner_marks(sheet)
+        return "mark", corner_marks(sheet, room)
     diameter = HOLES_MM[kind]
-    return ("cut", holes(sheet, diameter)) if side == "front" else ("mark", crosses(sheet, diameter))
+    return ("cut", holes(sheet, diameter, room)) if side == "front" else ("mark", crosses(sheet, diameter, room))
 
 
-def check_job(sheet: Sheet, profile: Profile, *, material: str | None = None, tile: bool = False) -> None:
+def check_job(
+    sheet: Sheet,
+    profile: Profile,
+    *,
+    material: str | None = None,
+    tile: bool = False,
+    registration: Registration | None = None,
+) -> None:
     """Check a job before there is a pattern.
 
-    Raises JobError: the sheet does not fit the bed, or the profile has no such material or is only for drawings.
+    Raises JobError: the sheet does not fit the bed, the profile has no such material or is only for drawings, or it
+    cuts no jig.
     """
     for role in ("mark", "mountain", "valley", "cut"):
         if role not in profile.operations:
             raise JobError(
                 f"the profile {profile.title!r} has no operation {role!r}; leave --profile out for a drawing"
             )
-    _material(profile, material, "score")
+    _material(profile, material)
+    if registration == "jig" and profile.draws:
+        raise JobError(f"{profile.title} cuts no jig to turn the sheet over in; use --registration corners")
     if tile and profile.page is None:
         raise JobError(f"the profile {profile.title!r} cannot tile: only printers take several pages")
-    Lay.on(sheet, None if tile else profile.bed)
+    Lay.for_machine(sheet, profile, tile=tile)
 
 
 def steps_of(profile: Profile, material: str | None = None) -> tuple[JobStep, ...]:
     """Return a job's steps without strokes, to check that a format finds all it needs in the profile."""
-    _, settings = _material(profile, material, profile.treatment)
-    return tuple(JobStep(role, operation, settings[role], ()) for role, operation in profile.operations.items())
+    actions, stuff = _actions(profile.treatment), _material(profile, material)
+    return tuple(
+        JobStep(role, operation, getattr(stuff, _SETTINGS[actions[role]]), (), actions[role])
+        for role, operation in profile.operations.items()
+    )
 
 
 def _job(
     pattern: FoldedPattern,
     profile: Profile,
     runs_of: dict[Role, list[Run]],
-    settings: dict[Role, Setting | None],
+    actions: Mapping[Role, Action],
+    stuff: Material,
     lay: Lay,
     side: Side,
 ) -> Job:
     """Lay the runs on the bed and order them, role by role; each role goes on where the one before it ended."""
-    steps = []
+    steps: list[JobStep] = []
     travel_before = travel_after = 0.0
     here = here_before = np.zeros(2)
     for role, runs in runs_of.items():
+        runs = within([[lay.place(stroke, side) for stroke in run] for run in runs], lay.reach)
         if not runs:
             continue
-        runs = [[lay.place(stroke, side) for stroke in run] for run in runs]
         travel_before += travel(runs, here_before)
         here_before = runs[-1][-1][-1]
-        runs = ordered(runs, here)
+        runs = chained(ordered(joined(runs), here))
         travel_after += travel(runs, here)
         here = runs[-1][-1][-1]
         strokes = tuple(stroke for run in runs for stroke in run)
-        steps.append(JobStep(role, profile.operations[role], settings[role], strokes))
-    return Job(pattern.title, lay.size, lay.at, lay.turned, side, tuple(steps), travel_before, travel_after)
+        action = actions[role]
+        operation = operation_for(profile, role, action)
+        if steps and profile.pause_prefix and operation.pen != steps[-1].operation.pen:
+            operation = operation.model_copy(update={"layer": profile.pause_prefix + operation.layer})
+        steps.append(JobStep(role, operation, getattr(stuff, _SETTINGS[action]), strokes, action))
+    job = Job(pattern.title, lay.size, lay.at, lay.turned, side, tuple(steps), travel_before, travel_after, lay.paper)
+    _check_reach(job, profile)
+    if lay.reach is not None:
+        (width, height), (x, y, u, v) = lay.size, lay.reach
+        job = replace(job, missed=(max(0.0, x), max(0.0, y), max(0.0, width - u), max(0.0, height - v)))
+    return job
 
 
-def _material(
-    profile: Profile, name: str | None, treatment: Treatment
-) -> tuple[dict[str, Dash], dict[Role, Setting | None]]:
-    """Return the perforations of a material by assignment, and its settings by role."""
+def operation_for(profile: Profile, role: Role, action: Action) -> Operation:
+    """Return what a machine calls the lines of a role; perforations are cut with the tool for cuts."""
+    operation = profile.operations[role]
+    if action != "perforate" or profile.draws:
+        return operation
+    return operation.model_copy(update={"pen": profile.operations["cut"].pen})
+
+
+def within(runs: list[Run], reach: Box | None) -> list[Run]:
+    """Return what is left of the runs within the reach of the machine; runs that are beyond it are left out."""
+    if reach is None:
+        return runs
+    low, high = np.array(reach[:2]), np.array(reach[2:])
+    box = shapely.box(*reach)
+    return [left for run in runs if (left := [part for stroke in run for part in _inside(stroke, low, high, box)])]
+
+
+def _inside(stroke: Floats, low: Floats, high: Floats, box: shapely.Geometry) -> list[Floats]:
+    """Return the parts of a stroke in a box, in their order."""
+    if (stroke >= low).all() and (stroke <= high).all():
+        return [stroke]
+    line = shapely.linestrings(stroke)
+    shared = shapely.get_parts(shapely.intersection(line, box))
+    lines = [part for part in shared if shapely.length(part) >= SHORTEST_STROKE_MM]
+    return [shapely.get_coordinates(part) for part in lines]
+
+
+def _check_reach(job: Job, profile: Profile) -> None:
+    """Raise JobError if a stroke leaves the bed: a wide kerf, or marks on the sheet's edge."""
+    if profile.bed is None or profile.page is not None:
+        return
+    bed = profile.bed
+    for step in job.steps:
+        points = np.concatenate(step.strokes) + job.at
+        if (points < -1e-6).any() or (points > np.array([bed.width_mm, bed.height_mm]) + 1e-6).any():
+            raise JobError(
+                f"layer {step.operation.layer} goes beyond the machine's {bed.width_mm:g} x {bed.height_mm:g} mm; use "
+                "a smaller --sheet"
+            )
+
+
+_SETTINGS: dict[Action, str] = {
+    "mark": "mark",
+    "score": "score",
+    "draw": "score",
+    "perforate": "perforate",
+    "cut": "cut",
+}
+"""Which setting of a material goes with an action."""
+
+
+def _actions(treatment: Treatment) -> dict[Role, Action]:
+    return {"mark": "mark", "mountain": treatment, "valley": treatment, "cut": "cut"}
+
+
+def _material(profile: Profile, name: str | None) -> Material:
+    """Return a material of a profile; raises JobError: there is none of this name."""
     if not profile.materials:
         raise JobError(f"the profile {profile.title!r} has no materials")
     name = name or next(iter(profile.materials))
     if name not in profile.materials:
         raise JobError(f"there is no material {name!r}; choose one of {', '.join(profile.materials)}")
-    material = profile.materials[name]
-    score = material.perforate if treatment == "perforate" else material.score
-    settings: dict[Role, Setting | None] = {
-        "mark": material.mark,
-        "mountain": score,
-        "valley": score,
-        "cut": material.cut,
-    }
-    return {"M": material.mountain, "V": material.valley}, settings
+    return profile.materials[name]
 
 
 def _outset(corners: Floats, by: float) -> Floats:
-    """Return an outline moved outwards by half the kerf, so that what is cut out has its true size."""
-    if not by:
-        return corners
-    outline = shapely.Polygon(corners).buffer(by, join_style="mitre").exterior
-    return np.asarray(outline.coords)[:-1]
+    """Return the closed outline of the sheet, moved outwards by half the kerf, so that the sheet has its true size."""
+    if by:
+        corners = np.asarray(shapely.Polygon(corners).buffer(by, join_style="mitre").exterior.coords)[:-1]
+    return np.concatenate([corners, corners[:1]])

@@ -1,7 +1,8 @@
 """Marks that a job may have besides its creases: their names, and the lines they are drawn with.
 
 ``FoldedPattern`` -> polylines, ``(n, 2)`` mm, on the pattern's sheet. Text is made of the single strokes of Hershey's
-fonts, so that a pen or a laser can follow it.
+fonts, so that a pen or a laser can follow it. A *room* is the part of the sheet that the machine reaches: left, lower,
+right and upper edge in mm, by default those of the sheet.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import shapely
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
@@ -25,6 +27,11 @@ from foldcut.pattern.straight_lines import straight_lines
 
 TOUCHING = 1e-9
 """Places this close together, relative to the sheet's diagonal, are one."""
+
+Room = tuple[float, float, float, float]
+
+REACH_MM = 1.0
+"""Marks keep this far from where the machine's reach ends."""
 
 TEXT_MM = 4.0
 """The height of titles."""
@@ -57,15 +64,19 @@ HOLE_CORNERS = 24
 """The number of corners of the polygon that is cut for a round hole."""
 
 
-def outline(pattern: FoldedPattern) -> list[Floats]:
+def outline(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
     """Return the loops of the shape: where the cut will be on the flat sheet."""
     return [np.concatenate([loop, loop[:1]]) for loop in pattern.shape.loops]
 
 
-def first_folds(pattern: FoldedPattern) -> list[Floats]:
+def first_folds(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
     """Return arrowheads at both ends of each line that is folded first, pointing at the sheet's edge."""
+    around = shapely.box(*(room or whole(pattern.sheet)))
     arrows = []
-    for line in pattern.first_folds:
+    for whole_line in pattern.first_folds:
+        line = shapely.get_coordinates(shapely.intersection(shapely.linestrings(whole_line), around))
+        if len(line) < 2:
+            continue
         for end, other in (line, line[::-1]):
             along = (end - other) / math.dist(end, other)
             tip, across = end - 0.5 * along, left_normal(along)
@@ -74,7 +85,7 @@ def first_folds(pattern: FoldedPattern) -> list[Floats]:
     return arrows
 
 
-def cut_line(pattern: FoldedPattern) -> list[Floats]:
+def cut_line(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
     """Return the parts of the outline that can be seen on the folded sheet, from front or back: where to cut."""
     creases = pattern.creases
     tolerance = TOUCHING * pattern.sheet.diagonal
@@ -115,7 +126,7 @@ def pressing_order(pattern: FoldedPattern) -> tuple[list[Floats], list[Floats]]:
     return firsts, rest
 
 
-def numbers(pattern: FoldedPattern) -> list[Floats]:
+def numbers(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
     """Return a number beside each line of creases, in ``pressing_order``.
 
     Lines shorter than ``SHORTEST_NUMBERED_MM`` count but have no number.
@@ -129,33 +140,34 @@ def numbers(pattern: FoldedPattern) -> list[Floats]:
         along = -along if along[0] < -1e-9 or (abs(along[0]) < 1e-9 and along[1] < 0) else along
         middle = line.mean(axis=0) + left_normal(along) * 0.3 * NUMBER_MM
         strokes += [_turned(stroke, along) + middle for stroke in text(str(number), NUMBER_MM)]
-    return _on_sheet(strokes, pattern.sheet)
+    return _in_room(strokes, room or whole(pattern.sheet))
 
 
-def title(pattern: FoldedPattern) -> list[Floats]:
+def title(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
     """Return as much of the title as fits into the upper left corner of the sheet."""
     words = pattern.title
+    left, _, right, high = _inset(pattern.sheet, room, INSET_MM)
     while words:
-        strokes = text(words, TEXT_MM, (INSET_MM, pattern.sheet.height - INSET_MM - TEXT_MM))
-        if not strokes or max(stroke[:, 0].max() for stroke in strokes) < pattern.sheet.width - INSET_MM:
-            return _on_sheet(strokes, pattern.sheet)
+        strokes = text(words, TEXT_MM, (left, high - TEXT_MM))
+        if not strokes or max(stroke[:, 0].max() for stroke in strokes) < right:
+            return _in_room(strokes, room or whole(pattern.sheet))
         words = words[:-1]
     return []
 
 
-def ruler(pattern: FoldedPattern) -> list[Floats]:
+def ruler(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
     """Return a ruler along the sheet's lower edge, to check the size: 100 mm, or as much as fits."""
-    length = min(RULER_MM, 10 * math.floor((pattern.sheet.width - 2 * INSET_MM - 20) / 10))
+    x, y, right, _ = _inset(pattern.sheet, room, INSET_MM)
+    length = min(RULER_MM, 10 * math.floor((right - x - 20) / 10))
     if length <= 0:
         return []
-    x, y = INSET_MM, INSET_MM
     ticks = range(round(length / 10) + 1)
     lines = [np.array([(x, y), (x + length, y)])]
     lines += [np.array([(x + 10 * k, y), (x + 10 * k, y + (2.0 if k % 5 else 3.0))]) for k in ticks]
     return lines + text(f"{length:g} mm", NUMBER_MM, (x + length + 2, y))
 
 
-MARKS: dict[str, Callable[[FoldedPattern], list[Floats]]] = {
+MARKS: dict[str, Callable[[FoldedPattern, Room | None], list[Floats]]] = {
     "outline": outline,
     "first-folds": first_folds,
     "cut-line": cut_line,
@@ -165,35 +177,35 @@ MARKS: dict[str, Callable[[FoldedPattern], list[Floats]]] = {
 }
 """The marks that can be asked for, by name."""
 
-DEFAULT_MARKS = ("outline", "first-folds")
-"""The marks of a job unless others are asked for."""
 
-
-def corner_marks(sheet: Sheet) -> list[Floats]:
+def corner_marks(sheet: Sheet, room: Room | None = None) -> list[Floats]:
     """Return an L in each corner of the sheet except the upper right, which shows how the sheet lies."""
-    inset, size = CORNER_MARK_MM / 2, CORNER_MARK_MM
+    size = CORNER_MARK_MM
+    left, low, right_edge, high = _inset(sheet, room, CORNER_MARK_MM / 2)
     marks = []
-    for x, y, right, up in ((0.0, 0.0, 1, 1), (sheet.width, 0.0, -1, 1), (0.0, sheet.height, 1, -1)):
-        x, y = x + right * inset, y + up * inset
+    for x, y, right, up in ((left, low, 1, 1), (right_edge, low, -1, 1), (left, high, 1, -1)):
         marks.append(np.array([(x + right * size, y), (x, y), (x, y + up * size)]))
     return marks
 
 
-def holes(sheet: Sheet, diameter: float) -> list[Floats]:
-    """Return a round hole, closed, in each corner of the sheet except the upper right."""
+def hole_centres(sheet: Sheet, diameter: float, room: Room | None = None) -> Floats:
+    """Return the centres of the registration holes, ``(3, 2)``: in each corner of the sheet except the upper right."""
+    left, low, right, high = _inset(sheet, room, HOLE_INSET_MM, diameter)
+    return np.array([(left, low), (right, low), (left, high)])
+
+
+def holes(sheet: Sheet, diameter: float, room: Room | None = None) -> list[Floats]:
+    """Return the round registration holes, closed."""
     angle = np.linspace(0.0, 2 * np.pi, HOLE_CORNERS + 1)
     circle = diameter / 2 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     circle[-1] = circle[0]
-    inset = HOLE_INSET_MM
-    places = ((inset, inset), (sheet.width - inset, inset), (inset, sheet.height - inset))
-    return [circle + place for place in places]
+    return [circle + place for place in hole_centres(sheet, diameter, room)]
 
 
-def crosses(sheet: Sheet, size: float) -> list[Floats]:
+def crosses(sheet: Sheet, size: float, room: Room | None = None) -> list[Floats]:
     """Return crosses at the centres of ``holes``."""
     lines = []
-    for hole in holes(sheet, size):
-        centre = hole[:-1].mean(axis=0)
+    for centre in hole_centres(sheet, size, room):
         lines += [np.array([centre - step, centre + step]) for step in ((size, 0.0), (0.0, size))]
     return lines
 
@@ -219,6 +231,23 @@ def _turned(stroke: Floats, along: Floats) -> Floats:
     return turned
 
 
-def _on_sheet(strokes: Iterable[Floats], sheet: Sheet) -> list[Floats]:
-    """Return the strokes that lie wholly on the sheet."""
-    return [s for s in strokes if s.min() >= 0 and s[:, 0].max() <= sheet.width and s[:, 1].max() <= sheet.height]
+def whole(sheet: Sheet) -> Room:
+    """Return all of a sheet as the room for marks."""
+    return 0.0, 0.0, sheet.width, sheet.height
+
+
+def _inset(sheet: Sheet, room: Room | None, inset: float, clear: float = REACH_MM) -> Room:
+    """Return the edges that are ``inset`` from the sheet's, and at least ``clear`` from those of the room."""
+    left, low, right, high = room or (-inset, -inset, sheet.width + inset, sheet.height + inset)
+    return (
+        max(inset, left + clear),
+        max(inset, low + clear),
+        min(sheet.width - inset, right - clear),
+        min(sheet.height - inset, high - clear),
+    )
+
+
+def _in_room(strokes: Iterable[Floats], room: Room) -> list[Floats]:
+    """Return the strokes that lie wholly in the room."""
+    low, high = np.array(room[:2]), np.array(room[2:])
+    return [s for s in strokes if (s >= low).all() and (s <= high).all()]

@@ -4,8 +4,9 @@ Runs -> the same runs in another order, some of them reversed. A *run* is the st
 each, which stay together in their order: one stroke, or the dashes of a line. *Travel* is how far the pen, the laser
 head or the knife moves between strokes, in mm.
 
-The nearest free end comes next (greedy), and then stretches of the path are reversed for as long as that shortens it
-(2-opt). docs/jobs.md has how near to the shortest path that comes.
+Strokes that go on where another ends are joined first. The nearest free end comes next (greedy), and then stretches of
+the path are reversed for as long as that shortens it (2-opt). docs/jobs.md has how near to the shortest path that
+comes.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+import shapely
 
 from foldcut.core.arrays import Floats
 
@@ -44,6 +46,29 @@ def ordered(runs: list[Run], start: Floats) -> list[Run]:
     reversed_runs = ([stroke[::-1] for stroke in reversed(run)] for run in runs)
     both = list(zip(runs, reversed_runs, strict=True))
     return [both[run][back] for run, back in zip(order, reverse, strict=True)]
+
+
+def joined(runs: list[Run]) -> list[Run]:
+    """Return the runs with strokes joined that end where one other begins or ends; dashes are left as they are."""
+    single = [run[0] for run in runs if len(run) == 1]
+    if len(single) < 2:
+        return runs
+    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings([shapely.linestrings(s) for s in single])))
+    return [*([shapely.get_coordinates(line)] for line in merged), *(run for run in runs if len(run) > 1)]
+
+
+def chained(runs: list[Run]) -> list[Run]:
+    """Return ordered runs with each stroke joined to the one before it, if it begins where that ends."""
+    chain: list[Run] = []
+    for run in runs:
+        if chain and len(run) == len(chain[-1]) == 1:
+            before, after = chain[-1][0], run[0]
+            closed = any((stroke[0] == stroke[-1]).all() for stroke in (before, after))
+            if not closed and (before[-1] == after[0]).all():
+                chain[-1] = [np.concatenate([before, after[1:]])]
+                continue
+        chain.append(run)
+    return chain
 
 
 def nearest_next(ends: Floats, start: Floats) -> tuple[list[int], list[bool]]:

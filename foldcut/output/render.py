@@ -5,28 +5,27 @@ A ``FoldedPattern``, a profile and ``JobOptions`` -> the names and bytes of file
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import JOB_EXPORTERS, export, export_job
 from foldcut.jobs.bed import Side
-from foldcut.jobs.job import Job, Registration, make_jobs
-from foldcut.jobs.marks import DEFAULT_MARKS
-from foldcut.profiles import Profile, Treatment
+from foldcut.jobs.job import Job, JobStep, Registration, make_jobs
+from foldcut.profiles import Action, Profile, Treatment
 
 __all__ = ["JobOptions", "Maker"]
 
 
 @dataclass(frozen=True)
 class JobOptions:
-    """The options of ``make_jobs`` beside the pattern and the profile."""
+    """The options of ``make_jobs`` beside the pattern and the profile; None: as the profile says."""
 
     material: str | None = None
     treatment: Treatment | None = None
     two_sided: bool = False
-    registration: Registration = "corners"
-    marks: tuple[str, ...] = DEFAULT_MARKS
+    registration: Registration | None = None
+    marks: tuple[str, ...] | None = None
     tile: bool = False
 
     def sides(self, path: Path) -> dict[Side, Path]:
@@ -35,13 +34,49 @@ class JobOptions:
             return {"both": path}
         return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
 
+    def targets(self, path: Path, profile: Profile | None) -> list[Path]:
+        """Return the files that may be written for ``path``: for each side, and each tool if these have files apart."""
+        sides = list(self.sides(path).values())
+        if not tools_apart(path, profile):
+            return sides
+        return [tool_path(side, tool) for side in sides for tool in dict.fromkeys(TOOLS.values())]
+
+
+TOOLS: dict[Action, str] = {"mark": "mark", "score": "score", "draw": "score", "perforate": "cut", "cut": "cut"}
+"""What the file of a tool is called, by what is done with it, where every tool has a file of its own."""
+
+
+def tools_apart(path: Path, profile: Profile | None) -> bool:
+    """Whether a job needs a file for each tool: the machine has one holder, and would cut where it should score."""
+    hpgl = None if profile is None else profile.hpgl
+    return path.suffix.lower() == ".hpgl" and hpgl is not None and hpgl.tools == "separate"
+
+
+def tool_path(path: Path, tool: str) -> Path:
+    """Return the file of a tool."""
+    return path.with_stem(f"{path.stem}-{tool}")
+
+
+def job_files(job: Job, path: Path, profile: Profile) -> dict[Path, Job]:
+    """Return what of a job is in which file: all of it in one, or the steps of each tool in a file of its own."""
+    if not tools_apart(path, profile):
+        return {path: job}
+    steps: dict[str, list[JobStep]] = {}
+    for step in job.steps:
+        steps.setdefault(TOOLS[step.action], []).append(step)
+    return {tool_path(path, tool): replace(job, steps=tuple(some)) for tool, some in steps.items()}
+
 
 class Maker:
-    """Makes the files of a pattern; ``jobs``: its jobs for the machine, by side, once a file has needed them."""
+    """Makes the files of a pattern.
+
+    ``jobs``: its jobs for the machine, by side, once a file has needed them; ``jobs_of``: what of them is in each file.
+    """
 
     def __init__(self, pattern: FoldedPattern, profile: Profile | None, options: JobOptions) -> None:
         self.pattern, self.profile, self.options = pattern, profile, options
         self.jobs: dict[Side, Job] = {}
+        self.jobs_of: dict[Path, Job] = {}
 
     def files(self, path: Path) -> dict[Path, bytes]:
         """Return the bytes of each file that ``path`` stands for; its ending says the format.
@@ -63,4 +98,8 @@ class Maker:
                 tile=options.tile,
             )
             self.jobs = {job.side: job for job in made}
-        return {name: export_job(self.jobs[side], path.suffix, profile) for side, name in options.sides(path).items()}
+        parts: dict[Path, Job] = {}
+        for side, name in options.sides(path).items():
+            parts |= job_files(self.jobs[side], name, profile)
+        self.jobs_of |= parts
+        return {name: export_job(job, path.suffix, profile) for name, job in parts.items()}

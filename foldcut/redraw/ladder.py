@@ -10,6 +10,7 @@ work is counted, so that the result is the same on every machine.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace

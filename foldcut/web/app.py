@@ -25,7 +25,7 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from foldcut.core.errors import BadInputError
-from foldcut.jobs.marks import DEFAULT_MARKS, MARKS
+from foldcut.jobs.marks import MARKS
 from foldcut.profiles import Treatment, load_profile
 from foldcut.readers import READERS
 from foldcut.samples import sample_names
@@ -90,9 +90,11 @@ async def choices(request: Request) -> Response:
     return JSONResponse(
         {
             "samples": sample_names(),
-            "machines": {name: {"title": p.title, "materials": list(p.materials)} for name, p in known.items()},
+            "machines": {
+                name: {"title": p.title, "materials": list(p.materials), "marks": p.marks} for name, p in known.items()
+            },
             "treatments": get_args(Treatment),
-            "marks": {name: name in DEFAULT_MARKS for name in MARKS},
+            "marks": list(MARKS),
             "endings": list(READERS),
             "fonts": fonts(),
         }

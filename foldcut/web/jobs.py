@@ -196,7 +196,8 @@ class Jobs:
         if error:
             raise RefusedError(400, error)
         with contextlib.suppress(FileNotFoundError):  # the drawing may have been dropped meanwhile
-            (making / name).replace(upload.made / name)
+            for made in making.iterdir():  # a job may have a file for each tool
+                made.replace(upload.made / made.name)
 
     def get(self, token: str) -> Upload:
         """Return a drawing; raises ``RefusedError`` for an unknown token."""

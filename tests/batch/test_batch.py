@@ -516,7 +516,7 @@ def test_batch_prints_counts_and_a_report_for_programs(
         (["'*.svg'"], "there are no drawings"),
         ([".", "--jobs", "0"], "give 1 or more"),
         ([".", "--timeout", "0"], "positive number"),
-        ([".", "--format", "dxf"], "name it with --profile"),
+        ([".", "--format", "gcode"], "name it with --profile grbl-laser or grbl-plotter"),
         ([".", "--format", "xyz"], "cannot write .xyz"),
         ([".", "--material", "card"], "goes with a machine"),
     ],

@@ -765,12 +765,3 @@ def test_a_drawing_is_as_wide_or_high_as_asked_for(
     ):
         assert main([*command, *options]) == 2
         assert fault in capsys.readouterr().err
-
-
-def test_a_dxf_alone_is_for_any_laser(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    one, other = tmp_path / "one.dxf", tmp_path / "other.dxf"
-    assert main(["make", "star", "--effort", "fast", "--quiet", "-o", str(one)]) == 0
-    assert main(["make", "star", "--effort", "fast", "--quiet", "--profile", "laser-dxf", "-o", str(other)]) == 0
-    assert one.read_bytes() == other.read_bytes()
-    assert main(["make", "star", "--quiet", "-o", str(tmp_path / "x.dxf"), "-o", str(tmp_path / "x.svg")]) == 2
-    assert "name it with --profile" in capsys.readouterr().err

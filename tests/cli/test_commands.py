@@ -70,7 +70,7 @@ def test_fold_options_are_those_of_fold_by_default() -> None:
 def test_options_with_a_value_of_their_own_are_told_in_order(tmp_path: Path) -> None:
     pattern = tmp_path / "a.fold"
     pattern.touch()
-    args = arguments(str(pattern), "--join", "1mm", "--from", "svg", "--margin", "10mm", "--font", "serif")
+    args = arguments(str(pattern), "--join", "1mm", "--from", "svg", "--flatten", "0.05mm", "--font", "serif")
     assert options.given(args, options.add_folding) == ["--from", "--join"]
     with pytest.raises(
         BadInputError, match=r"^--font, --from, --join: only for drawings; .* has its sheet and creases"

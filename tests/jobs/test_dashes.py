@@ -7,8 +7,8 @@ import pytest
 from numpy.testing import assert_allclose
 from support.patterns import letter_fold
 
-from foldcut.jobs.dashes import crease_pieces, mountain_pieces, perforation, valley_pieces
-from foldcut.profiles import Dash, load_profile
+from foldcut.jobs.dashes import Cuts, crease_pieces, mountain_pieces, perforation, perforations, valley_pieces
+from foldcut.profiles import Dash, Treatment, load_profile
 
 PLAIN = load_profile().drawing
 
@@ -54,13 +54,12 @@ def test_a_treatment_decides_what_is_made_of_a_crease() -> None:
     creases = letter_fold().creases
     lines = creases.vertices_coords[creases.edges_vertices[creases.edges_assignment == "V"]]
     dash = Dash(dash_mm=1.0, gap_mm=0.5, clearance_mm=0.4)
-    score, perforate, draw = (
-        list(crease_pieces(creases, "V", treatment, {"V": dash}, PLAIN))  # type: ignore[arg-type]
-        for treatment in ("score", "perforate", "draw")
-    )
+    treatments: tuple[Treatment, ...] = ("score", "draw")
+    score, draw = (list(crease_pieces(creases, "V", treatment, PLAIN)) for treatment in treatments)
+    perforate = perforations(creases, Cuts({"V": dash}))[0]["V"]
     assert len(lines) == len(score) == len(perforate) == len(draw) == 2
     for line, whole, cuts, dashes in zip(lines, score, perforate, draw, strict=True):
         assert np.sort(whole[0], axis=0).tolist() == np.sort(line, axis=0).tolist()
         assert np.array(cuts).tolist() == np.array(perforation(line, dash)).tolist()
         assert np.array(dashes).tolist() == valley_pieces(whole[0], PLAIN).tolist()
-    assert list(crease_pieces(creases, "M", "score", {}, PLAIN)) == []
+    assert list(crease_pieces(creases, "M", "score", PLAIN)) == []

@@ -33,6 +33,7 @@ from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export_job
 from foldcut.exporters.job.pdf import tiles
 from foldcut.jobs.bed import Side
+from foldcut.jobs.blade import holder_path
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.job import Job, make_jobs
 from foldcut.pattern.straight_lines import straight_lines
@@ -91,10 +92,12 @@ def read_svg(data: bytes, job: Job) -> Strokes:
     """Read SVG with svgelements at 25.4 pixels an inch: strokes by colour."""
     svg = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
     found: Strokes = {}
-    for path in svg.elements(lambda element: isinstance(element, svgelements.Path)):
-        points = [(path[0].end.x, path[0].end.y), *((piece.end.x, piece.end.y) for piece in path[1:])]
-        flipped = np.array(points) * (1, -1) + (0, job.size[1])
-        found.setdefault(path.stroke.hex, []).append(flipped)
+    for compound in svg.elements(lambda element: isinstance(element, svgelements.Path)):
+        assert compound.stroke.hex not in found, "one path for each step"
+        for path in map(list, compound.as_subpaths()):
+            points = [(path[0].end.x, path[0].end.y), *((piece.end.x, piece.end.y) for piece in path[1:])]
+            flipped = np.array(points) * (1, -1) + (0, job.size[1])
+            found.setdefault(compound.stroke.hex, []).append(flipped)
     return found
 
 
@@ -292,12 +295,16 @@ def read_hpgl(data: bytes, tmp_path: Path) -> dict[int, Floats]:
     return {pen: np.array(some) for pen, some in ends.items()}
 
 
-def plot_differs(seen: dict[int, Floats], job: Job, unit_mm: float) -> bool:
-    """Whether hp2xx sees other lines than the job has, or with another pen."""
+def plot_differs(seen: dict[int, Floats], job: Job, profile: Profile) -> bool:
+    """Whether hp2xx sees other lines than the job has, or with another pen; a blade's holder is led."""
+    assert profile.hpgl is not None
+    unit_mm = profile.hpgl.unit_mm
+    blade = profile.blade if profile.blade is not None and profile.blade.compensate else None
     drawn: dict[int, list[Floats]] = {}
     for step in job.steps:
         assert step.operation.pen is not None
-        some = [np.stack([s[:-1], s[1:]], axis=1) for s in step.strokes]
+        paths = step.strokes if blade is None else [holder_path(stroke, blade) for stroke in step.strokes]
+        some = [np.stack([s[:-1], s[1:]], axis=1) for s in paths]
         drawn.setdefault(step.operation.pen, []).extend(some)
     corner = np.min([some.min(axis=(0, 1)) for strokes in drawn.values() for some in strokes], axis=0)
     if drawn.keys() != seen.keys():
@@ -319,14 +326,13 @@ def test_hp2xx_reads_every_stroke_of_a_plot(sample: str, tmp_path: Path) -> None
     for machine in MACHINES_OF["hpgl"]:
         ((job, data),) = made(machine, sample).values()
         profile = load_profile(machine)
-        assert profile.hpgl is not None
         seen = read_hpgl(data, tmp_path)
-        assert not plot_differs(seen, job, profile.hpgl.unit_mm), machine
+        assert not plot_differs(seen, job, profile), machine
         one, other, *_ = seen
         lost = {**seen, one: seen[one][1:]}
         moved = {**seen, one: seen[one] + 0.06}
         swapped = {**seen, one: seen[other], other: seen[one]}
-        assert all(plot_differs(wrong, job, profile.hpgl.unit_mm) for wrong in (lost, moved, swapped))
+        assert all(plot_differs(wrong, job, profile) for wrong in (lost, moved, swapped))
 
 
 @pytest.mark.parametrize("sample", sample_names())
@@ -465,14 +471,21 @@ def test_no_crease_is_lost_and_none_is_there_twice(machine: str) -> None:
             some = creases.edges_assignment == step.role[0].upper()
             ends = creases.vertices_coords[creases.edges_vertices[some]]
             assert step.length == pytest.approx(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
-    assert [step.role for step in job.steps][:3] == ["mark", "mountain", "valley"]
-    if load_profile(machine).cut_outline:
-        assert job.steps[-1].role == "cut"
+    profile = load_profile(machine)
+    marked = ["mark"] if profile.draws else []
+    cut = ["cut"] if profile.cut_outline or job.paper is not None else []  # the sheet is smaller than any paper
+    assert [step.role for step in job.steps] == [*marked, "mountain", "valley", *cut]
 
 
-def test_the_shapes_outline_can_be_left_out() -> None:
-    (job,) = make_jobs(folded("bolt"), load_profile("laser-dxf"), marks=())
-    assert [step.role for step in job.steps] == ["mountain", "valley", "cut"]
+@pytest.mark.parametrize("machine", MACHINES)
+def test_marks_are_there_by_default_only_where_nothing_is_cut(machine: str) -> None:
+    profile = load_profile(machine)
+    (usual,), (without,), (asked,) = (
+        make_jobs(folded("bolt"), profile, marks=marks) for marks in (None, (), ("outline",))
+    )
+    assert ("mark" in {step.role for step in usual.steps}) == profile.draws
+    assert "mark" not in {step.role for step in without.steps}
+    assert asked.steps[0].role == "mark"
 
 
 def test_creases_that_go_straight_on_are_one_line() -> None:
@@ -491,6 +504,11 @@ def test_perforations_never_cross() -> None:
 def test_two_sides_lie_on_each_other() -> None:
     pattern = folded("bolt")
     front, back = make_jobs(pattern, load_profile("laser-dxf"), two_sided=True)
+    assert [step.role for step in front.steps] == ["mountain", "cut"], (
+        "the sheet is cut out, and turned over in the hole"
+    )
+    assert [step.role for step in back.steps] == ["valley"]
+    front, back = make_jobs(pattern, load_profile("laser-dxf"), two_sided=True, registration="corners")
     assert {step.role for step in front.steps} == {"mark", "mountain"}
     assert {step.role for step in back.steps} == {"mark", "valley", "cut"}
     (both,) = make_jobs(pattern, load_profile("laser-dxf"))
@@ -534,15 +552,17 @@ def test_the_kerf_is_on_cuts_only() -> None:
     for one, other in zip(plain.steps, wide.steps, strict=True):
         if one.role == "cut":
             assert other.length == pytest.approx(one.length + 8 * 0.1)
-        else:
-            assert_allclose(np.concatenate(one.strokes), np.concatenate(other.strokes))
+        else:  # the sheet lies half a kerf inside the bed
+            assert_allclose(np.concatenate(one.strokes) + 0.1, np.concatenate(other.strokes))
 
 
 def test_a_laser_is_off_between_strokes_and_at_the_end() -> None:
     text = made("grbl-laser")["both"][1].decode().splitlines()
     assert "M4 S0" in text
-    assert text[-3] == "M5"
-    assert all("S" not in line for line in text if line.startswith("G0"))
+    assert text[-3:] == ["M5", "G0 X0 Y0 S0", "M2"]
+    moves = [line for line in text if line.startswith("G0")]
+    assert len(moves) > 10
+    assert all(line.endswith(" S0") for line in moves), "a controller that is not in laser mode is off as well"
     assert all(
         re.search(r"S\d+ F", line)
         for before, line in itertools.pairwise(text)

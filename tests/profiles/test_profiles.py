@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -15,7 +17,9 @@ ASKED_FOR = {
     "lightburn-diode",
     "lightburn-co2",
     "glowforge",
-    "xtool",
+    "xtool-d1",
+    "xtool-m1",
+    "xtool-s1",
     "epilog",
     "cricut-maker",
     "silhouette-cameo",
@@ -55,7 +59,8 @@ def test_profiles_are_complete(name: str) -> None:
     profile = load_profile(name)
     assert set(profile.operations) == {"mark", "mountain", "valley", "cut"}
     assert list(profile.materials) == MATERIALS
-    assert profile.bed is not None
+    assert (profile.bed is None) == bool(profile.papers)
+    assert profile.stroke_mm is not None
     if profile.format == "hpgl":
         assert profile.hpgl is not None
         assert all(operation.pen for operation in profile.operations.values())
@@ -128,10 +133,12 @@ def test_the_users_own_profiles_are_found(tmp_path: Path, monkeypatch: pytest.Mo
     assert load_profile(str(folder / "mine.toml")).title == "Mine"
 
 
-def test_the_page_of_machines_lists_every_machine() -> None:
+def test_the_page_of_machines_says_of_every_machine_what_its_profile_says() -> None:
     page = (ROOT / "docs" / "machines.md").read_text("utf-8")
-    for name in profile_names():
-        profile = load_profile(name)
-        if profile.operations:
-            steps = "<br>".join(profile.instructions)
-            assert f"| {profile.title} | `{name}` | {profile.format.upper()} | {steps} |" in page
+    written_by = runpy.run_path(str(ROOT / "docs" / "drawings" / "machines.py"))
+    assert page.partition(written_by["MARK"])[2].strip() == written_by["sections"]().strip(), "make pictures"
+    for name, profile in written_by["machines"]().items():
+        assert f"### {profile.title}\n\n`--profile {name}` writes" in page
+        assert all(f"`{key}`: {source}" in page for key, source in profile.sources.items())
+    assert set(re.findall(r"\(layers-(\w+)\.svg\)", page)) == {"laser", "cutter", "plotter", "printer"}
+    assert all((ROOT / "docs" / f"layers-{kind}.svg").is_file() for kind in written_by["PICTURED"])

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.console import DONE, FAILED
+from foldcut.cli.options import Machine
 from foldcut.cli.outputs import Outputs
 from foldcut.cli.signals import Terminated
 from foldcut.core.errors import BadInputError
@@ -87,7 +88,7 @@ def batch(args: Namespace) -> int:
         raise BadInputError(f"give FOLDER|GLOB or a --text{'' if args.text is None else ', not both'}")
     names = [] if args.text is None else letter_names(args.text)
     letters = [] if args.text is None else letters_of(args.text, args.font)
-    console, machine, folding = options.console(args), options.machine(args), options.folding(args)
+    console, machine, folding = options.console(args), asked_machine(args), options.folding(args)
     formats = endings(args.formats, machine.profile)
     Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", machine).check_formats(folding.sheet)
     out = Path(args.output)
@@ -133,6 +134,13 @@ def batch(args: Namespace) -> int:
         report["letters"] = names
     console.report(report, [*lines(made, out), *repeated(names)])
     return FAILED if failed else DONE
+
+
+def asked_machine(args: Namespace) -> Machine:
+    """Return the machine that is named, or the obvious one for the one format of a machine among those asked for."""
+    wanted = endings(args.formats, None)
+    usual = options.usual_machines(args, wanted)
+    return next(iter(usual.values())) if len(usual) == 1 and ".svg" not in wanted else options.machine(args)
 
 
 def repeated(letters: Sequence[str]) -> list[str]:

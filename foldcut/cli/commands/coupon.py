@@ -30,19 +30,25 @@ def coupon(args: Namespace) -> int:
     """Write a machine's test card."""
     from foldcut.exporters import export_job
     from foldcut.jobs.coupon import make_coupon
+    from foldcut.jobs.instructions import instructions
     from foldcut.output.atomic import check_targets, write_files
+    from foldcut.output.render import JobOptions, job_files
     from foldcut.profiles import load_profile
 
     profile = load_profile(args.profile, args.set)
     path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
-    check_targets([path], replace=args.force)
+    check_targets(JobOptions().targets(path, profile), replace=args.force)
     job, rows = make_coupon(profile, args.material)
-    data = export_job(job, path.suffix, profile)
-    replaced = path.exists()
-    write_files({path: data}, replace=args.force)
-    lines = [job.title, *(f"  {row}" for row in rows), f"  written   {path} ({len(data):,} bytes)"]
-    files = [{"path": str(path), "bytes": len(data), "replaced": replaced}]
-    options.console(args).report({"ok": True, "title": job.title, "rows": rows, "files": files}, lines)
+    parts = job_files(job, path, profile)
+    contents = {name: export_job(part, path.suffix, profile) for name, part in parts.items()}
+    files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
+    write_files(contents, replace=args.force)
+    following = instructions(profile, [job])
+    lines = [job.title, *(f"  {row}" for row in rows)]
+    lines += [f"  written   {file['path']} ({file['bytes']:,} bytes)" for file in files]
+    lines += [f"  next      {line}" for line in following]
+    report = {"ok": True, "title": job.title, "rows": rows, "files": files, "next": following}
+    options.console(args).report(report, lines)
     return DONE
 
 

@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING
 from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.making import fold_or_open, write_and_report
-from foldcut.cli.options import ANY_LASER, PATTERN_STEM, Machine, Source
+from foldcut.cli.options import PATTERN_STEM, USUAL_SHEET, FoldRequest, Machine, Request, Source
 from foldcut.cli.outputs import Outputs
 from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
-    from foldcut.jobs.job import Job
+    from foldcut.cli.outputs import MadeFor
+    from foldcut.core.model import Sheet
 
 MAKE_EXAMPLES = """\
 examples:
@@ -35,6 +36,7 @@ examples:
   foldcut make fish --profile laser-dxf --material card-160g --treatment perforate
   foldcut make swan --sheet a2 --profile printer-a4 --tile
   foldcut make fish --profile laser-dxf --two-sided --registration pins -o fish.zip
+  foldcut make fish -o fish.pdf -o fish.dxf -o fish.fold
   foldcut make fish --profile axidraw-a4 --marks outline,numbers,title
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
 
@@ -74,17 +76,16 @@ def add_options(command: ArgumentParser) -> None:
 def make(args: Namespace) -> int:
     """Fold a drawing and write its files."""
     from foldcut.drawing.mend import preview
-    from foldcut.drawing.placement import parse_sheet
     from foldcut.foldfile.reopen import Reopened
     from foldcut.output.atomic import check_targets
 
     console, request = options.console(args), options.request(args)
     source = request.source
-    only_dxf = bool(args.output) and all(Path(out).suffix.lower() == ".dxf" for out in args.output)
-    machine = options.machine(args, default=ANY_LASER if only_dxf else None)
+    usual = options.usual_machines(args, (Path(out).suffix for out in args.output or ()))
+    machine = options.no_machine() if usual else options.machine(args)
     default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
-    outputs = Outputs(output_paths(args.output or default, source), source.stem, machine)
-    outputs.check_formats(parse_sheet(args.sheet))
+    outputs = Outputs(output_paths(args.output or default, source), source.stem, machine, usual)
+    outputs.check_formats(request_sheet(request, args))
     preview_path = None if not args.preview else Path(args.preview)
     if preview_path is not None and preview_path.suffix.lower() != ".svg":
         raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
@@ -92,9 +93,9 @@ def make(args: Namespace) -> int:
 
     result = fold_or_open(request, console)
     contents: dict[Path, bytes] = {}
-    jobs: list[Job] = []
+    made: list[MadeFor] = outputs.machines()
     if result.verified:
-        contents, jobs = outputs.contents(result.folded_pattern)
+        contents, made = outputs.contents(result.folded_pattern)
         if preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
             pattern, drawing = result.folded_pattern, result.drawing
             before, after = result.prepared.drawn, result.prepared.loops
@@ -102,7 +103,14 @@ def make(args: Namespace) -> int:
                 before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
                 after = pattern.shape.loops
             contents[preview_path] = preview(before, after)
-    return write_and_report(result, contents, console, replace=args.force, jobs=jobs, machine=machine)
+    return write_and_report(result, contents, console, replace=args.force, made=made)
+
+
+def request_sheet(request: Request, args: Namespace) -> Sheet:
+    """Return the sheet that a drawing is folded on; that of a pattern is checked when it is opened."""
+    from foldcut.drawing.placement import parse_sheet
+
+    return request.folding.sheet if isinstance(request, FoldRequest) else parse_sheet(args.sheet or USUAL_SHEET)
 
 
 def default_names(source: Source, machine: Machine) -> list[str]:

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
 
 from foldcut.cli.commands import Command
 from foldcut.cli.console import DONE, Console
 from foldcut.core.errors import BadInputError
+
+if TYPE_CHECKING:
+    from foldcut.profiles import Profile
 
 EXAMPLES = """\
 examples:
@@ -44,15 +48,43 @@ def profiles(args: Namespace) -> int:
 
 
 def list_profiles(console: Console) -> int:
-    """Print all profiles: name, format and title."""
+    """Print all profiles: name, format, size of the bed or of the papers, numbers that are unverified, and title."""
     from foldcut.profiles import load_profile, profile_names
 
     known = {name: load_profile(name) for name in profile_names()}
-    width = max(map(len, known))
-    lines = [f"{name:<{width}}  {p.format:<5}  {p.title}" for name, p in known.items()]
-    listed = [{"name": name, "title": p.title, "format": p.format, "kind": p.kind} for name, p in known.items()]
-    console.report({"ok": True, "profiles": listed}, lines)
+    rows = [(name, p.format, bed_size(p), p.title, unverified(p)) for name, p in known.items()]
+    wide, bed = (max(len(row[column]) for row in rows) for column in (0, 2))
+    lines = [f"{n:<{wide}}  {form:<5}  {size:<{bed}}  {title}{doubt}" for n, form, size, title, doubt in rows]
+    listed = [
+        {
+            "name": name,
+            "title": p.title,
+            "format": p.format,
+            "kind": p.kind,
+            "bed_mm": None if p.bed is None else [p.bed.width_mm, p.bed.height_mm],
+            "papers": list(p.papers),
+            "unverified": list(p.unverified),
+            "sources": p.sources,
+        }
+        for name, p in known.items()
+    ]
+    about = (
+        "Unverified numbers were not compared with what the maker says; foldcut profiles show NAME has every source."
+    )
+    console.report({"ok": True, "profiles": listed}, [*lines, "", about])
     return DONE
+
+
+def bed_size(profile: Profile) -> str:
+    """Return the size of a machine's bed, or the papers that it takes."""
+    if profile.bed is None:
+        return ", ".join(profile.papers)
+    return f"{profile.bed.width_mm:g} x {profile.bed.height_mm:g} mm"
+
+
+def unverified(profile: Profile) -> str:
+    """Return which numbers of a profile are unverified, in words."""
+    return f" ({', '.join(profile.unverified)}: unverified)" if profile.unverified else ""
 
 
 PROFILES = Command(

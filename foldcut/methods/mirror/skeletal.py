@@ -61,8 +61,9 @@ def search_half(
     """Return the pattern of the sheet that is easiest to fold, of all that a search for some seconds finds.
 
     ``shape`` is symmetric about the sheet's ``axes``, as for ``Half``. Its corners may be moved by ``near`` mm, as by
-    ``fold_skeletal``, if they are not too many; the shape as it is is tried first. ``seconds`` are those of the budget's model. Raises
-    ``UnfoldableError`` with the first reason where no pattern is found. Ctrl-C ends the search with the best so far.
+    ``fold_skeletal``, if they are not too many; the shape as it is is tried first. ``seconds`` are those of the
+    budget's model. Raises ``UnfoldableError`` with the first reason where no pattern is found. Ctrl-C ends the search
+    with the best so far.
     """
     half = next(halves_of(shape, sheet, axes))
     search = Search(half.sheet, ribbon, Budget(seconds), progress)

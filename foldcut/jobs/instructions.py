@@ -1,0 +1,147 @@
+"""What the operator of a machine does: load the file, give every layer its operation, turn the sheet over.
+
+``Profile`` and the jobs of one pattern -> lines of text. They name every layer, colour and pen that is in the files,
+and every setting that the files cannot have; so nothing is left that a machine's software might take for a cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from foldcut.core.arrays import Floats
+from foldcut.jobs.job import Job, JobStep
+from foldcut.jobs.marks import HOLES_MM
+from foldcut.profiles import Profile, Setting
+
+COLOURS = {
+    "#000000": "black",
+    "#0000ff": "blue",
+    "#00e000": "green",
+    "#00ff00": "green",
+    "#808080": "grey",
+    "#ff0000": "red",
+    "#ff00ff": "magenta",
+    "#ffff00": "yellow",
+    "#00ffff": "cyan",
+}
+"""The names of colours that have a plain one."""
+
+IN_THE_FILE = {"hpgl": ("force_g", "speed_mm_s", "passes"), "gcode": ("speed_mm_s", "passes")}
+"""The settings that a machine's format has room for, besides a laser's power in G-code."""
+
+MISSED_MM = 0.1
+"""Margins narrower than this that a machine does not reach are not worth a word."""
+
+
+def instructions(profile: Profile, jobs: Sequence[Job]) -> list[str]:
+    """Return what the operator does with the files of these jobs, line by line."""
+    first, *rest = profile.instructions
+    if not jobs:
+        return [first, *rest]
+    lines = [first]
+    for job in jobs:
+        side = "" if job.side == "both" else f"{job.side.capitalize()}: "
+        lines += [f"{side}{step_words(step, profile, job.side)}" for step in job.steps]
+    lines += rest
+    if len(jobs) > 1:
+        lines += turning_over(profile, jobs)
+    return [*lines, *notes(profile, jobs[0])]
+
+
+def step_words(step: JobStep, profile: Profile, side: str = "both") -> str:
+    """Return what a step is called in the machine's software, what is done with it, and with which setting."""
+    operation = step.operation
+    colour = f"{COLOURS[operation.colour]} " if operation.colour in COLOURS else ""
+    pen = f", pen {operation.pen}" if operation.pen is not None and profile.format in ("hpgl", "gcode") else ""
+    what = profile.does.get(step.action, step.action)
+    if step.words:
+        what = f"{step.words.partition(' ')[2]}: {what}"
+    # seen from behind, a valley is a mountain
+    behind = "; these valleys fold away from you on this side" if side == "back" and step.role == "valley" else ""
+    return f"{operation.layer} ({colour}{operation.colour}{pen}): {what}{behind}{told_setting(step.setting, profile)}"
+
+
+def told_setting(setting: Setting | None, profile: Profile) -> str:
+    """Return the part of a setting that the machine's format has no room for."""
+    if setting is None:
+        return ""
+    known = IN_THE_FILE.get(profile.format, ())
+    laser = profile.gcode is not None and profile.gcode.tool == "laser" and profile.format == "gcode"
+    parts = []
+    if setting.power_percent is not None and not laser and profile.format != "lbrn2":
+        parts.append(f"{setting.power_percent:g} % of the power")
+    if setting.force_g is not None and "force_g" not in known:
+        parts.append(f"{setting.force_g:g} g")
+    if "speed_mm_s" not in known and profile.format != "lbrn2":
+        parts.append(f"{setting.speed_mm_s:g} mm/s")
+    if setting.passes > 1 and "passes" not in known and profile.format != "lbrn2":
+        parts.append(f"{setting.passes} passes")
+    return f"; begin with {', '.join(parts)}" if parts else ""
+
+
+def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
+    """Return how the sheet is turned over between the front and the back, and what holds it in its place."""
+    front, back = jobs[0], jobs[-1]
+    turn = f"Do the front first, then turn the sheet over {back.turned_over}"
+    corner = "upper left" if profile.bed is not None and profile.bed.origin == "upper-left" else "lower left"
+    if back.registration == "jig":
+        return [
+            f"{turn}: the front cuts its outline last; leave the stock fixed on the bed, and lay the sheet back into "
+            "the hole it was cut out of."
+        ]
+    if back.registration == "corners" and profile.kind == "printer":
+        return [f"{turn}, print the back, and hold it against the light: the corner marks lie on one another."]
+    if back.registration == "corners":
+        return [
+            f"{turn}: fix two strips of card along its left and its {corner.split()[0]} edge before the front, and "
+            "push it against them again; the corner marks lie on one another."
+        ]
+    assert front.holes is not None
+    assert back.holes is not None
+    size = HOLES_MM["pins" if back.registration == "pins" else "holes"]
+    pegs = "needles" if back.registration == "pins" else "pegs"
+    return [
+        f"Holes of {size:g} mm, in mm from the {corner} corner of the bed: on the front {_places(front, profile)}; "
+        f"with the sheet turned over they are at {_places(back, profile)}.",
+        f"{turn}: put {pegs} of {size:g} mm into a board at these places, fix it on the bed, and lay the holes over "
+        "them. Where the sheet lies right the crosses of the back are on the holes.",
+    ]
+
+
+def notes(profile: Profile, job: Job) -> list[str]:
+    """Return what the machine leaves to be done by hand."""
+    lines = []
+    if job.paper is not None:
+        lines.append(f"Load paper {job.paper.upper() if len(job.paper) < 3 else job.paper.capitalize()}.")
+    edges = [
+        f"{width:.1f} mm at the {name} edge"
+        for name, width in zip(("left", "lower", "right", "upper"), job.missed, strict=True)
+        if width > MISSED_MM
+    ]
+    if edges:
+        where = (
+            f"the outer {job.missed[0]:.1f} mm" if max(job.missed) - min(job.missed) < MISSED_MM else ", ".join(edges)
+        )
+        lines.append(f"Not reached: {where}; creases that end there go straight on to the edge of the sheet.")
+    if job.uncut:
+        one = job.uncut == 1
+        lines.append(
+            f"{job.uncut} crease{'' if one else 's'} {'is' if one else 'are'} too short to perforate and left uncut; "
+            f"fold {'it' if one else 'them'} by hand."
+        )
+    return lines
+
+
+def _places(job: Job, profile: Profile) -> str:
+    """Return the centres of a job's holes on the bed, from the corner where the sheet lies."""
+    assert job.holes is not None
+    places: Floats = job.holes + job.at
+    if profile.bed is not None and profile.bed.origin == "upper-left":
+        places = _from_above(places, profile.bed.height_mm)
+    return ", ".join(f"({x:.2f}, {y:.2f})" for x, y in places.tolist())
+
+
+def _from_above(places: Floats, height: float) -> Floats:
+    """Return points with y counted down from the top."""
+    flipped: Floats = places * (1.0, -1.0) + (0.0, height)
+    return flipped

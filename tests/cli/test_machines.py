@@ -1,0 +1,117 @@
+"""What the command line does for machines: the usual ones, their sheets, margins and test cards."""
+
+from __future__ import annotations
+
+from argparse import Namespace
+from pathlib import Path
+
+import pypdfium2
+import pytest
+
+from foldcut.cli import options
+from foldcut.cli.main import main
+from foldcut.cli.parser import parse
+from foldcut.drawing.placement import parse_sheet
+from foldcut.jobs.bed import Lay
+from foldcut.profiles import load_profile, profile_names
+
+
+def arguments(*words: str) -> Namespace:
+    """Return what ``foldcut make`` parses."""
+    return parse(["make", *words])[1]
+
+
+def made_with(folder: Path, *options: str) -> dict[str, bytes]:
+    folder.mkdir()
+    assert main(["make", "star", "--effort", "fast", "--quiet", *options]) == 0
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+def test_a_dxf_without_a_machine_is_for_any_laser_whatever_else_is_written(tmp_path: Path) -> None:
+    one = made_with(tmp_path / "one", "-o", str(tmp_path / "one/a.dxf"))
+    named = made_with(tmp_path / "named", "--profile", "laser-dxf", "-o", str(tmp_path / "named/a.dxf"))
+    outputs = [word for ending in ("dxf", "fold", "svg") for word in ("-o", str(tmp_path / f"both/a.{ending}"))]
+    both = made_with(tmp_path / "both", *outputs)
+    plain = made_with(tmp_path / "plain", "-o", str(tmp_path / "plain/a.svg"))
+    assert one["a.dxf"] == named["a.dxf"] == both["a.dxf"]
+    assert both["a.svg"] == plain["a.svg"], "the drawing is for nobody in particular"
+    assert sorted(both) == ["a.dxf", "a.fold", "a.svg"]
+
+
+@pytest.mark.parametrize(
+    ("locale", "sheet", "profile"),
+    [
+        ({"LANG": "de_DE.UTF-8"}, (), "printer-a4"),
+        ({"LANG": "en_US.UTF-8"}, (), "printer-letter"),
+        ({"LANG": "en_US.UTF-8", "LC_PAPER": "en_GB.UTF-8"}, (), "printer-a4"),
+        ({"LANG": "de_DE.UTF-8", "LC_ALL": "es_MX"}, (), "printer-letter"),
+        ({"LC_ALL": "C"}, (), "printer-a4"),
+        ({"LANG": "de_DE.UTF-8"}, ("--sheet", "letter"), "printer-letter"),
+        ({"LANG": "en_US.UTF-8"}, ("--sheet", "a3"), "print-shop-a3"),
+    ],
+)
+def test_a_pdf_without_a_machine_is_for_the_home_printer(
+    locale: dict[str, str], sheet: tuple[str, ...], profile: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("LC_ALL", "LC_PAPER", "LANG"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in locale.items():
+        monkeypatch.setenv(name, value)
+    pdf = made_with(tmp_path / "usual", *sheet, "-o", str(tmp_path / "usual/a.pdf"))["a.pdf"]
+    page = pypdfium2.PdfDocument(pdf)[0].get_size()
+    bed = load_profile(profile).bed
+    assert bed is not None
+    assert sorted(page) == pytest.approx(sorted(side / 25.4 * 72 for side in (bed.width_mm, bed.height_mm)), abs=0.01)
+
+
+def test_a_machines_own_sheet_is_the_usual_one() -> None:
+    for profile in profile_names():
+        made = options.folding(arguments("star", "--profile", profile))
+        assert made.sheet == parse_sheet(load_profile(profile).sheet)
+        other = options.folding(arguments("star", "--profile", profile, "--sheet", "a5", "--margin", "3mm"))
+        assert (other.sheet, other.margin) == (parse_sheet("a5"), 3.0)
+    assert load_profile("printer-letter").sheet == "letter"
+    assert load_profile("print-shop-a3").sheet == "a3"
+
+
+def test_with_a_pdf_among_the_files_the_sheet_is_the_printers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LC_ALL", "en_US.UTF-8")
+    assert options.folding(arguments("star", "-o", "a.dxf", "-o", "a.pdf")).sheet == parse_sheet("letter")
+    assert options.folding(arguments("star", "-o", "a.dxf")).sheet == parse_sheet("a4")
+
+
+@pytest.mark.parametrize("profile", [name for name in profile_names() if load_profile(name).operations])
+def test_the_usual_margin_is_as_wide_as_what_the_machine_does_not_reach(profile: str) -> None:
+    made = options.folding(arguments("star", "--profile", profile))
+    left, low, right, high = Lay.for_machine(made.sheet, load_profile(profile)).room
+    missed = max(left, low, made.sheet.width - right, made.sheet.height - high)
+    assert missed <= made.margin
+    assert made.margin == pytest.approx(max(10.0, missed), abs=0.1)
+
+
+@pytest.mark.parametrize(("ending", "names"), [("gcode", "grbl-laser or grbl-plotter"), ("hpgl", "drag-knife or hp-")])
+def test_a_format_of_several_machines_asks_for_one_of_them(
+    ending: str, names: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["make", "star", "-o", str(tmp_path / f"a.{ending}")]) == 2
+    assert f"name it with --profile {names}" in capsys.readouterr().err
+
+
+def test_profiles_are_listed_with_what_is_unverified(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profiles"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    for name in profile_names():
+        profile = load_profile(name)
+        (line,) = (line for line in lines if line.split()[:1] == [name])
+        assert all(key in line for key in profile.unverified)
+        assert ("unverified" in line) == bool(profile.unverified)
+        for key, source in profile.sources.items():
+            vague = any(word in source for word in ("memory", "not checked", "not looked up"))
+            assert not vague or key in profile.unverified, "what nobody compared says so"
+    assert load_profile("epilog").unverified
+
+
+def test_a_card_for_a_cutter_with_one_holder_is_a_file_for_each_tool(tmp_path: Path) -> None:
+    assert main(["coupon", "--profile", "drag-knife", "-o", str(tmp_path / "card.hpgl"), "--quiet"]) == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["card-cut.hpgl", "card-mark.hpgl", "card-score.hpgl"]
+    assert main(["coupon", "--profile", "drag-knife", "-o", str(tmp_path / "card.hpgl"), "--quiet"]) == 2
