@@ -25,9 +25,10 @@ from support.patterns import book_fold, build_pattern, letter_fold, notched_shee
 from support.places import TESTS
 
 from foldcut.core.arrays import Floats
-from foldcut.core.errors import FileFormatError
+from foldcut.core.errors import BadInputError, FileFormatError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
+from foldcut.exporters.pattern.fold import export as fold_export
 from foldcut.exporters.pattern.fold import face_orders, overlapping_faces
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
@@ -112,7 +113,8 @@ def many_creases() -> FoldedPattern:
     edges = [(0, 1, "B"), *((a, a + 2, "B") for low in rows.tolist() for a in (low, low + 1))]
     edges += [(a, a + 1, "MV"[a // 2 % 2]) for a in rows[1:].tolist()] + [(2 * strips, 2 * strips + 1, "B")]
     faces = [(a, a + 2, a + 3, a + 1) for a in rows.tolist()]
-    return build_pattern(flat.tolist(), folded.tolist(), edges, faces, range(strips))
+    loop = [(20, 0.5), (40, 0.5), (40, 1.5), (20, 1.5)]
+    return build_pattern(flat.tolist(), folded.tolist(), edges, faces, range(strips), loop)
 
 
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
@@ -159,6 +161,8 @@ def test_fold_refuses_numbers_that_json_has_not() -> None:
     coords = np.full_like(pattern.folded.vertices_coords, np.nan)
     broken = dataclasses.replace(pattern, folded=dataclasses.replace(pattern.folded, vertices_coords=coords))
     with pytest.raises(ValueError, match="JSON"):
+        fold_export(broken, load_profile())
+    with pytest.raises(BadInputError, match="not at a finite place"):
         export(broken, ".fold")
 
 
