@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from foldcut.core.arrays import Bools, Floats
+from foldcut.core.arrays import Bools, Floats, Indices
 from foldcut.core.model import CreasePattern, Sheet
 from foldcut.geometry.planar_graph import pair_keys
 from foldcut.pattern.face_maps import folded_edges
@@ -91,18 +91,18 @@ def _is_mirrored(creases: CreasePattern, size: Floats, axis: int, before: Sequen
     order = np.argsort(keys)
     found = order[np.minimum(np.searchsorted(keys[order], wanted), len(keys) - 1)]
     off = np.abs(creases.vertices_coords[ends] - size / 2)
-    on_line: Bools = (off <= near).all(axis=1)  # by axis
+    on_line: Bools = np.all(off <= near, axis=1)  # by axis
     kept = on_line[:, [axis, *before]].any(axis=1)
     swapped = np.array([SWAPPED[letter] for letter in letters.tolist()])
     same = letters[found] == np.where(kept, letters, swapped)
     return bool((keys[found] == wanted).all() and same.all())
 
 
-def _images(points: Floats, size: Floats, axis: int, near: float) -> np.ndarray[tuple[int], np.dtype[np.intp]] | None:
+def _images(points: Floats, size: Floats, axis: int, near: float) -> Indices | None:
     """Return for each point the one that is its mirror image, or None if one has none."""
     from scipy.spatial import KDTree
 
     across = points.copy()
     across[:, axis] = size[axis] - across[:, axis]
-    off, image = KDTree(points).query(across)
-    return image if (off <= near).all() else None
+    found = KDTree(points).query(across)
+    return np.asarray(found[1]) if np.all(found[0] <= near) else None

@@ -1,8 +1,8 @@
 """Reopen a finished pattern: what foldcut wrote to a FOLD file comes back as it was, and is verified anew.
 
-``FoldFile`` -> ``Reopened``. Nothing in the file is taken on trust: ``verify`` checks creases, layers and cut, and the
-folded form must be where the creases put it, with the cut along y = 0 and the shape above it. What else foldcut wrote
-there, first folds and the drawing, is proven or left out.
+``FoldFile`` -> ``Reopened``. Nothing in the file is taken on trust: ``judge`` checks all that other programs read, and
+the cut must lie along y = 0 of the folded form, with the shape above it. What else foldcut wrote there, first folds and
+the drawing, is proven or left out.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedStat
 from foldcut.drawing.placement import SHEET_LIMITS_MM
 from foldcut.drawing.shape import make_shape
 from foldcut.foldfile.first_folds import why_not_first
+from foldcut.foldfile.judge import judge
 from foldcut.foldfile.read import FoldFile
 from foldcut.geometry.planar_graph import edge_faces, signed_areas
 from foldcut.jobs.last_door import DRAWN_BEYOND
 from foldcut.pattern.cut_line import contains, fold_boundary
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof.tolerance import COINCIDENT
-from foldcut.proof.verify import verify
 
 __all__ = ["Reopened", "reopen"]
 
@@ -65,7 +65,7 @@ def reopen(file: FoldFile) -> Reopened:
             "reopened; `foldcut check` verifies any FOLD file"
         )
     sheet, shape = _sheet(creases), make_shape(file.loops)
-    findings = verify(creases, file.layers, shape) or _check_folded(creases, file.folded, shape, sheet)
+    findings = judge(file, shape) or _check_folded(creases, file.folded, shape, sheet)
     folded = FoldedState(file.folded, file.layers)
     first: Loops = ()
     drawn: Loops = ()

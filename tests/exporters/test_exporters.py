@@ -237,7 +237,7 @@ def test_overlapping_faces_are_those_that_shapely_finds(seed: int) -> None:
 def test_overlaps_do_not_depend_on_how_the_work_is_cut_up(monkeypatch: pytest.MonkeyPatch) -> None:
     pattern = stack_of_polygons(7, 80)
     whole = overlapping_faces(pattern)
-    monkeypatch.setattr("foldcut.exporters.pattern.fold.CHUNK", 7)
+    monkeypatch.setattr("foldcut.pattern.overlaps.CHUNK", 7)
     parts = overlapping_faces(pattern)
     assert whole is not None
     assert parts is not None
@@ -256,7 +256,7 @@ def test_faces_at_a_glance_are_never_more_than_there_are(seed: int) -> None:
 
 
 def test_too_many_overlaps_are_seen_without_comparing_faces(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("foldcut.exporters.pattern.fold.wholly_outside", None)
+    monkeypatch.setattr("foldcut.pattern.overlaps.wholly_outside", None)
     assert overlapping_faces(letter_fold(), 2) is None
 
 
