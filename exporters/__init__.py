@@ -14,6 +14,7 @@ from typing import cast
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.job import Job, check_job, steps_of
+from foldcut.jobs.last_door import brought_on_bed, check_pattern
 from foldcut.profiles import Profile, Registration, load_profile, profile_names
 
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
@@ -79,10 +80,11 @@ def export(pattern: FoldedPattern, suffix: str, profile: Profile | None = None) 
 
     SVG is bare lines with a profile of kind "software", otherwise a drawing to look at and to print.
 
-    Raises FileFormatError: no exporter writes a pattern to such a file.
+    Raises FileFormatError: no exporter writes a pattern to such a file. Raises BadInputError: it leaves its sheet.
     """
     profile = profile or load_profile()
     check_suffix(suffix, profile=profile)
+    check_pattern(pattern)
     bare = suffix.lower() == ".svg" and profile.kind == "software"
     exporter = cast(PatternExporter, _imported(SOFTWARE_SVG if bare else PATTERN_EXPORTERS[suffix.lower()]))
     return exporter(pattern, profile)
@@ -107,13 +109,14 @@ def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
     """Return a job as the bytes of a file with this ending.
 
     Raises FileFormatError: no exporter writes a job to such a file. Raises JobError: the profile lacks something that
-    the format needs.
+    the format needs, or a stroke leaves the sheet or the bed.
     """
     if suffix.lower() not in JOB_EXPORTERS:
         raise FileFormatError(
             f"{suffix or 'a name without an ending'} is no job; use one of {', '.join(JOB_EXPORTERS)}"
         )
-    return cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))(job, profile)
+    exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
+    return exporter(brought_on_bed(job, profile), profile)
 
 
 def _imported(name: str) -> object:

@@ -74,10 +74,13 @@ def fold_and_write(
     replace: bool,
 ) -> int:
     """Fold a drawing, or open a pattern, and write one file about it; return the exit status."""
+    from foldcut.jobs.last_door import check_pattern
     from foldcut.output.atomic import check_targets
 
     check_targets([output], replace=replace)
     result = fold_or_open(request, console)
+    if result.verified:
+        check_pattern(result.folded_pattern)
     return write_and_report(result, {output: content(result)} if result.verified else {}, console, replace=replace)
 
 

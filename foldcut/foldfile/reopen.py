@@ -1,7 +1,8 @@
 """Reopen a finished pattern: what foldcut wrote to a FOLD file comes back as it was, and is verified anew.
 
-``FoldFile`` -> ``Reopened``. Nothing in the file is taken on trust: ``verify`` checks creases, layers and cut, and the
-folded form must be where the creases put it, with the cut along y = 0 and the shape above it.
+``FoldFile`` -> ``Reopened``. Nothing in the file is taken on trust: ``judge`` checks all that other programs read, and
+the cut must lie along y = 0 of the folded form, with the shape above it. What else foldcut wrote there, first folds and
+the drawing, is proven or left out.
 """
 
 from __future__ import annotations
@@ -13,15 +14,21 @@ import numpy as np
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedState, Shape, Sheet
+from foldcut.drawing.placement import SHEET_LIMITS_MM
 from foldcut.drawing.shape import make_shape
+from foldcut.foldfile.first_folds import why_not_first
+from foldcut.foldfile.judge import judge
 from foldcut.foldfile.read import FoldFile
 from foldcut.geometry.planar_graph import edge_faces, signed_areas
+from foldcut.jobs.last_door import DRAWN_BEYOND
 from foldcut.pattern.cut_line import contains, fold_boundary
 from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof.tolerance import COINCIDENT
-from foldcut.proof.verify import verify
 
 __all__ = ["Reopened", "reopen"]
+
+Loops = tuple[Floats, ...]
+"""Lines or closed loops on the sheet, ``(n, 2)`` mm each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,17 +65,44 @@ def reopen(file: FoldFile) -> Reopened:
             "reopened; `foldcut check` verifies any FOLD file"
         )
     sheet, shape = _sheet(creases), make_shape(file.loops)
-    findings = verify(creases, file.layers, shape) or _check_folded(creases, file.folded, shape, sheet)
+    findings = judge(file, shape) or _check_folded(creases, file.folded, shape, sheet)
     folded = FoldedState(file.folded, file.layers)
-    first, drawn = file.first_folds or (), file.drawn or ()
+    first: Loops = ()
+    drawn: Loops = ()
+    notes = file.notes
+    if not findings:
+        first, about_first = _proven_first_folds(creases, sheet, file.first_folds or ())
+        drawn, about_drawn = _shown_drawing(sheet, file.drawn or ())
+        notes += about_first + about_drawn
     pattern = FoldedPattern(creases, folded, sheet, shape, file.placement, file.title, first, drawn=drawn)
-    return Reopened(pattern, tuple(findings), file.notes)
+    return Reopened(pattern, tuple(findings), notes)
+
+
+def _proven_first_folds(creases: CreasePattern, sheet: Sheet, lines: Loops) -> tuple[Loops, tuple[str, ...]]:
+    """Return the first folds of a file and no note, or none and a note that says why."""
+    why = why_not_first(creases, sheet, lines)
+    return ((), (f"foldcut:firstFolds is left out: {why}",)) if why else (lines, ())
+
+
+def _shown_drawing(sheet: Sheet, loops: Loops) -> tuple[Loops, tuple[str, ...]]:
+    """Return the drawing of a file, which is shown beside the outline, and no note, or none of it and why."""
+    points = np.concatenate([np.zeros((0, 2)), *loops])
+    beyond = DRAWN_BEYOND * sheet.diagonal
+    if (points < -beyond).any() or (points > np.array([sheet.width, sheet.height]) + beyond).any():
+        return (), ("foldcut:drawn is left out: it is not on the sheet",)
+    return loops, ()
 
 
 def _sheet(creases: CreasePattern) -> Sheet:
     """Return the rectangle that the faces cover; raises ``BadInputError`` if they do not cover one from (0, 0)."""
     least, most = creases.vertices_coords.min(axis=0), creases.vertices_coords.max(axis=0)
     sheet = Sheet(*most.tolist())
+    shortest, longest = SHEET_LIMITS_MM
+    if not (shortest <= min(most) and max(most) <= longest):
+        raise BadInputError(
+            f"the sheet is {sheet} large; foldcut folds sheets with sides between {shortest:g} and {longest:g} mm: "
+            "check frame_unit"
+        )
     slack = COINCIDENT[0] * sheet.diagonal
     area = float(signed_areas(creases.vertices_coords, creases.faces_vertices).sum())
     if (np.abs(least) > slack).any() or abs(area - sheet.width * sheet.height) > slack * sheet.diagonal:

@@ -25,9 +25,10 @@ from support.patterns import book_fold, build_pattern, letter_fold, notched_shee
 from support.places import TESTS
 
 from foldcut.core.arrays import Floats
-from foldcut.core.errors import FileFormatError
+from foldcut.core.errors import BadInputError, FileFormatError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import PATTERN_EXPORTERS, check_suffix, export
+from foldcut.exporters.pattern.fold import export as fold_export
 from foldcut.exporters.pattern.fold import face_orders, overlapping_faces
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
@@ -112,7 +113,8 @@ def many_creases() -> FoldedPattern:
     edges = [(0, 1, "B"), *((a, a + 2, "B") for low in rows.tolist() for a in (low, low + 1))]
     edges += [(a, a + 1, "MV"[a // 2 % 2]) for a in rows[1:].tolist()] + [(2 * strips, 2 * strips + 1, "B")]
     faces = [(a, a + 2, a + 3, a + 1) for a in rows.tolist()]
-    return build_pattern(flat.tolist(), folded.tolist(), edges, faces, range(strips))
+    loop = [(20, 0.5), (40, 0.5), (40, 1.5), (20, 1.5)]
+    return build_pattern(flat.tolist(), folded.tolist(), edges, faces, range(strips), loop)
 
 
 def test_an_unknown_ending_is_an_error_that_lists_the_known_ones() -> None:
@@ -159,6 +161,8 @@ def test_fold_refuses_numbers_that_json_has_not() -> None:
     coords = np.full_like(pattern.folded.vertices_coords, np.nan)
     broken = dataclasses.replace(pattern, folded=dataclasses.replace(pattern.folded, vertices_coords=coords))
     with pytest.raises(ValueError, match="JSON"):
+        fold_export(broken, load_profile())
+    with pytest.raises(BadInputError, match="not at a finite place"):
         export(broken, ".fold")
 
 
@@ -233,7 +237,7 @@ def test_overlapping_faces_are_those_that_shapely_finds(seed: int) -> None:
 def test_overlaps_do_not_depend_on_how_the_work_is_cut_up(monkeypatch: pytest.MonkeyPatch) -> None:
     pattern = stack_of_polygons(7, 80)
     whole = overlapping_faces(pattern)
-    monkeypatch.setattr("foldcut.exporters.pattern.fold.CHUNK", 7)
+    monkeypatch.setattr("foldcut.pattern.overlaps.CHUNK", 7)
     parts = overlapping_faces(pattern)
     assert whole is not None
     assert parts is not None
@@ -252,7 +256,7 @@ def test_faces_at_a_glance_are_never_more_than_there_are(seed: int) -> None:
 
 
 def test_too_many_overlaps_are_seen_without_comparing_faces(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("foldcut.exporters.pattern.fold.wholly_outside", None)
+    monkeypatch.setattr("foldcut.pattern.overlaps.wholly_outside", None)
     assert overlapping_faces(letter_fold(), 2) is None
 
 

@@ -64,7 +64,7 @@ def test_a_vertex_of_the_folded_form_that_is_elsewhere_is_found(tmp_path: Path) 
     frames = moved_frame((0, 0))
     frames[0]["vertices_coords"][3][0] += 0.01
     (finding,) = reopened(tmp_path, square_out_of_square(), file_frames=frames).findings
-    assert "has vertex 3 " in str(finding)
+    assert "vertices_coords[3] is " in str(finding)
 
 
 def test_a_flipped_crease_is_found(tmp_path: Path) -> None:

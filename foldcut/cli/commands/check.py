@@ -34,8 +34,8 @@ def check(args: Namespace) -> int:
     """Verify a FOLD file."""
     from foldcut.cli import report
     from foldcut.drawing.shape import make_shape
+    from foldcut.foldfile.judge import judge
     from foldcut.foldfile.read import read_fold
-    from foldcut.proof.verify import verify
     from foldcut.redraw.distance import apart
 
     read = read_fold(Path(args.file))
@@ -49,7 +49,7 @@ def check(args: Namespace) -> int:
             loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
             notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
         shape = make_shape(loops)
-    findings = verify(read.pattern, read.layers, shape)
+    findings = judge(read, shape)
     checked = report.check_report(read.pattern, findings, shape is not None, notes)
     remedy = "mend the pattern"
     if args.shape:
