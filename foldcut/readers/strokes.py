@@ -7,12 +7,14 @@ another paint. Dashes are read as whole lines.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import shapely
+from svgelements import CubicBezier, Move, QuadraticBezier
 
 from foldcut.core.arrays import Floats, points_array
 from foldcut.core.units import MM_PER_UNIT
@@ -101,7 +103,10 @@ def _mitred(
         cuts = [0, *(corner - sharp[0] for corner in sharp[1:]), len(points) - 1]
     else:
         cuts = [0, *sharp, len(points) - 1]
-    for first, last in pairwise(cuts):
+    if closed and len(sharp) == 1:  # in two pieces with one side in both, since one piece would be a ring
+        yield _buffered(points[: len(points) // 2 + 1], half, False, "flat", **style)
+        yield _buffered(points[len(points) // 2 - 1 :], half, False, "flat", **style)
+    for first, last in pairwise(cuts) if not closed or len(sharp) > 1 else ():
         yield _buffered(points[first : last + 1], half, False, "flat", **style)
     inner = cuts[1:-1] + ([0] if closed else [])
     for corner in inner:
@@ -158,7 +163,25 @@ def _own_lines(element: Element, tolerance: float) -> list[tuple[Floats, bool]]:
     """Return the lines of an element in its own units."""
     scale = float(np.linalg.norm(element.matrix[:2, :2], 2)) if np.isfinite(element.matrix).all() else 0.0
     own = replace(element, matrix=np.eye(3))
-    return [(points.T, closed) for points, closed, _ in own.lines(tolerance / scale if scale else math.inf)]
+    lines = [
+        (points_array(points.T), closed) for points, closed, _ in own.lines(tolerance / scale if scale else math.inf)
+    ]
+    return [*lines, *((points_array([dot]), False) for dot in _dots(element.path))]
+
+
+def _dots(path: list[Any]) -> Iterator[tuple[float, float]]:
+    """Yield the places of the subpaths without length, of which only caps are drawn."""
+    start: tuple[float, float] | None = None
+    is_dot = False
+    for segment in [*path, Move(end=(0.0, 0.0))]:
+        end = float(segment.end.x), float(segment.end.y)
+        if isinstance(segment, Move):
+            if is_dot and start is not None:
+                yield start
+            start, is_dot = end, False
+        else:
+            is_dot = end == start and not isinstance(segment, CubicBezier | QuadraticBezier)
+            start = start if is_dot else None
 
 
 def _moved(area: shapely.Geometry, matrix: Floats) -> shapely.Geometry:

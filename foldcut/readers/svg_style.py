@@ -244,7 +244,8 @@ class Cascade:
                 self.ignored[UNREADABLE] += 1
 
     def _name_space(self, prelude: list[Any]) -> None:
-        nodes = [node for node in prelude if node.type in ("ident", "string", "url")]
+        inner = [node.arguments[:1] if node.type == "function" else [node] for node in prelude]
+        nodes = [node for part in inner for node in part if node.type in ("ident", "string", "url")]
         if nodes and nodes[-1].type != "ident":
             self.spaces[nodes[0].value if nodes[0].type == "ident" else None] = nodes[-1].value
 
