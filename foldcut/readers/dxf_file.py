@@ -59,7 +59,7 @@ def document_of(data: bytes, ignored: Counter[str]) -> Drawing:
         raise
     except Exception:  # whatever an entity raises
         tool = _Recover.run(io.BytesIO(data), _with_numbers)
-        sections = tool.section_dict
+        sections: Any = tool.section_dict
         for name in ("ENTITIES", "BLOCKS"):
             if name in sections:
                 sections[name] = list(_readable(sections[name], tool.dxfversion, tool.broken))
@@ -105,11 +105,12 @@ class _Recover(Recover):
 
     def is_newer(self) -> bool:
         """Whether a file that calls itself R12 has entities of later versions; then it is called one of these."""
-        every = (tags for name in ("ENTITIES", "BLOCKS") for tags in self.section_dict.get(name, []))
+        sections: Any = self.section_dict
+        every = (tags for name in ("ENTITIES", "BLOCKS") for tags in sections.get(name, []))
         if not any(str(tags[0].value) in _MARKERS for tags in every):
             return False
         self.dxfversion = R2000
-        header = self.section_dict["HEADER"][0]
+        header = sections["HEADER"][0]
         at = next((at for at, tag in enumerate(header) if tag == (9, "$ACADVER")), None)
         if at is None:
             header[2:2] = [DXFTag(9, "$ACADVER"), DXFTag(1, R2000)]
@@ -132,18 +133,19 @@ class _Recover(Recover):
     @classmethod
     def run(cls, stream: Any, loader: Any = None, errors: str = "surrogateescape") -> _Recover:
         """Return the tool with the sections of a file; as in the base class, which makes one of its own kind."""
-        tool = cls(loader)
-        sections = tool.rebuild_sections(tool.load_tags(stream, errors))
-        tool.load_section_dict(sections)
-        if tables := tool.section_dict.get("TABLES"):
-            tool.section_dict["TABLES"] = tool.rebuild_tables(tables)
+        tool: Any = cls(loader)
+        tool.load_section_dict(tool.rebuild_sections(tool.load_tags(stream, errors)))
+        sections = tool.section_dict
+        if "TABLES" in sections:
+            sections["TABLES"] = tool.rebuild_tables(sections["TABLES"])
         is_r12 = tool.dxfversion <= R12 and not tool.is_newer()
         if not is_r12:
             tool.recover_rootdict()
-        for name, entities in tool.section_dict.items():
-            if name in {"TABLES", "BLOCKS", "OBJECTS", "ENTITIES"}:
-                tool.section_dict[name] = list(tool.check_entities(entities, is_r12))
-        return tool
+        for name in ("TABLES", "BLOCKS", "OBJECTS", "ENTITIES"):
+            if name in sections:
+                sections[name] = list(tool.check_entities(sections[name], is_r12))
+        made: _Recover = tool
+        return made
 
 
 def _marked(tags: Tags, kind: str) -> Tags:
