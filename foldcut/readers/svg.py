@@ -22,6 +22,7 @@ from foldcut.core.arrays import points_array
 from foldcut.core.errors import FileFormatError
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
+from foldcut.readers.clips import Clips
 from foldcut.readers.join_outlines import Outline, loops_of
 from foldcut.readers.strokes import WIDE_STROKE, with_strokes
 from foldcut.readers.svg_page import Element, Page, side_mm, too_many, view_box
@@ -63,26 +64,28 @@ def drawing_of(root: ET.Element, name: str, options: ReadOptions, *, y_down: boo
         extent = float(np.ptp(rough, axis=1).max()) if rough.size else 0.0
         tolerance = options.units(options.flatten_mm, unit_mm, extent)
         outlines: list[Outline] = []
+        clips = Clips(flip, tolerance)
         count = 0
         for one in shown:
             lines, curves = [], []
-            for points, closed, drawn in one.lines(tolerance):
+            for points, closed, segments in one.lines(tolerance):
                 lines.append((points_array((flip @ points).T), closed))
-                curves.append(curved(drawn, flip @ one.matrix[:2]))
+                curves.append(curved(segments, flip @ one.matrix[:2]))
                 count += points.shape[1]
             if count > options.limits.points:
                 raise too_many(options)
             outline = Outline(lines, one.filled, one.even_odd, curves, one.name, one.paint)
+            drawn = [outline]
             if options.strokes == "outline" and one.stroked:
-                outlines += with_strokes(outline, one, flip, tolerance, unit_mm)
-            else:
-                outlines.append(outline)
+                drawn = with_strokes(outline, one, flip, tolerance, unit_mm)
+            outlines += filter(None, (clips.seen(part, one) for part in drawn))
+        page.ignored["clip-path"] += clips.whole
         told = _told_of_strokes(shown, options, extent, unit_mm)
         try:
             found = loops_of(outlines, options, unit_mm, extent, own_y=-1 / stretch if y_down else 1.0)
         except FileFormatError as error:
             raise FileFormatError("; or ".join([str(error), *(CUT_STROKES for _ in told)])) from None
-    notes = (*page.notes, *found.notes, *told)
+    notes = (*page.notes, *clips.notes(), *found.notes, *told)
     if page.ignored["text"]:
         notes += (TEXTS,)
     ignored = counted(page.ignored)

@@ -63,13 +63,17 @@ def too_many(options: ReadOptions) -> FileFormatError:
     return FileFormatError(f"the drawing has more than {most}; give a simpler one, or a larger --flatten")
 
 
+Clip = tuple["Element", ...]
+"""The elements that a clip path has; what one of them fills can be seen."""
+
+
 @dataclass(frozen=True)
 class Element:
     """A painted element: its path in its own user units, its transform, ``(3, 3)``, and how it is painted.
 
     ``filled`` and ``stroked``: whether it has such a paint that can be seen. ``paint``, ``stroke_paint``: of both.
     ``stroke_width`` is in units of the drawing, ``own_width`` in those of the element, or, if it is ``fixed``, of the
-    screen. ``painted``: it is seen at all.
+    screen. ``clips``: what it is clipped by, all of them together.
     """
 
     path: list[Any]
@@ -82,6 +86,7 @@ class Element:
     stroke_paint: Paint = Paint.DARK
     own_width: float = 1.0
     style: Style = field(default_factory=dict)
+    clips: tuple[Clip, ...] = ()
 
     @property
     def white(self) -> bool:
@@ -121,7 +126,7 @@ class _Visit:
 
     ``layer`` and ``chosen``: it is in one of the requested layers and ids. ``clones``: the references that led here.
     ``viewport``: the size that percentages refer to, in user units. ``given``: the width and height of its clone.
-    ``opacity``: of all elements around it together. ``place``: its number among its siblings, for errors.
+    ``opacity``: of all elements around it together. ``clips``: their clip paths.
     """
 
     element: ET.Element
@@ -134,6 +139,7 @@ class _Visit:
     viewport: Size
     given: tuple[str | None, str | None] | None = None
     opacity: float = 1.0
+    clips: tuple[Clip, ...] = ()
 
 
 class Page:
@@ -148,6 +154,7 @@ class Page:
         self.numbers = 0
         self.cascade = Cascade(root, self.ignored)
         self.boxes: dict[ET.Element, Box] = {}
+        self.clips: dict[tuple[ET.Element, bytes], Clip] = {}
 
     @cached_property
     def by_id(self) -> dict[str, ET.Element]:
@@ -219,9 +226,10 @@ class Page:
                 continue
             else:
                 seen = self._choose(replace(seen, opacity=opacity))
-                if counts:
-                    self.ignored.update(key for key in ("clip-path", "mask") if style.get(key, "none") != "none")
+                self.ignored["mask"] += counts and style.get("mask", "none") != "none"
                 matrix = self._matrix(seen, style, name)
+                if style.get("clip-path", "none") != "none" and counts:
+                    seen = self._clipped(seen, style, matrix)
                 if tag == "use":
                     waiting += self._clone(seen, matrix, style, name)
                 elif tag in _GROUPS:
@@ -265,8 +273,43 @@ class Page:
         stroke_paint = Paint.WHITE if stroke is not None and stroke.is_white else Paint.DARK
         even_odd = style.get("fill-rule", "").lower() == "evenodd" or fill is None
         return Element(
-            path, matrix, fill is not None, stroke is not None, even_odd, name, paint, stroke_paint, width, style
-        )
+            path, matrix, fill is not None, stroke is not None, even_odd, name, paint, stroke_paint, width, style,
+            seen.clips,
+        )  # fmt: skip
+
+    def _clipped(self, seen: _Visit, style: Style, matrix: Floats) -> _Visit:
+        """Return a visit with the clip path of the element; one that is not a path in the file is counted."""
+        match = _URL.fullmatch(style["clip-path"])
+        element = self.by_id.get(match[1]) if match else None
+        if element is None or tag_of(element) != "clipPath":
+            self.ignored["clip-path"] += 1
+            return seen
+        own = matrix
+        if element.get("clipPathUnits", "") == "objectBoundingBox":
+            left, top, width, height = self._box_of(seen, style)
+            own = matrix @ np.array([(width, 0.0, left), (0.0, height, top), (0.0, 0.0, 1.0)])
+        key = element, own.tobytes()
+        if key not in self.clips:
+            self.clips[key] = ()  # for a clip path that clips itself
+            said = self.cascade.style(element, {})
+            inner = replace(
+                seen,
+                element=element,
+                matrix=own,
+                style={},
+                layer=True,
+                chosen=True,
+                opacity=1.0,
+                clips=(),
+                clones=frozenset(),
+            )
+            inner = replace(inner, matrix=self._matrix(inner, said, "a clipPath"))
+            found = self._walk(self._children(inner, inner.matrix, said, seen.viewport), counts=False)
+            self.clips[key] = tuple(
+                replace(one, filled=True, stroked=False, even_odd=one.style.get("clip-rule", "").lower() == "evenodd")
+                for one in found
+            )
+        return replace(seen, clips=(*seen.clips, self.clips[key]))
 
     def _with_geometry(self, element: ET.Element, style: Style) -> ET.Element:
         """Return an element with the coordinates that CSS gives it as attributes."""

@@ -29,7 +29,7 @@ UNREADABLE = "unreadable style rule"
 
 INHERITED = frozenset(
     {"visibility", "color", "fill", "fill-rule", "fill-opacity", "stroke", "stroke-width", "stroke-opacity"}
-    | {"stroke-linecap", "stroke-linejoin", "stroke-miterlimit"}
+    | {"clip-rule", "stroke-linecap", "stroke-linejoin", "stroke-miterlimit"}
 )
 GEOMETRY = frozenset(("x", "y", "cx", "cy", "r", "rx", "ry", "width", "height"))
 """Attributes that are properties of CSS, too (SVG 2, section 8.1 and chapter 10)."""
@@ -139,7 +139,7 @@ CHECKS: dict[str, Callable[[str], bool]] = {
     "color": lambda text: text.lower() == "currentcolor" or colour_of(text) is not None,
     "fill": _is_paint,
     "stroke": _is_paint,
-    "fill-rule": _one_of("nonzero", "evenodd"),
+    **dict.fromkeys(("fill-rule", "clip-rule"), _one_of("nonzero", "evenodd")),
     **dict.fromkeys(("opacity", "fill-opacity", "stroke-opacity", "stop-opacity"), _is_share),
     "stop-color": lambda text: text.lower() == "currentcolor" or colour_of(text) is not None,
     "stroke-width": _is_length,

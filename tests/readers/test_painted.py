@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image, ImageDraw
+from PIL import Image
+from support.pictures import assert_alike, painted
 from support.places import TESTS
 from support.programs import require_program, run_program
 
@@ -82,18 +83,6 @@ def seen_by_chromium(folder: Path) -> dict[str, Floats]:
     return {name: picture[y : y + SIDE, x : x + SIDE] for name, (y, x) in zip(DRAWINGS, places, strict=True)}
 
 
-def as_read(path: Path, strokes: str = "lines") -> Floats:
-    """Return how dark each pixel is if the loops that are read are black."""
-    loops = read_shape(path, ReadOptions(strokes=strokes)).loops
-    fine = 8
-    picture = np.zeros((SIDE * fine, SIDE * fine), dtype=bool)
-    for loop in loops:
-        one = Image.new("1", (SIDE * fine, SIDE * fine))
-        ImageDraw.Draw(one).polygon([(x * 2 * fine - 0.5, -y * 2 * fine - 0.5) for x, y in loop.tolist()], fill=1)
-        picture ^= np.asarray(one)
-    return picture.reshape(SIDE, fine, SIDE, fine).mean(axis=(1, 3))
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("painted")
@@ -103,11 +92,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_what_chromium_paints_is_read(folder: Path, tmp_path: Path, name: str) -> None:
     path = tmp_path / f"{name}.svg"
     path.write_text(drawing(DRAWINGS[name]))
-    compare(seen_by_chromium(folder)[name], as_read(path, "outline" if name.startswith("stroke-") else "lines"))
-
-
-def compare(seen: Floats, read: Floats) -> None:
-    """Assert that two pictures differ only by smoothing, along outlines."""
-    assert seen.sum() > 500
-    assert np.abs(seen - read).sum() < 0.02 * seen.sum() + 60
-    assert (np.abs(seen - read) > 0.6).sum() < 10
+    options = ReadOptions(strokes="outline" if name.startswith("stroke-") else "lines")
+    loops = [loop * (2, -2) for loop in read_shape(path, options).loops]
+    assert_alike(seen_by_chromium(folder)[name], painted(loops, (SIDE, SIDE)))
