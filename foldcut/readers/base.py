@@ -114,9 +114,10 @@ class Drawing:
         width, height = self.size
         return None if self.unit_mm is None else (width * self.unit_mm, height * self.unit_mm)
 
-    def own_coordinates(self) -> tuple[Floats, ...]:
-        """Return the loops in the coordinates of the file."""
-        return tuple(loop * (1.0, -1.0) for loop in self.loops) if self.y_down else self.loops
+    def own_coordinates(self, loops: tuple[Floats, ...] | None = None) -> tuple[Floats, ...]:
+        """Return the loops, or others in the units of the drawing, in the coordinates of the file."""
+        loops = self.loops if loops is None else loops
+        return tuple(loop * (1.0, -1.0) for loop in loops) if self.y_down else loops
 
 
 def counted(what: Counter[str]) -> tuple[str, ...]:

@@ -214,13 +214,15 @@ class _Told:
             ("cut out {}, white over another colour", self.cut_out),
             ("left out {}, white on white paper", self.on_paper),
         )
-        told = [words.format(self._names(parts)) for words, parts in kinds if parts]
+        told = [words.format(named(parts, self.place)) for words, parts in kinds if parts]
         return [united, *told] if united else told
 
-    def _names(self, parts: Sequence[Part]) -> str:
-        named = [f"{part.name} at {self.place(_middle(part))}" for part in parts[:MOST_NAMED]]
-        more = len(parts) - len(named)
-        return ", ".join(named) + (f" and {more} more" if more else "")
+
+def named(parts: Sequence[Part], place: Place) -> str:
+    """Return the names and the places of the first few parts, and how many more there are."""
+    names = [f"{part.name} at {place(_middle(part))}" for part in parts[:MOST_NAMED]]
+    more = len(parts) - len(names)
+    return ", ".join(names) + (f" and {more} more" if more else "")
 
 
 def _middle(part: Part) -> Floats:

@@ -19,7 +19,7 @@ from foldcut.core.units import rounded_up
 from foldcut.geometry.curves import CurvedLoop, Line, Segment
 from foldcut.readers.base import Drawing, ReadOptions, counted
 from foldcut.readers.cut_curves import CutCurves
-from foldcut.readers.fill_outlines import Paint, Part, Place, fill, unite
+from foldcut.readers.fill_outlines import Paint, Part, Place, fill, named, unite
 
 MOST_MEETING = 50
 """If more ends of lines than this meet on average, they are not an outline, and joining them would take long."""
@@ -32,6 +32,10 @@ FLAT = 1e-12
 
 LARGEST = 1e100
 """Lines that end farther away than this are refused."""
+
+
+FILLED_OVER = "left out loops that the fill rule nonzero fills over, since they run the same way round: {}"
+"""The note on such loops."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +85,7 @@ def loops_of(
         return f"({point[0] + 0.0:g}, {point[1] * own_y + 0.0:g})"
 
     parts: list[Part] = []
+    over: list[Part] = []
     chains: list[Floats] = []
     chain_curves: list[Sequence[Segment]] = []
     gaps: list[float] = []
@@ -107,7 +112,11 @@ def loops_of(
                 curved[id(closed[-1])] = closed[-1], _closed_curve(curve, extent)
         whole = [loop for loop in closed if not _is_flat(loop)]
         flat += len(closed) - len(whole)
-        parts.append(Part(fill(whole, even_odd=outline.even_odd), outline.name, outline.paint))
+        filled = fill(whole, even_odd=outline.even_odd)
+        kept = {id(loop) for loop in filled}
+        if kept <= {id(loop) for loop in whole}:  # it was not divided
+            over += [Part([loop], outline.name) for loop in whole if id(loop) not in kept]
+        parts.append(Part(filled, outline.name, outline.paint))
         flat += 0 if parts[-1].loops else len(whole)
     united = unite(parts, place)
     loops = united.loops
@@ -122,8 +131,9 @@ def loops_of(
     nothing = f"left out {flat} outline{'s' * (flat > 1)} without area" if flat else ""
     repairs = filter(None, [_closed_gaps([*gaps, *more], extent, unit_mm), stray, nothing])
     found = (*loops, *whole)
-    curves, lost = _curves_of(found, curved), tuple(united.lost)
-    return Loops(found, tuple(united.notes), tuple(repairs), curves, lost)
+    curves, lost = _curves_of(found, curved), (*united.lost, *(loop for part in over for loop in part.loops))
+    notes = [FILLED_OVER.format(named(over, place))] if over else []
+    return Loops(found, (*united.notes, *notes), tuple(repairs), curves, lost)
 
 
 def closed_loops(

@@ -15,7 +15,11 @@ from foldcut.cli.outputs import Outputs
 from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from foldcut.core.arrays import Floats
     from foldcut.jobs.job import Job
+    from foldcut.pipeline import Result
 
 MAKE_EXAMPLES = """\
 examples:
@@ -64,7 +68,8 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument(
         "--preview",
         metavar="FILE.svg",
-        help="also draw the drawing before (red) and after (black) it was mended and drawn anew",
+        help="also draw the drawing before (red) and after (black) it was mended and drawn anew, and outlines that "
+        "others cover (blue)",
     )
     options.add_request(command)
     options.add_machine(command)
@@ -101,8 +106,22 @@ def make(args: Namespace) -> int:
             if pattern.drawn and drawing is not None:  # both as they lie on the sheet
                 before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
                 after = pattern.shape.loops
-            contents[preview_path] = preview(before, after)
+            contents[preview_path] = preview(before, after, _lost(result, before))
     return write_and_report(result, contents, console, replace=args.force, jobs=jobs, machine=machine)
+
+
+def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
+    """Return the outlines that the drawing lost while it was read, where and as large as ``before``, its loops."""
+    drawing, pattern = result.drawing, result.folded_pattern
+    if drawing is None or not drawing.lost:
+        return []
+    if pattern.drawn:
+        return [pattern.placement.apply(loop) for loop in drawing.own_coordinates(drawing.lost)]
+    width, size = (
+        max(float(loop[:, 0].max()) for loop in loops) - min(float(loop[:, 0].min()) for loop in loops)
+        for loops in (before, drawing.loops)
+    )
+    return [loop * (width / size) for loop in drawing.lost]
 
 
 def default_names(source: Source, machine: Machine) -> list[str]:
