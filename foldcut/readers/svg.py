@@ -14,7 +14,10 @@ Nothing outside the file is opened. ``readers.svg_text`` parses the file, ``read
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ET
+from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 
@@ -43,7 +46,9 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     root = root_of(text, options.limits)
     if tag_of(root) != "svg":
         raise FileFormatError(f"the outermost element is {root.tag!r}, not svg; give an SVG file")
-    return drawing_of(root, source.name, options)
+    drawing = drawing_of(root, source.name, options)
+    outside = len(re.findall(r"<\?xml-stylesheet\s", text))
+    return replace(drawing, ignored=(*drawing.ignored, *counted(Counter({"external style sheet": outside}))))
 
 
 def drawing_of(root: ET.Element, name: str, options: ReadOptions, *, y_down: bool = True) -> Drawing:

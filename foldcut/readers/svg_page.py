@@ -170,7 +170,9 @@ class Page:
             if names:
                 known = ", ".join(sorted(there)[:20]) or "none"
                 return f"no outline is in {option} {', '.join(names)}; the file has {known}"
-        texts = ", and make texts into paths" if self.ignored["text"] else ""
+        if self.ignored["hidden element"]:
+            return "all outlines of the file are hidden or have an opacity of 0; show one in the drawing program"
+        texts = ", and make texts into paths, or draw a text with --text" if self.ignored["text"] else ""
         return f"the file has no polygon, polyline, rect or path; draw a closed outline{texts}"
 
     def seen(self) -> list[Element]:
@@ -226,7 +228,8 @@ class Page:
                 continue
             else:
                 seen = self._choose(replace(seen, opacity=opacity))
-                self.ignored["mask"] += counts and style.get("mask", "none") != "none"
+                if counts:
+                    self.ignored.update(key for key in ("mask", "filter") if style.get(key, "none") != "none")
                 matrix = self._matrix(seen, style, name)
                 if style.get("clip-path", "none") != "none" and counts:
                     seen = self._clipped(seen, style, matrix)
@@ -235,7 +238,10 @@ class Page:
                 elif tag in _GROUPS:
                     viewport = seen.viewport
                     if tag in ("svg", "symbol"):
-                        matrix, viewport = _viewport(seen, matrix, name)
+                        placed = matrix
+                        matrix, viewport, size = _viewport(seen, matrix, name)
+                        if size is not None and style.get("overflow", "hidden") in ("hidden", "clip", "scroll"):
+                            seen = replace(seen, clips=(*seen.clips, _window(placed, *_place(seen, name), *size)))
                     waiting += self._children(seen, matrix, style, viewport)
                 elif not self._is_visible(style):
                     self.ignored["hidden element"] += counts
@@ -320,7 +326,11 @@ class Page:
 
     def _stroke_width(self, style: Style, viewport: Size, name: str) -> float:
         whole = None if viewport is None else math.hypot(*viewport) / math.sqrt(2)
-        return user_units(style.get("stroke-width", "1"), f"stroke-width of {name}", whole)
+        try:
+            return user_units(style.get("stroke-width", "1"), f"stroke-width of {name}", whole)
+        except FileFormatError:  # too large a number, or a percentage of nothing
+            self.ignored[UNREADABLE] += 1
+            return 1.0
 
     def _colour(self, kind: str, default: str, style: Style, opacity: float) -> Colour | None:
         """Return the colour of a fill or stroke with its opacity, or None if it cannot be seen."""
@@ -445,6 +455,14 @@ def _box(element: Element) -> tuple[Floats, Floats]:
     return points.min(axis=1, initial=math.inf), points.max(axis=1, initial=-math.inf)
 
 
+def _window(matrix: Floats, x: float, y: float, width: float, height: float) -> Clip:
+    """Return the clip path of a nested svg or a symbol: what lies outside of it cannot be seen."""
+    corners = ((x, y), (x + width, y), (x + width, y + height), (x, y + height))
+    points = " ".join(f"{left!r},{top!r}" for left, top in corners)
+    path = path_of(ET.Element("polygon", {"points": points}), "a viewport", None)
+    return (Element(path, matrix, True, False, True, "a viewport", Paint.DARK),)
+
+
 def _holds(element: ET.Element) -> bool:
     """Whether an element is shown at all to a browser that knows no extensions and prefers English."""
     languages = element.get("systemLanguage")
@@ -470,8 +488,11 @@ def _place(seen: _Visit, name: str) -> list[float]:
     return [user_units(seen.element.get(side, "0"), f"{side} of {name}", whole) for side, whole in sizes]
 
 
-def _viewport(seen: _Visit, matrix: Floats, name: str) -> tuple[Floats, Size]:
-    """Return the transform and the viewport inside a nested svg or a symbol, whose viewBox is fitted into its size."""
+def _viewport(seen: _Visit, matrix: Floats, name: str) -> tuple[Floats, Size, Size]:
+    """Return the transform and the viewport inside a nested svg or a symbol, and its size.
+
+    Its viewBox is fitted into its size, which may be unknown.
+    """
     element = seen.element
     x, y = _place(seen, name)
     placed: Floats = matrix @ np.array([(1.0, 0.0, x), (0.0, 1.0, y), (0.0, 0.0, 1.0)])
@@ -488,7 +509,7 @@ def _viewport(seen: _Visit, matrix: Floats, name: str) -> tuple[Floats, Size]:
         width, height = (user_units(text, f"size of {name}", whole) for text, whole in zip(texts, wholes, strict=True))
         size = width, height
     if box is None or size is None:
-        return placed, size
+        return placed, size, size
     across, up = size[0] / box[2], size[1] / box[3]
     fitting = element.get("preserveAspectRatio", "")
     if fitting.strip() != "none":
@@ -499,7 +520,7 @@ def _viewport(seen: _Visit, matrix: Floats, name: str) -> tuple[Floats, Size]:
     left = (size[0] - box[2] * across) * x_share - box[0] * across
     top = (size[1] - box[3] * up) * y_share - box[1] * up
     fitted: Floats = placed @ np.array([(across, 0.0, left), (0.0, up, top), (0.0, 0.0, 1.0)])
-    return fitted, (box[2], box[3])
+    return fitted, (box[2], box[3]), size
 
 
 def view_box(element: ET.Element, what: str) -> list[float]:

@@ -65,7 +65,7 @@ class Colour(NamedTuple):
     @property
     def is_white(self) -> bool:
         """Whether this cannot be told from white paper, and hides what is behind it."""
-        return min(self) > 0.995
+        return min(self) > 0.97
 
 
 BLACK = Colour(0.0, 0.0, 0.0, 1.0)
@@ -147,7 +147,7 @@ CHECKS: dict[str, Callable[[str], bool]] = {
     "stroke-linejoin": _one_of("miter", "round", "bevel", "miter-clip", "arcs"),
     "stroke-miterlimit": lambda text: bool(re.fullmatch(NUMBER, text)),
     **dict.fromkeys(("transform", "transform-origin", "transform-box", "translate", "rotate", "scale"), _any),
-    **dict.fromkeys(("clip-path", "mask", "vector-effect", "stroke-dasharray"), _any),
+    **dict.fromkeys(("clip-path", "mask", "filter", "overflow", "vector-effect", "stroke-dasharray"), _any),
     **dict.fromkeys(("x", "y", "cx", "cy", "r", "rx", "ry", "width", "height"), lambda text: bool(text)),
     "d": lambda text: text == "none" or text.startswith("path("),
 }

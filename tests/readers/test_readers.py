@@ -499,7 +499,7 @@ def test_what_is_not_seen_is_no_outline_beside_what_is(read: Reading, body: str,
         '<symbol id="s" viewBox="0 0 8 8">{}</symbol><use xlink:href="#s" width="8" height="8"/>',
         '<symbol id="s" viewBox="8 8 8 8"><g transform="translate(8 8)">{}</g></symbol>'
         '<use href="#s" width="16" height="8" x="-4"/>',
-        '<svg x="2" y="1"><g transform="translate(-2 -1)">{}</g></svg>',
+        '<svg x="2" y="1" overflow="visible"><g transform="translate(-2 -1)">{}</g></svg>',
         '<svg viewBox="0 0 8 8" width="16" height="16"><g transform="scale(.5)">{}</g></svg>',
     ],
 )
