@@ -47,8 +47,8 @@ def with_strokes(
         lines, matrix = [(points_array(points), closed) for points, closed in outline.lines], np.eye(3)
     else:
         lines = _own_lines(element, tolerance)
-    scale = float(np.linalg.norm(matrix[:2, :2], 2))
-    if not (np.isfinite(matrix).all() and scale and all(np.isfinite(points).all() for points, _ in lines)):
+    scale = float(np.linalg.norm(matrix[:2, :2], 2)) if np.isfinite(matrix).all() else 0.0
+    if not (scale and all(np.isfinite(points).all() for points, _ in lines)):
         return [outline]  # make_shape says where
     stroke = _moved(stroke_area(lines, width, element.style, tolerance / scale), matrix)
     covered = Outline(_rings(stroke), filled=True, name=outline.name, paint=element.stroke_paint)

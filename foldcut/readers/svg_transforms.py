@@ -118,28 +118,30 @@ def _nodes(text: str) -> list[Any]:
     return found
 
 
+def _finite(value: float) -> float:
+    if not math.isfinite(value):
+        raise UnreadableError
+    return value
+
+
 def _arguments(nodes: list[Any]) -> list[Any]:
     return [node for node in nodes if node.type not in ("whitespace", "comment") and node != ","]
 
 
 def _number(node: Any) -> float:
-    if node.type == "percentage":
-        return float(node.value) / 100
-    if node.type != "number":
+    if node.type not in ("percentage", "number"):
         raise UnreadableError
-    return float(node.value)
+    return _finite(float(node.value) / (100 if node.type == "percentage" else 1))
 
 
 def _length(node: Any, whole: float, *, unitless: bool = False) -> float:
     if node.type == "percentage":
-        if not math.isfinite(whole):
-            raise UnreadableError
-        return float(node.value) / 100 * whole
+        return _finite(float(node.value) / 100 * whole)
     if node.type == "number" and (unitless or node.value == 0):
-        return float(node.value)
+        return _finite(float(node.value))
     if node.type != "dimension" or node.lower_unit not in _LENGTHS:
         raise UnreadableError
-    return float(node.value) * _LENGTHS[node.lower_unit]
+    return _finite(float(node.value) * _LENGTHS[node.lower_unit])
 
 
 def _angle(node: Any) -> float:
@@ -148,7 +150,7 @@ def _angle(node: Any) -> float:
         return 0.0
     if node.type != "dimension" or node.lower_unit not in _DEGREES:
         raise UnreadableError
-    return math.radians(float(node.value) * _DEGREES[node.lower_unit])
+    return math.radians(_finite(float(node.value) * _DEGREES[node.lower_unit]))
 
 
 def _single(name: str, text: str, box: Box) -> Floats:

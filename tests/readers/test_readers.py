@@ -245,6 +245,7 @@ BAD_SVG = [
     (svg('<path d="M0 0H5"/><polyline points="1,1 2,2"/>'), "the outlines of the file enclose no area; draw"),
     (svg('<polygon points="%s"/>' % ("1 2 " * 500_000)), "about 500,004 points, and at most 100,000 are allowed"),
     (svg('<circle r="1e999"/>'), "r of circle number 1 is '1e999'; give a finite number"),
+    (svg('<circle cx="5" r="1e308"/>'), "circle number 1 has path data that cannot be drawn; correct its numbers"),
     ("<svg>" + '<rect width="50%" height="3"/>' + "</svg>", "'50%' of a size that the file does not give; add a"),
     (svg('<rect width="5em" height="3"/>'), "width of rect number 1 is '5em'; give a number, or one with mm"),
     (svg('<path d="M 0 0 C 1 1 2 2 Z"/>'), "unreadable path data at 'C 1 1 2 2 Z'"),
