@@ -369,7 +369,7 @@ def _read(
         notes = (*notes, *prepared.changes)
         loops = [loop / unit for loop in prepared.loops] if prepared.changes else loops
         whole = None if prepared.whole is None else make_shape([loop / unit for loop in prepared.whole])
-    outline = make_shape(loops)
+    outline = make_shape(loops, y_down=drawing is not None and drawing.y_down)
     if drawing is None:
         return _Read(outline, layout, notes=notes, prepared=prepared, whole=whole)
     return _Read(outline, layout, drawing.title, drawing.y_down, notes, drawing, prepared, whole)

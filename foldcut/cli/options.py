@@ -201,8 +201,14 @@ def add_reading(command: ArgumentParser) -> None:
     reading.add_argument(
         "--join",
         metavar="LENGTH",
-        default="0.05mm",
-        help="join ends of lines that are no farther apart than this, at the same sizes (default: %(default)s)",
+        help="join ends of lines that are no farther apart than this, at the drawing's own size; if it states none, a "
+        "mm is a unit of the drawing (default: 0.05mm, both at its own size and scaled to 200 mm)",
+    )
+    reading.add_argument(
+        "--strokes",
+        choices=("lines", "outline"),
+        default="lines",
+        help="read strokes as lines without width, or as the outline of what they cover (default: %(default)s)",
     )
     reading.add_argument(
         "--limit",
@@ -222,11 +228,12 @@ def reading(args: Namespace) -> ReadOptions:
 
     return ReadOptions(
         flatten_mm=parse_length(args.flatten),
-        join_mm=parse_length(args.join),
+        join_mm=None if args.join is None else parse_length(args.join),
         layers=tuple(args.layer),
         ids=tuple(args.id),
         suffix=vars(args)["from"] or "",
         threshold=args.threshold,
+        strokes=args.strokes,
         limits=parse_limits(args.limit),
     )
 

@@ -117,12 +117,22 @@ def refuse_changes(changes: Sequence[str]) -> None:
         raise ShapeError(f"the drawing has to be mended: {'; '.join(changes)}; leave out --strict, or mend it yourself")
 
 
-def preview(before: Sequence[Floats], after: Sequence[Floats]) -> bytes:
-    """Return an SVG in true size of the loops ``before``, in red, and ``after``, in black on grey; all in mm."""
-    points = np.concatenate([*before, *after])
+def preview(before: Sequence[Floats], after: Sequence[Floats], lost: Sequence[Floats] = ()) -> bytes:
+    """Return an SVG in true size of loops in mm: ``before`` in red, ``after`` in black on grey, ``lost`` ones in blue.
+
+    ``lost``: outlines that the file has and that are in neither, since others cover them.
+    """
+    points = np.concatenate([*before, *after, *lost])
     low, high = points.min(axis=0) - 5, points.max(axis=0) + 5
     (width, height), path = high - low, ""
-    for loops, style in ((after, "fill:#ddd;stroke:#000"), (before, "fill:none;stroke:#e00;stroke-dasharray:1")):
+    styles = (
+        (after, "fill:#ddd;stroke:#000"),
+        (before, "fill:none;stroke:#e00;stroke-dasharray:1"),
+        (lost, "fill:none;stroke:#06f;stroke-dasharray:.5"),
+    )
+    for loops, style in styles:
+        if not loops:
+            continue
         data = " ".join(f"M{' '.join(f'{x - low[0]:.4f},{high[1] - y:.4f}' for x, y in loop)}Z" for loop in loops)
         path += f'<path d="{data}" style="{style};stroke-width:.2;fill-rule:evenodd"/>\n'
     size = f'width="{width:.3f}mm" height="{height:.3f}mm" viewBox="0 0 {width:.3f} {height:.3f}"'

@@ -53,16 +53,18 @@ def polygon_loops(polygons: Iterable[shapely.Polygon]) -> tuple[Floats, ...]:
     return tuple(points_array(shapely.get_coordinates(ring)[:-1]) for ring in rings)
 
 
-def make_shape(loops: Sequence[ArrayLike]) -> Shape:
+def make_shape(loops: Sequence[ArrayLike], *, y_down: bool = False) -> Shape:
     """Return the shape that ``loops`` enclose by the even-odd rule.
 
     ``loops`` are sequences of x, y points in the drawing's units, in either direction, with or without a repeated last
     point, nested to any depth. Raises ``ShapeError`` with the number of the loop, from 1, and the place.
+    ``y_down``: the y axis of the file points down, and y, which has changed its sign, gets it back in the error.
     """
-    drawn = [_number_pairs(loop, number) for number, loop in enumerate(loops, start=1)]
+    own_y = -1.0 if y_down else 1.0
+    drawn = [_number_pairs(loop, number, own_y) for number, loop in enumerate(loops, start=1)]
     if not drawn:
         raise ShapeError("the drawing has no loops; draw at least one closed outline")
-    frame = _Frame.around(drawn)
+    frame = _Frame.around(drawn, own_y)
     corners: list[Floats] = []
     for number, points in enumerate(drawn, start=1):
         kept = points[_corner_indices(frame.to_unit(points), number, frame)]
@@ -134,9 +136,11 @@ class _Frame:
 
     centre: Floats
     diagonal: float
+    own_y: float = 1.0
+    """What y is multiplied by to be that of the file."""
 
     @classmethod
-    def around(cls, loops: Sequence[Floats]) -> _Frame:
+    def around(cls, loops: Sequence[Floats], own_y: float = 1.0) -> _Frame:
         points = np.concatenate(loops)
         low, high = points.min(axis=0), points.max(axis=0)
         largest = float(np.abs(points).max())
@@ -146,14 +150,14 @@ class _Frame:
             )
         diagonal = float(np.hypot(*(high - low)))
         if diagonal < 1 / LARGEST_NUMBER:
-            x, y = points[0]
+            x, y = (points[0] * (1.0, own_y) + 0.0).tolist()
             raise ShapeError(f"all points of the drawing are at ({x:.6g}, {y:.6g}); draw a loop that encloses an area")
         if largest * float(np.finfo(np.float64).eps) > ROUNDING_LIMIT * diagonal:
             raise ShapeError(
                 f"the drawing is {diagonal:.3g} across but lies {largest:.3g} from the origin, too far away "
                 "for its details to survive rounding; move it nearer to (0, 0)"
             )
-        return cls((low + high) / 2, diagonal)
+        return cls((low + high) / 2, diagonal, own_y)
 
     def to_unit(self, points: Floats) -> Floats:
         unit: Floats = (points - self.centre) / self.diagonal
@@ -162,7 +166,8 @@ class _Frame:
     def at(self, point: Floats) -> str:
         """Return a place in words, in the drawing's coordinates, to a ten-thousandth of the drawing's size."""
         decimals = 4 - int(np.floor(np.log10(self.diagonal)))
-        x, y = (np.round(point * self.diagonal + self.centre, decimals) + 0.0).tolist()
+        place = np.round(point * self.diagonal + self.centre, decimals)
+        x, y = (place * (1.0, self.own_y) + 0.0).tolist()
         return f"({x:.12g}, {y:.12g})"
 
     def length(self, distance: float) -> str:
@@ -195,7 +200,7 @@ class _Boundary:
         return f"loop {b}", "itself" if a == b else f"loop {a}"
 
 
-def _number_pairs(loop: ArrayLike, number: int) -> Floats:
+def _number_pairs(loop: ArrayLike, number: int, own_y: float) -> Floats:
     try:
         points = np.array(loop, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -205,10 +210,10 @@ def _number_pairs(loop: ArrayLike, number: int) -> Floats:
     points = points.reshape(-1, 2)
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(wrong):
-        x, y = points[wrong[0]]
+        x, y = points[wrong[0]] * (1.0, own_y)
         raise ShapeError(f"point {wrong[0] + 1} of loop {number} is ({x:g}, {y:g}); give finite numbers")
     if len(np.unique(points, axis=0)) < 3:
-        where = f" near ({points[0, 0]:.6g}, {points[0, 1]:.6g})" if len(points) else ""
+        where = f" near ({points[0, 0]:.6g}, {points[0, 1] * own_y + 0.0:.6g})" if len(points) else ""
         raise ShapeError(f"loop {number} has fewer than 3 corners{where}; remove it or draw at least 3")
     return points
 

@@ -29,7 +29,7 @@ class Reader(NamedTuple):
 
 
 READERS = {
-    ".svg": Reader("svg"),
+    ".svg": Reader("svg", is_text=False),
     ".json": Reader("json_loops"),
     ".wkt": Reader("wkt"),
     ".dxf": Reader("dxf"),
@@ -41,7 +41,7 @@ READERS = {
     ".jpg": Reader("image", is_text=False),
     ".jpeg": Reader("image", is_text=False),
 }
-"""By suffix. In text, numbers are counted before anything is parsed."""
+"""By suffix. In text, numbers are counted before anything is parsed; an SVG, in any encoding, counts its own."""
 
 STANDARD_INPUT = "-"
 """The path that stands for standard input."""

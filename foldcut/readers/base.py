@@ -21,6 +21,12 @@ _JSON_STRING = re.compile(r'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 USUAL_SIZE_MM = 200.0
 """Curves are flattened as if the drawing were enlarged to this size, which is about that of "fit" on A4."""
 
+USUAL_JOIN_MM = 0.05
+"""Ends of lines that are nearer than this are joined, unless the user says how near they have to be."""
+
+STROKES = ("lines", "outline")
+"""How strokes are read: as lines without width, or as the area that they cover."""
+
 
 @dataclass(frozen=True)
 class ReadOptions:
@@ -28,16 +34,19 @@ class ReadOptions:
 
     ``flatten_mm``: how far a curve may be from the straight segments that replace it, both at the size that the file
     states and with the drawing enlarged to 200 mm. ``join_mm``: ends of lines that are nearer than this are joined,
-    measured in the same way. ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is
+    at the size that the file states, or in drawing units where it states none; None: than 0.05, measured like
+    ``flatten_mm``. ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is
     called. ``threshold``: how light a pixel of the shape may be in a picture, from 0 for black to 1 for white.
+    ``strokes``: "lines" reads strokes as lines without width, "outline" as the area that they cover.
     """
 
     flatten_mm: float = 0.05
-    join_mm: float = 0.05
+    join_mm: float | None = None
     layers: tuple[str, ...] = ()
     ids: tuple[str, ...] = ()
     suffix: str = ""
     threshold: float = 0.5
+    strokes: str = "lines"
     limits: Limits = field(default_factory=Limits)
 
     def __post_init__(self) -> None:
@@ -45,11 +54,19 @@ class ReadOptions:
             raise BadInputError(f"curves cannot be flattened to {self.flatten_mm:g} mm; give a length above 0")
         if not 0 <= self.threshold <= 1:
             raise BadInputError(f"the threshold is {self.threshold:g}; give a number from 0, black, to 1, white")
+        if self.strokes not in STROKES:
+            raise BadInputError(f"there is no way {self.strokes!r} to read strokes; give {' or '.join(STROKES)}")
 
     def units(self, length_mm: float, unit_mm: float | None, extent: float) -> float:
-        """Return ``flatten_mm`` or ``join_mm`` in drawing units; ``extent`` is the longer side of the drawing."""
+        """Return ``flatten_mm`` or ``USUAL_JOIN_MM`` in drawing units; ``extent``: the longer side of the drawing."""
         enlarged = length_mm * extent / USUAL_SIZE_MM
         return enlarged if unit_mm is None else min(length_mm / unit_mm, enlarged)
+
+    def join_gap(self, unit_mm: float | None, extent: float) -> float:
+        """Return how far ends of lines may be apart that are joined, in drawing units."""
+        if self.join_mm is None:
+            return self.units(USUAL_JOIN_MM, unit_mm, extent)
+        return self.join_mm / (unit_mm or 1.0)
 
 
 @dataclass(frozen=True)
@@ -72,7 +89,7 @@ class Drawing:
     names what was passed over in the file ("2 texts"), ``notes`` say how the rest was understood, and ``repairs`` what
     had to be mended, which ``--strict`` refuses. ``y_down``: the y axis of the file points down, so y has changed sign.
     ``curves``: what the loops were flattened from, in the same order; empty if all of them are straight lines, or if
-    that is not known.
+    that is not known. ``lost``: outlines that the file has and that are not among the loops, since others cover them.
     """
 
     loops: tuple[Floats, ...]
@@ -83,6 +100,7 @@ class Drawing:
     ignored: tuple[str, ...] = ()
     repairs: tuple[str, ...] = ()
     curves: tuple[CurvedLoop, ...] = ()
+    lost: tuple[Floats, ...] = ()
 
     @property
     def size(self) -> tuple[float, float]:
@@ -96,9 +114,10 @@ class Drawing:
         width, height = self.size
         return None if self.unit_mm is None else (width * self.unit_mm, height * self.unit_mm)
 
-    def own_coordinates(self) -> tuple[Floats, ...]:
-        """Return the loops in the coordinates of the file."""
-        return tuple(loop * (1.0, -1.0) for loop in self.loops) if self.y_down else self.loops
+    def own_coordinates(self, loops: tuple[Floats, ...] | None = None) -> tuple[Floats, ...]:
+        """Return the loops, or others in the units of the drawing, in the coordinates of the file."""
+        loops = self.loops if loops is None else loops
+        return tuple(loop * (1.0, -1.0) for loop in loops) if self.y_down else loops
 
 
 def counted(what: Counter[str]) -> tuple[str, ...]:

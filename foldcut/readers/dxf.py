@@ -1,22 +1,21 @@
 """Read DXF with ezdxf, which mends broken files: closed curves, chains of lines, hatches, blocks.
 
-Curves become segments within the tolerance; open lines are joined end to end. Hatches are read only if there are no
-outlines, since they usually repeat them. ``unit_mm`` follows from $INSUNITS; 0 means that the file does not say. Layers
+``readers.dxf_file`` leaves out entities that cannot be read; here those are left out that cannot be drawn. Curves
+become segments within the tolerance; open lines are joined end to end. Hatches are read only if there are no outlines,
+since they usually repeat them. ``unit_mm`` follows from $INSUNITS; 0 means that the file does not say. Layers
 that are off or frozen are passed over, as are blocks from other files.
 """
 
 from __future__ import annotations
 
-import io
 import logging
 import math
 from collections import Counter
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from ezdxf import path as paths
-from ezdxf import recover
 from ezdxf.enums import InsertUnits
 from ezdxf.units import conversion_factor
 
@@ -25,6 +24,7 @@ from foldcut.core.errors import FileFormatError
 from foldcut.drawing.limits import Limits
 from foldcut.geometry.curves import Arc, Bezier, Line, Segment
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
+from foldcut.readers.dxf_file import UNREADABLE, document_of, trim_spline
 from foldcut.readers.join_outlines import Outline, loops_of
 
 # ezdxf logs everything that it mends; what matters of that is in the error messages.
@@ -43,8 +43,8 @@ MOST_ENTITIES = 200_000
 def read(source: Source, options: ReadOptions) -> Drawing:
     """Return the drawing in a DXF file's model space; its title is the name of the file."""
     try:
-        document, _ = recover.read(io.BytesIO(source.data))
-        return _read(document, source.name, options)
+        ignored: Counter[str] = Counter()
+        return _read(document_of(source.data, ignored), source.name, options, ignored)
     except FileFormatError:
         raise
     except RecursionError:  # ezdxf reads blocks by recursion
@@ -54,48 +54,80 @@ def read(source: Source, options: ReadOptions) -> Drawing:
         raise FileFormatError(f"not a DXF file that can be read: {about}; save the drawing again as DXF") from None
 
 
-def _read(document: Any, title: str, options: ReadOptions) -> Drawing:
-    ignored: Counter[str] = Counter()
+def _read(document: Any, title: str, options: ReadOptions, ignored: Counter[str]) -> Drawing:
     layers: set[str] = set()
-    shown: list[tuple[str, list[paths.Path]]] = []
+    shown: list[_Drawn] = []
     wanted = {layer.casefold() for layer in options.layers}
     for entity in _entities(document, ignored, options.limits):
         layers.add(entity.dxf.layer)
         if wanted and entity.dxf.layer.casefold() not in wanted:
             continue
         kind = entity.dxftype()
-        if kind in FILLS:
-            shown.append((kind, list(paths.from_hatch(entity))))
-        elif kind in OUTLINES:
-            shown.append((kind, [paths.make_path(entity)]))
-        else:
+        if kind not in FILLS | OUTLINES:
             ignored[kind] += 1
-    if any(kind in OUTLINES for kind, _ in shown):
-        ignored.update(kind for kind, _ in shown if kind in FILLS)
-        shown = [one for one in shown if one[0] in OUTLINES]
-    shown = [(kind, [one for one in outlines if len(one)]) for kind, outlines in shown]
-    if not any(outlines for _, outlines in shown):
+            continue
+        try:
+            shown.append(_drawn(entity))
+        except Exception:  # whatever ezdxf raises for an entity that is broken
+            ignored[UNREADABLE.format(kind)] += 1
+    if any(one.kind in OUTLINES for one in shown):
+        ignored.update(one.kind for one in shown if one.kind in FILLS)
+        shown = [one for one in shown if one.kind in OUTLINES]
+    if not any(one.paths for one in shown):
         where = f" in --layer {', '.join(options.layers)}" if wanted else ""
+        there = ", ".join(counted(Counter({name: ignored[name] for name in ignored if name.startswith("unread")})))
         raise FileFormatError(
-            f"there is no outline{where}; the file has the layers {', '.join(sorted(layers)[:20]) or 'none'}: "
-            "draw closed polylines, lines or arcs"
+            f"there is no outline{where}; the file has the layers {', '.join(sorted(layers)[:20]) or 'none'}"
+            f"{f' and {there}' if there else ''}: draw closed polylines, lines or arcs"
         )
     unit: Any = document.header.get("$INSUNITS", 0)
     unit_mm = float(conversion_factor(InsertUnits(unit), InsertUnits.Millimeters)) if 1 <= unit <= 20 else None
-    corners = np.array([point for _, outlines in shown for one in outlines for point in one.control_vertices()])
+    corners = np.array([point for drawn in shown for one in drawn.paths for point in one.control_vertices()])
     extent = float(np.ptp(corners[:, :2], axis=0).max())
     if not extent > 0 or not math.isfinite(extent):
         raise FileFormatError("the drawing has no size; draw a closed outline with finite coordinates")
     tolerance = options.units(options.flatten_mm, unit_mm, extent)
     outlines = [
-        Outline(list(_lines(drawn, tolerance, closed=kind in FILLS)), curves=[_curve(one) for one in drawn])
-        for kind, drawn in shown
+        Outline(
+            list(_lines(one.paths, tolerance, closed=one.closed)), curves=list(map(_curve, one.paths)), name=one.name
+        )
+        for one in shown
     ]
     found = loops_of(outlines, options, unit_mm, extent)
     notes = found.notes
     if np.ptp(corners[:, 2]) > 0:
         notes += ("the z coordinates were ignored",)
-    return Drawing(found.loops, unit_mm, title, notes, False, counted(ignored), found.repairs, found.curves)
+    told = counted(ignored)
+    return Drawing(found.loops, unit_mm, title, notes, False, told, found.repairs, found.curves, found.lost)
+
+
+class _Drawn(NamedTuple):
+    """What an entity draws: its kind, its name for reports, its paths, and whether these are closed in any case."""
+
+    kind: str
+    name: str
+    paths: list[paths.Path]
+    closed: bool
+
+
+def _drawn(entity: Any) -> _Drawn:
+    """Return what an entity draws; raises all kinds of errors where it is broken."""
+    kind, handle = entity.dxftype(), entity.dxf.get("handle")
+    closed = kind in FILLS
+    if closed:
+        drawn = list(paths.from_hatch(entity))
+    else:
+        if kind == "SPLINE":
+            closed = bool(entity.closed)
+            trim_spline(entity)
+        drawn = [paths.make_path(entity)]
+    drawn = [one for one in drawn if len(one)]
+    if not drawn:
+        raise ValueError("it draws nothing")
+    for one in drawn:
+        if not np.isfinite([(point.x, point.y) for point in one.control_vertices()]).all():
+            raise ValueError("a number that is not finite")
+    return _Drawn(kind, f"{kind} #{handle}" if handle else f"{kind} on layer {entity.dxf.layer}", drawn, closed)
 
 
 def _curve(outline: paths.Path) -> list[Segment]:
@@ -127,7 +159,7 @@ def _lines(outlines: list[paths.Path], tolerance: float, *, closed: bool) -> Ite
 
 def _entities(document: Any, ignored: Counter[str], limits: Limits) -> Iterator[Any]:
     """Yield the visible entities of the model space, and of the blocks that it shows."""
-    waiting = [(entity, 0) for entity in reversed(document.modelspace())]
+    waiting = [(entity, 0) for entity in reversed(list(document.modelspace())) if entity.is_alive]
     count = 0
     while waiting:
         entity, depth = waiting.pop()
@@ -148,7 +180,18 @@ def _entities(document: Any, ignored: Counter[str], limits: Limits) -> Iterator[
                 count += 1
                 if count > MOST_ENTITIES:
                     raise FileFormatError(f"more than {MOST_ENTITIES:,} entities are shown; give a simpler drawing")
-                for part in insert.virtual_entities():
+                for part in _parts(insert, ignored):
                     if part.dxf.layer == "0":
                         part.dxf.layer = entity.dxf.layer
                     waiting.append((part, depth + 1))
+
+
+def _parts(insert: Any, ignored: Counter[str]) -> list[Any]:
+    """Return the entities that an insert shows; of those that cannot be moved to its place, none."""
+    try:
+        return list(insert.virtual_entities())
+    except RecursionError:
+        raise
+    except Exception:  # whatever ezdxf raises for an entity that is broken
+        ignored[UNREADABLE.format("INSERT")] += 1
+        return []

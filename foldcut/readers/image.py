@@ -1,8 +1,9 @@
 """Read the silhouette in a PNG or JPEG (extra ``image``): threshold, despeckle, trace with vtracer.
 
-The shape is what is darker than the threshold, or in a picture with transparent parts, what is not transparent. Specks
-and holes that are smaller than ``SPECK`` of the picture are dropped. The polygons that vtracer returns are made into an
-SVG for the SVG reader. ``unit_mm`` follows from the dots per inch, if the picture gives them.
+A picture is turned as its EXIF data say. The shape is what is darker than the threshold, or in a picture with
+transparent parts, what is not transparent. Specks and holes that are smaller than ``SPECK`` of the picture are dropped.
+The polygons that vtracer returns are made into an SVG for the SVG reader. ``unit_mm`` follows from the dots per inch,
+if the picture gives them.
 """
 
 from __future__ import annotations
@@ -37,12 +38,13 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     except ImportError:
         raise missing("pictures", "image") from None
     try:
-        with warnings.catch_warnings(), Image.open(io.BytesIO(source.data), formats=FORMATS) as picture:
-            warnings.simplefilter("ignore")
+        with warnings.catch_warnings(action="ignore"), Image.open(io.BytesIO(source.data), formats=FORMATS) as picture:
             width, height = picture.size
             options.limits.check_pixels(width * height)
             dpi = float(picture.info.get("dpi", (0, 0))[0])
-            mask = _silhouette(picture, options.threshold)
+            turned = _turned(picture)
+            width, height = turned.size
+            mask = _silhouette(turned, options.threshold)
     except FileFormatError:
         raise
     except UnidentifiedImageError:  # its message is about a Python object
@@ -68,8 +70,27 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     return replace(drawing, unit_mm=MM_PER_INCH / dpi if dpi > 1 else None, ignored=counted(ignored))
 
 
+def _turned(picture: Any) -> Any:
+    """Return a picture the way up that its EXIF data say; as it is, if these cannot be read."""
+    from PIL import ImageOps
+
+    picture.load()  # errors in the picture itself are for the caller
+    try:
+        return ImageOps.exif_transpose(picture)
+    except Exception:  # Pillow raises all kinds of errors where EXIF data are broken
+        return picture
+
+
 def _silhouette(picture: Any, threshold: float) -> np.ndarray[Any, np.dtype[np.bool_]]:
     """Return which pixels are in the shape, ``(height, width)``."""
+    if picture.mode.startswith("I"):  # grey of 16 bits, which Pillow cuts off at 255 where it converts it
+        grey = np.asarray(picture).astype(np.int64)
+        clear = picture.info.get("transparency")
+        if isinstance(clear, int) and (grey == clear).any():
+            opaque: np.ndarray[Any, np.dtype[np.bool_]] = grey != clear
+            return opaque
+        dark_grey: np.ndarray[Any, np.dtype[np.bool_]] = grey < threshold * (2**16 - 1)
+        return dark_grey
     alpha = np.asarray(picture.convert("RGBA").getchannel("A"))
     if alpha.min() < 128:
         return alpha >= 128

@@ -1,8 +1,7 @@
-"""From drawn outlines to loops of one even-odd set: fill rules, overlaps, gaps, chains of lines and stray lines.
+"""From drawn outlines to loops of one even-odd set: gaps, chains of lines and stray lines.
 
 ``Outline``s as the readers find them -> ``Loops`` (``loops_of``); ``closed_loops`` is for formats that have loops
-already. Loops that touch nothing keep their numbers to the last digit. Only where outlines cross or touch does shapely
-make new ones.
+already. ``readers.fill_outlines`` says what they fill. Places are told in the coordinates of the file.
 """
 
 from __future__ import annotations
@@ -13,17 +12,14 @@ from dataclasses import dataclass
 from itertools import pairwise, repeat
 
 import numpy as np
-import shapely
 
 from foldcut.core.arrays import Floats, Ints, index_array, points_array
 from foldcut.core.errors import FileFormatError
-from foldcut.drawing.shape import polygon_loops
+from foldcut.core.units import rounded_up
 from foldcut.geometry.curves import CurvedLoop, Line, Segment
 from foldcut.readers.base import Drawing, ReadOptions, counted
 from foldcut.readers.cut_curves import CutCurves
-
-MOST_CROSSINGS = 10_000
-"""Outlines with more crossings are left as they are; ``make_shape`` refuses them and says where."""
+from foldcut.readers.fill_outlines import Paint, Part, Place, fill, named, unite
 
 MOST_MEETING = 50
 """If more ends of lines than this meet on average, they are not an outline, and joining them would take long."""
@@ -37,8 +33,9 @@ FLAT = 1e-12
 LARGEST = 1e100
 """Lines that end farther away than this are refused."""
 
-_BATCH = 256
-"""The greatest number of segments in one query."""
+
+FILLED_OVER = "left out loops that the fill rule nonzero fills over, since they run the same way round: {}"
+"""The note on such loops."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,35 +45,47 @@ class Outline:
     Closed lines may repeat their first point. ``filled``: open lines are closed, too; if they are not filled, they are
     joined with those of other elements. ``even_odd``: the fill rule; else it is nonzero. ``curves``: the segments that
     each line was flattened from, from its first point to its last, or none if they are straight; it may be left out.
+    ``name``: what it is called in reports. ``paint``: of its area.
     """
 
     lines: Sequence[tuple[Floats, bool]]
     filled: bool = False
     even_odd: bool = True
     curves: Sequence[Sequence[Segment]] = ()
+    name: str = "an outline"
+    paint: Paint = Paint.DARK
 
 
 @dataclass(frozen=True, eq=False)
 class Loops:
     """Closed loops of one even-odd set, ``notes`` on how they were found, and ``repairs`` that were needed.
 
-    ``curves``: the loops before they were flattened; nothing if all are polygons.
+    ``curves``: the loops before they were flattened; nothing if all are polygons. ``lost``: loops that others cover.
     """
 
     loops: tuple[Floats, ...]
     notes: tuple[str, ...]
     repairs: tuple[str, ...]
     curves: tuple[CurvedLoop, ...] = ()
+    lost: tuple[Floats, ...] = ()
 
 
-def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float | None, extent: float) -> Loops:
+def loops_of(
+    outlines: Sequence[Outline], options: ReadOptions, unit_mm: float | None, extent: float, *, own_y: float = 1.0
+) -> Loops:
     """Return the loops that outlines enclose; ``extent`` is the longer side of the drawing.
 
-    Ends that are no more than ``options.join_mm`` apart are joined. What encloses no area is left out. Raises
-    ``FileFormatError`` if nothing is left then.
+    ``own_y``: what y is multiplied by to be that of the file, in which places are told. Ends that are no more than
+    ``options.join_gap`` apart are joined. What encloses no area is left out. Raises ``FileFormatError`` if nothing is
+    left then.
     """
-    gap = options.units(options.join_mm, unit_mm, extent)
-    parts: list[list[Floats]] = []
+    gap = options.join_gap(unit_mm, extent)
+
+    def place(point: Floats) -> str:
+        return f"({point[0] + 0.0:g}, {point[1] * own_y + 0.0:g})"
+
+    parts: list[Part] = []
+    over: list[Part] = []
     chains: list[Floats] = []
     chain_curves: list[Sequence[Segment]] = []
     gaps: list[float] = []
@@ -103,10 +112,15 @@ def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float |
                 curved[id(closed[-1])] = closed[-1], _closed_curve(curve, extent)
         whole = [loop for loop in closed if not _is_flat(loop)]
         flat += len(closed) - len(whole)
-        parts.append(fill(whole, even_odd=outline.even_odd))
-        flat += 0 if parts[-1] else len(whole)
-    loops, united = unite(parts)
-    joined, more, stray, trails = join(chains, gap, alone=not loops)
+        filled = fill(whole, even_odd=outline.even_odd)
+        kept = {id(loop) for loop in filled}
+        if kept <= {id(loop) for loop in whole}:  # it was not divided
+            over += [Part([loop], outline.name) for loop in whole if id(loop) not in kept]
+        parts.append(Part(filled, outline.name, outline.paint))
+        flat += 0 if parts[-1].loops else len(whole)
+    united = unite(parts, place)
+    loops = united.loops
+    joined, more, stray, trails = join(chains, gap, place, unit_mm or 1.0, alone=not loops)
     for loop, trail in zip(joined, trails, strict=True):
         if any(chain_curves[number] for number, _ in trail):
             curved[id(loop)] = loop, _closed_curve(_joined_curves(chains, chain_curves, trail), extent)
@@ -114,11 +128,12 @@ def loops_of(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float |
     flat += len(joined) - len(whole)
     if not loops and not whole:
         raise FileFormatError("the outlines of the file enclose no area; draw at least one closed outline")
-    notes = [f"{united} outlines that overlap or touch were united"] if united else []
     nothing = f"left out {flat} outline{'s' * (flat > 1)} without area" if flat else ""
     repairs = filter(None, [_closed_gaps([*gaps, *more], extent, unit_mm), stray, nothing])
     found = (*loops, *whole)
-    return Loops(found, tuple(notes), tuple(repairs), _curves_of(found, curved))
+    curves, lost = _curves_of(found, curved), (*united.lost, *(loop for part in over for loop in part.loops))
+    notes = [FILLED_OVER.format(named(over, place))] if over else []
+    return Loops(found, (*united.notes, *notes), tuple(repairs), curves, lost)
 
 
 def closed_loops(
@@ -127,7 +142,7 @@ def closed_loops(
     """Return drawn loops without a last point that nearly repeats the first one, and the repairs that were needed."""
     points = np.concatenate([loop[np.isfinite(loop).all(axis=1)] for loop in drawn])
     extent = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
-    gap = options.units(options.join_mm, unit_mm, extent)
+    gap = options.join_gap(unit_mm, extent)
     ends = [_end_gap(loop) if len(loop) > 3 else 0.0 for loop in drawn]
     repair = _closed_gaps([end for end in ends if end <= gap], extent, unit_mm)
     closed = (loop[:-1] if 0 < end <= gap else loop for loop, end in zip(drawn, ends, strict=True))
@@ -209,53 +224,8 @@ def _closed_gaps(gaps: Sequence[float], extent: float, unit_mm: float | None) ->
     return f"closed {len(gaps)} gap{'s' * (len(gaps) > 1)} of at most {most} between ends of lines"
 
 
-def fill(loops: Sequence[Floats], *, even_odd: bool) -> list[Floats]:
-    """Return the boundary of what an outline of several loops fills, as an even-odd set."""
-    if len(loops) == 1 and len(loops[0]) == 3:
-        return list(loops)
-    rings = _closed_lines(loops)
-    if rings is None:
-        return list(loops)
-    if shapely.is_simple(shapely.multilinestrings(rings)) and min(map(len, loops)) > 2:
-        return list(loops) if even_odd or len(loops) == 1 else _nonzero(loops)
-    if _crossings(rings) > MOST_CROSSINGS:
-        return list(loops)
-    return list(polygon_loops(shapely.get_parts(_filled_area(loops, rings, even_odd))))
-
-
-def unite(parts: Sequence[Sequence[Floats]]) -> tuple[list[Floats], int]:
-    """Return the loops of several even-odd sets as one set, and the number of sets that were united with others.
-
-    Sets whose outlines meet are united. An outline that lies within another without touching it is its hole.
-    """
-    parts = [part for part in parts if part]
-    loops = [loop for part in parts for loop in part]
-    rings = _closed_lines(loops)
-    if len(parts) < 2 or rings is None or shapely.is_simple(shapely.multilinestrings(rings)):
-        return loops, 0
-    if _crossings(rings) > MOST_CROSSINGS:
-        return loops, 0
-    lines = np.array([shapely.multilinestrings(_closed_lines(part)) for part in parts])
-    one, other = shapely.STRtree(lines).query(lines, predicate="intersects")
-    from scipy.sparse import coo_array  # a quarter of a second to import
-    from scipy.sparse.csgraph import connected_components
-
-    count, group = connected_components(coo_array((np.ones(len(one)), (one, other)), shape=(len(parts), len(parts))))
-    united: list[Floats] = []
-    touched = 0
-    for number in range(count):
-        members = [parts[index] for index in np.flatnonzero(group == number).tolist()]
-        if len(members) == 1:
-            united += members[0]
-            continue
-        touched += len(members)
-        areas = [_filled_area(part, _closed_lines(part), True) for part in members]
-        united += polygon_loops(shapely.get_parts(shapely.union_all(areas)))
-    return united, touched
-
-
 def join(
-    chains: Sequence[Floats], gap: float, *, alone: bool
+    chains: Sequence[Floats], gap: float, place: Place, mm: float, *, alone: bool
 ) -> tuple[list[Floats], list[float], str, list[list[tuple[int, bool]]]]:
     """Return the loops that open lines form if ends no more than ``gap`` apart are joined.
 
@@ -263,7 +233,7 @@ def join(
     end where no other line continues), and for each loop its lines in order: their numbers, and whether they run
     backwards. Raises ``FileFormatError`` with the place where three lines meet, and, if
     there is no loop at all, with that of an end where no line continues; ``alone`` means that these lines are all there
-    is.
+    is. ``place`` tells places; ``mm``: how many mm ``--join`` counts for a unit of the drawing.
     """
     if not chains:
         return [], [], "", []
@@ -287,21 +257,20 @@ def join(
             meeting.setdefault(int(node[end]), []).append(end)
     stray = f"left out {repeated} line{'s' * (repeated > 1)} drawn twice" if repeated else ""
     if free:
-        x, y = ends[free[0]].tolist()
-        distance = np.max(tree.query(ends[free[0]], k=2)[0])
-        place = f"at ({x:g}, {y:g}), {distance:.3g} from the next end"
+        distances = np.max(tree.query(ends[free], k=2)[0], axis=1)
+        distances = np.where(np.isfinite(distances), distances, 0.0)
+        at = f"at {place(ends[free[0]])}, {distances[0]:.3g} from the next end"
         if alone and not left:
+            enough = rounded_up(1.001 * float(distances.max()) * mm)
             raise FileFormatError(
-                f"a line ends {place}; close the outline, or join ends that are farther apart with --join"
+                f"a line ends {at}; close the outline, or join ends that are farther apart with --join {enough}mm"
             )
         what = f"{len(free)} lines that end" if len(free) > 1 else "a line that ends"
-        stray = "; ".join(filter(None, [stray, f"left out {what} where no other continues, {place}"]))
+        stray = "; ".join(filter(None, [stray, f"left out {what} where no other continues, {at}"]))
     for members in meeting.values():
         if len(members) > 2:
-            x, y = ends[members[0]].tolist()
-            raise FileFormatError(
-                f"{len(members)} lines end at ({x:g}, {y:g}); keep only two, so that one continues the other"
-            )
+            at = place(ends[members[0]])
+            raise FileFormatError(f"{len(members)} lines end at {at}; keep only two, so that one continues the other")
     loops, gaps, trails = [], [], []
     for start in sorted(left):
         end, points, trail = 2 * start, list[Floats](), list[tuple[int, bool]]()
@@ -351,55 +320,3 @@ def _without_strays(chains: Sequence[Floats], nodes: Ints) -> tuple[set[int], li
             if len(members) == 1:
                 waiting += members
     return left, free, repeated
-
-
-def _closed_lines(loops: Sequence[Floats]) -> list[shapely.LineString] | None:
-    """Return the loops as closed lines, or None if there are none or if a number is not finite."""
-    if not loops or not all(len(loop) > 1 and np.isfinite(loop).all() for loop in loops):
-        return None
-    return [shapely.linestrings(np.concatenate([loop, loop[:1]])) for loop in loops]
-
-
-def _crossings(rings: Sequence[shapely.LineString]) -> int:
-    """Return how many pairs of segments meet that are not neighbours; stop counting beyond ``MOST_CROSSINGS``."""
-    coords = [shapely.get_coordinates(ring) for ring in rings]
-    segments = shapely.linestrings(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in coords]))
-    tree, count, start, batch = shapely.STRtree(segments), 0, 0, 1
-    segments = np.random.default_rng(0).permutation(segments)  # at random: if all lie in one place, a few suffice
-    while start < len(segments) and count <= 2 * MOST_CROSSINGS:
-        asked = segments[start : start + batch]
-        one, _ = tree.query(asked, predicate="intersects")
-        count += max(len(one) - 3 * len(asked), 0)
-        start, batch = start + batch, min(2 * batch, _BATCH)
-    return count // 2
-
-
-def _filled_area(
-    loops: Sequence[Floats], lines: Sequence[shapely.LineString] | None, even_odd: bool
-) -> shapely.Geometry:
-    """Return the area that the loops fill: those faces between all lines whose winding number says so."""
-    faces = shapely.get_parts(shapely.polygonize([shapely.union_all(lines)]))
-    inside = shapely.get_coordinates(shapely.point_on_surface(faces))
-    winding = sum((_winding(inside, loop) for loop in loops), np.zeros(len(inside), dtype=np.int64))
-    return shapely.union_all(faces[winding % 2 == 1 if even_odd else winding != 0])
-
-
-def _winding(points: Floats, loop: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Return the winding number of ``loop`` around each point: how often it goes around it, counter-clockwise."""
-    (x, y), (to_x, to_y) = loop.T, np.roll(loop, -1, axis=0).T
-    turns = np.zeros(len(points), dtype=np.int64)
-    for number, (px, py) in enumerate(points.tolist()):
-        left = (to_x - x) * (py - y) - (px - x) * (to_y - y)
-        turns[number] = np.sum((y <= py) & (to_y > py) & (left > 0)) - np.sum((y > py) & (to_y <= py) & (left < 0))
-    return turns
-
-
-def _nonzero(loops: Sequence[Floats]) -> list[Floats]:
-    """Return those of some disjoint loops that have a winding number of zero on exactly one side."""
-    rings = shapely.linearrings(np.concatenate(loops), indices=np.repeat(np.arange(len(loops)), list(map(len, loops))))
-    own = np.where(shapely.is_ccw(rings), 1, -1)
-    polygons, starts = shapely.polygons(rings), shapely.points([loop[0] for loop in loops])
-    # A loop is not within itself, since it starts on its own edge.
-    inside, around = shapely.STRtree(polygons).query(starts, predicate="within")
-    outside = np.bincount(inside, weights=own[around], minlength=len(loops))
-    return [loop for loop, kept in zip(loops, (outside == 0) != (outside + own == 0), strict=True) if kept]

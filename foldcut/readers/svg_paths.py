@@ -106,7 +106,10 @@ def path_of(element: ET.Element, name: str, viewport: Size) -> list[Any]:
 def _segments(data: str, name: str) -> list[Any]:
     try:
         # After each Z, move to where it ends anyway: svgelements looks back for the last move at each Z.
-        return list(PathData(re.sub("[Zz]", "Zm0 0", data)))
+        segments = list(PathData(re.sub("[Zz]", "Zm0 0", data)))
+        if any(None in (segment.end.x, segment.end.y) for segment in segments):  # of an arc that is too large
+            raise ValueError
+        return segments
     except (ValueError, ArithmeticError, AttributeError, TypeError):  # an arc with senseless numbers
         raise FileFormatError(f"{name} has path data that cannot be drawn; correct its numbers") from None
 

@@ -68,7 +68,8 @@ for suffix in ("svg", "json", "wkt", "fold"):
     refused(f"blank.{suffix}", b" \n\t\r\n", EMPTY)
     refused(f"zeros.{suffix}", bytes(1000), "not ")
     refused(f"high-bytes.{suffix}", bytes(range(128, 256)), "byte 0 is not UTF-8")
-    refused(f"utf-16.{suffix}", "<svg/>".encode("utf-16"), "byte 0 is not UTF-8")
+    if suffix != "svg":  # whose encoding may be declared
+        refused(f"utf-16.{suffix}", "<svg/>".encode("utf-16"), "byte 0 is not UTF-8")
     refused(f"png-inside.{suffix}", b"\x89PNG\r\n\x1a\n" + bytes(99), "byte 0 is not UTF-8")
     refused(f"html.{suffix}", "<!doctype html><html><body>404</body></html>", "not ")
     refused(f"words.{suffix}", "this is not a drawing", "not ")
@@ -78,6 +79,9 @@ for suffix in ("svg", "json", "wkt"):
 
 # --- SVG ------------------------------------------------------------------------------------------------------------
 taken("box.svg", path(BOX))
+taken("utf-16.svg", path(BOX).encode("utf-16"))
+latin = '<?xml version="1.0" encoding="ISO-8859-1"?>' + svg(f'<title>\xe9</title><path d="{BOX}"/>')
+taken("latin-1.svg", latin.encode("latin-1"))
 taken("bom.svg", b"\xef\xbb\xbf" + path(BOX).encode())
 taken("crlf.svg", path(BOX.replace("H", "\r\nH")))
 taken("no-namespace.svg", '<svg viewBox="0 0 9 9"><rect width="9" height="9"/></svg>')

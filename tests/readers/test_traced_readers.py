@@ -181,7 +181,7 @@ def test_the_paths_of_a_pdf_page_are_loops(tmp_path: Path, draw: Any, expected: 
         assert drawing.ignored == ("1 text", "1 white background")
         assert drawing.size_mm == pytest.approx((80 * MM, 40 * MM))
         corners = np.concatenate(drawing.own_coordinates())
-        assert corners.min(axis=0).tolist() == pytest.approx([100, 200 - 90])
+        assert corners.min(axis=0).tolist() == pytest.approx([100, 50])  # y is up in a PDF
 
 
 def test_gaps_and_strays_of_a_pdf_page_are_mended_and_told(tmp_path: Path) -> None:
@@ -196,10 +196,19 @@ def test_gaps_and_strays_of_a_pdf_page_are_mended_and_told(tmp_path: Path) -> No
 
 def test_forms_of_a_pdf_page_nest_as_deep_as_is_allowed(tmp_path: Path) -> None:
     pytest.importorskip("pypdfium2")
-    data = pdf(in_a_form)
-    assert area(read(tmp_path, "a.pdf", data, limits=Limits(nesting=4))) == pytest.approx(800, rel=2e-3)
-    with pytest.raises(FileFormatError, match="nested too deep, and at most 1 are allowed"):
-        read(tmp_path, "a.pdf", data, limits=Limits(nesting=1))
+
+    def in_forms(canvas: Canvas) -> None:
+        for number in range(4):
+            canvas.beginForm(f"f{number}")
+            canvas.doForm(f"f{number - 1}") if number else canvas.rect(0, 0, 20, 10, fill=1, stroke=0)
+            canvas.endForm()
+        canvas.doForm("f3")
+
+    data = pdf(in_forms)
+    assert area(read(tmp_path, "a.pdf", data, limits=Limits(nesting=4))) == pytest.approx(200, rel=2e-3)
+    for deepest in (1, 2, 3):
+        with pytest.raises(FileFormatError, match=f"nested too deep, and at most {deepest} are allowed"):
+            read(tmp_path, "a.pdf", data, limits=Limits(nesting=deepest))
 
 
 def test_bad_pdfs_are_refused_in_one_line(tmp_path: Path) -> None:
@@ -265,6 +274,62 @@ def test_the_dots_per_inch_of_a_picture_are_its_size(tmp_path: Path) -> None:
     pytest.importorskip("vtracer")
     drawing = read(tmp_path, "a.png", picture(dpi=(100, 100)))
     assert drawing.size_mm == pytest.approx((50.8, 38.1), rel=0.01)
+
+
+def grey(dark: int, light: int, **save: Any) -> bytes:
+    """Return the L as a picture in grey of 16 bits."""
+    is_light = np.asarray(Image.open(io.BytesIO(picture()))) > 128
+    buffer = io.BytesIO()
+    Image.fromarray(np.where(is_light, light, dark).astype(np.uint16)).save(buffer, "PNG", **save)
+    return buffer.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("dark", "light", "threshold"),
+    [(5000, 60_000, 0.5), (0, 65_535, 0.5), (300, 33_000, 0.5), (20_000, 24_000, 0.33), (40_000, 60_000, 0.7)],
+)
+def test_grey_of_16_bits_is_scaled(tmp_path: Path, dark: int, light: int, threshold: float) -> None:
+    pytest.importorskip("vtracer")
+    assert Image.open(io.BytesIO(grey(dark, light))).mode.startswith("I")
+    drawing = read(tmp_path, "a.png", grey(dark, light), threshold=threshold)
+    assert area(drawing) == pytest.approx(51 * 150 + 149 * 50, rel=0.01)
+    with pytest.raises(FileFormatError, match="the picture has no silhouette"):
+        read(tmp_path, "a.png", grey(dark, light), threshold=dark / 65_535 * 0.99)
+
+
+def test_a_grey_of_16_bits_that_is_transparent_is_no_part_of_the_shape(tmp_path: Path) -> None:
+    pytest.importorskip("vtracer")
+    drawing = read(tmp_path, "a.png", grey(65_535, 0, transparency=0))
+    assert area(drawing) == pytest.approx(51 * 150 + 149 * 50, rel=0.01)
+
+
+@pytest.mark.parametrize("kind", ["PNG", "JPEG"])
+@pytest.mark.parametrize("orientation", range(1, 9))
+def test_pictures_are_turned_as_their_exif_data_say(tmp_path: Path, kind: str, orientation: int) -> None:
+    pytest.importorskip("vtracer")
+    upright = Image.open(io.BytesIO(picture())).convert("L")
+    # how the picture has to lie in the file so that the orientation turns it upright
+    laid = {
+        2: Image.Transpose.FLIP_LEFT_RIGHT, 3: Image.Transpose.ROTATE_180, 4: Image.Transpose.FLIP_TOP_BOTTOM,
+        5: Image.Transpose.TRANSPOSE, 6: Image.Transpose.ROTATE_90, 7: Image.Transpose.TRANSVERSE,
+        8: Image.Transpose.ROTATE_270,
+    }  # fmt: skip
+    image = upright.transpose(laid[orientation]) if orientation > 1 else upright
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    buffer = io.BytesIO()
+    image.save(buffer, kind, exif=exif)
+    drawing = read(tmp_path, f"a.{kind.lower()}", buffer.getvalue())
+    (loop,) = drawing.own_coordinates()
+    assert loop.min(axis=0) == pytest.approx([50, 20], abs=2)
+    assert loop.max(axis=0) == pytest.approx([250, 170], abs=2)
+    assert not any(np.hypot(*(loop - (250, 20)).T) < 50)
+
+
+def test_broken_exif_data_are_passed_over(tmp_path: Path) -> None:
+    pytest.importorskip("vtracer")
+    drawing = read(tmp_path, "a.jpg", picture(kind="JPEG", quality=95, exif=b"Exif\0\0MM\0*\xff\xff\xff\xff"))
+    assert len(drawing.loops) == 1
 
 
 def test_bad_pictures_are_refused_in_one_line(tmp_path: Path) -> None:

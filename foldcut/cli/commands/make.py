@@ -15,8 +15,12 @@ from foldcut.cli.outputs import Outputs
 from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from foldcut.cli.outputs import MadeFor
+    from foldcut.core.arrays import Floats
     from foldcut.core.model import Sheet
+    from foldcut.pipeline import Result
 
 MAKE_EXAMPLES = """\
 examples:
@@ -66,7 +70,8 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument(
         "--preview",
         metavar="FILE.svg",
-        help="also draw the drawing before (red) and after (black) it was mended and drawn anew",
+        help="also draw the drawing before (red) and after (black) it was mended and drawn anew, and outlines that "
+        "others cover (blue)",
     )
     options.add_request(command)
     options.add_machine(command)
@@ -102,7 +107,7 @@ def make(args: Namespace) -> int:
             if pattern.drawn and drawing is not None:  # both as they lie on the sheet
                 before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
                 after = pattern.shape.loops
-            contents[preview_path] = preview(before, after)
+            contents[preview_path] = preview(before, after, _lost(result, before))
     return write_and_report(result, contents, console, replace=args.force, made=made)
 
 
@@ -111,6 +116,20 @@ def request_sheet(request: Request, args: Namespace) -> Sheet:
     from foldcut.drawing.placement import parse_sheet
 
     return request.folding.sheet if isinstance(request, FoldRequest) else parse_sheet(args.sheet or USUAL_SHEET)
+
+
+def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
+    """Return the outlines that the drawing lost while it was read, where and as large as ``before``, its loops."""
+    drawing, pattern = result.drawing, result.folded_pattern
+    if drawing is None or not drawing.lost:
+        return []
+    if pattern.drawn:
+        return [pattern.placement.apply(loop) for loop in drawing.own_coordinates(drawing.lost)]
+    width, size = (
+        max(float(loop[:, 0].max()) for loop in loops) - min(float(loop[:, 0].min()) for loop in loops)
+        for loops in (before, drawing.loops)
+    )
+    return [loop * (width / size) for loop in drawing.lost]
 
 
 def default_names(source: Source, machine: Machine) -> list[str]:
