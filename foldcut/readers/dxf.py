@@ -36,6 +36,9 @@ OUTLINES = {"LWPOLYLINE", "POLYLINE", "LINE", "ARC", "SPLINE", "CIRCLE", "ELLIPS
 FILLS = {"HATCH", "MPOLYGON"}
 """Entities that are read only if there are no outlines."""
 
+FINEST = 1e-9
+"""Curves are not flattened finer than this, relative to the size of the drawing; rounding would never let it end."""
+
 MOST_ENTITIES = 200_000
 """A file that shows more entities is refused; those of blocks count as often as they are shown."""
 
@@ -86,7 +89,7 @@ def _read(document: Any, title: str, options: ReadOptions, ignored: Counter[str]
     extent = float(np.ptp(corners[:, :2], axis=0).max())
     if not extent > 0 or not math.isfinite(extent):
         raise FileFormatError("the drawing has no size; draw a closed outline with finite coordinates")
-    tolerance = options.units(options.flatten_mm, unit_mm, extent)
+    tolerance = max(options.units(options.flatten_mm, unit_mm, extent), FINEST * extent)
     outlines = [
         Outline(
             list(_lines(one.paths, tolerance, closed=one.closed)), curves=list(map(_curve, one.paths)), name=one.name

@@ -241,7 +241,7 @@ class Page:
                         placed = matrix
                         matrix, viewport, size = _viewport(seen, matrix, name)
                         if size is not None and style.get("overflow", "hidden") in ("hidden", "clip", "scroll"):
-                            seen = replace(seen, clips=(*seen.clips, _window(placed, *_place(seen, name), *size)))
+                            seen = replace(seen, clips=(*seen.clips, _window(placed, _place(seen, name), size)))
                     waiting += self._children(seen, matrix, style, viewport)
                 elif not self._is_visible(style):
                     self.ignored["hidden element"] += counts
@@ -455,8 +455,9 @@ def _box(element: Element) -> tuple[Floats, Floats]:
     return points.min(axis=1, initial=math.inf), points.max(axis=1, initial=-math.inf)
 
 
-def _window(matrix: Floats, x: float, y: float, width: float, height: float) -> Clip:
+def _window(matrix: Floats, place: list[float], size: tuple[float, float]) -> Clip:
     """Return the clip path of a nested svg or a symbol: what lies outside of it cannot be seen."""
+    (x, y), (width, height) = place, size
     corners = ((x, y), (x + width, y), (x + width, y + height), (x, y + height))
     points = " ".join(f"{left!r},{top!r}" for left, top in corners)
     path = path_of(ET.Element("polygon", {"points": points}), "a viewport", None)

@@ -27,6 +27,9 @@ HEAVY = (
     "pysat",
     "rich",
     "numba",
+    "tinycss2",
+    "cssselect2",
+    "pikepdf",
 )
 STAR = ["make", str(SAMPLES / "star.svg"), "--effort", "fast", "--quiet"]
 

@@ -100,6 +100,12 @@ def test_a_dimension_with_its_block_is_only_passed_over(tmp_path: Path) -> None:
     assert (area(drawing), drawing.ignored) == (pytest.approx(PLATE_AREA), ("1 DIMENSION",))
 
 
+def test_a_circle_of_any_size_is_flattened_in_time(tmp_path: Path) -> None:
+    for radius in ("1e12", "1e30", "1e60"):
+        (tmp_path / "a.dxf").write_text(with_circle(lambda text, to=radius: text.replace(" 40\n5.0\n", f" 40\n{to}\n")))  # type: ignore[misc]
+        assert sum(map(len, read_shape(tmp_path / "a.dxf").loops)) < 200_000
+
+
 def test_a_file_with_nothing_that_can_be_read_says_so(tmp_path: Path) -> None:
     made = ezdxf.new()
     made.modelspace().add_circle((0, 0), 5)
