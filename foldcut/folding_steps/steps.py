@@ -40,6 +40,9 @@ SIMPLE_STATES = 10_000
 """A beginning of folds through all layers is looked for in this many states of the sheet, divided by the number of its
 faces."""
 
+ABREAST = 6
+"""Of rows of as many folds through all layers, so many are gone on with."""
+
 MOST_STATES = 3000
 """The same for folds through fewer layers."""
 
@@ -103,8 +106,33 @@ def _beginning(flat: SheetState, end: SheetState) -> list[_Move]:
     are tried, for as many states as the size of the pattern allows: they may fold more creases, or as many by fewer
     folds.
     """
-    simple = _longest([], flat, end, _simple_turns, SIMPLE_STATES)
+    simple = _fewest_simple(flat, end)
+    if not simple or _folds(simple[-1].after) < _folds(end):
+        simple = _longest(simple, flat, end, _simple_turns, SIMPLE_STATES)
     return _longest(simple, flat, end, lambda state: state.folds(state.sheet.creased), MOST_STATES)
+
+
+def _fewest_simple(flat: SheetState, end: SheetState) -> list[_Move]:
+    """Return few folds through all layers that fold many creases: of as many folds, only the best are gone on with."""
+    tries = max(1, SIMPLE_STATES // len(flat.rank))
+    best: list[_Move] = []
+    row: list[tuple[list[_Move], SheetState]] = [([], flat)]
+    while row:
+        following: dict[bytes, tuple[list[_Move], SheetState]] = {}
+        for moves, state in row:
+            for turn in _simple_turns(state):
+                tries -= 1
+                if tries < 0:
+                    return best
+                after = state.turned(turn)
+                if after.place not in following and is_one_sheet(after, end):
+                    following[after.place] = [*moves, _Move(state, after, turn)], after
+        row = sorted(following.values(), key=lambda one: -_folds(one[1]))[:ABREAST]
+        if row and _folds(row[0][1]) > (_folds(best[-1].after) if best else 0):
+            best = row[0][0]
+        if best and _folds(best[-1].after) == _folds(end):
+            break
+    return best
 
 
 def _simple_turns(state: SheetState) -> Iterator[Turn]:

@@ -135,13 +135,9 @@ def _row(problem: Problem, effort: Effort) -> Made:
 def _is_row(problem: Problem, made: Sequence[Made]) -> bool:
     """Return whether a row of figures has a pattern with so few folds that one with a single axis has more."""
     scale = frame_scale(problem.laid)
-    return any(
-        one.method == "simple"
-        and one.numbers.get("simple_folds", 0) > 1
-        and not rank(one.actions, shortest_crease(one.creases) / scale).unfoldable
-        and one.actions <= USUAL * _fewest(problem).bisectors
-        for one in made
-    )
+    rows = [one for one in made if one.method == "simple" and "perpendiculars" in one.numbers]
+    ranks = [rank(one.actions, shortest_crease(one.creases) / scale) for one in rows]
+    return bool(ranks) and not min(ranks).unfoldable and min(ranks).creases <= USUAL * _fewest(problem).bisectors
 
 
 def _has_long_creases(problem: Problem, made: Made) -> bool:

@@ -21,7 +21,7 @@ from foldcut.geometry.vectors import cross, left_normal
 __all__ = ["Line", "fold_lines", "line_of", "merged_sides"]
 
 PARALLEL = 1e-7
-"""Lines whose unit directions have a smaller cross product are parallel."""
+"""Lines whose unit normals differ by less are parallel, so that only the line midway between them is a bisector."""
 
 NEARLY_PARALLEL = 1e-6
 """The same for a direction that is asked for."""
@@ -166,23 +166,24 @@ def _may_fold(sides: Floats, origin: Floats, along: Floats, tie: float) -> Bools
 
 
 def _bisectors(sides: Floats, line: Indices) -> tuple[Floats, Floats]:
-    """Return the lines that bisect two of the lines of sides each: points on them, and unit directions, ``(m, 2)``."""
+    """Return the lines that bisect two of the lines of sides each, or lie midway between them if they are parallel.
+
+    The result is the point of each that is nearest to the sides' middle, and its unit direction, ``(m, 2)``.
+    """
+    middle = sides.reshape(-1, 2).mean(axis=0)
     length = np.hypot(*(sides[:, 1] - sides[:, 0]).T)
     order = np.lexsort((-length, line))
     longest = order[np.unique(line[order], return_index=True)[1]]
-    point = sides[longest, 0]
-    unit = (sides[longest, 1] - point) / length[longest][:, None]
+    normal = left_normal(sides[longest, 1] - sides[longest, 0]) / length[longest][:, None]
+    level = (normal * (sides[longest, 0] - middle)).sum(axis=1)
     a, b = np.triu_indices(len(longest), 1)
-    turn = cross(unit[a], unit[b])
-    parallel = np.abs(turn) < PARALLEL
-    c, d = a[~parallel], b[~parallel]
-    share = cross(point[d] - point[c], unit[d]) / turn[~parallel]
-    meet = point[c] + share[:, None] * unit[c]
-    ways = [unit[c] + unit[d], unit[c] - unit[d]]
-    a, b = a[parallel], b[parallel]
-    foot = point[b] + ((point[a] - point[b]) * unit[b]).sum(axis=1)[:, None] * unit[b]
-    along = np.concatenate([*ways, unit[a]])
-    return np.concatenate([meet, meet, (point[a] + foot) / 2]), along / np.hypot(*along.T)[:, None]
+    # where a place is as far off one line as off the other, to the same side or to different ones
+    across = np.concatenate([normal[a] + normal[b], normal[a] - normal[b]])
+    levels = np.concatenate([level[a] + level[b], level[a] - level[b]])
+    size = np.hypot(*across.T)
+    across, levels, size = across[size > PARALLEL], levels[size > PARALLEL], size[size > PARALLEL]
+    across = across / size[:, None]
+    return middle + (levels / size)[:, None] * across, left_normal(across)
 
 
 def _different(origin: Floats, along: Floats, tie: float, corners: Floats) -> list[Line]:

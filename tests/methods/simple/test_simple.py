@@ -52,6 +52,15 @@ def test_a_drawing_with_few_digits_is_made_exactly_symmetric(points: int) -> Non
     assert note.startswith("made symmetric: corners moved by at most")
 
 
+@pytest.mark.parametrize("lean", [1e-7, 1e-3, 2.0])
+def test_sides_that_are_nearly_parallel_are_laid_on_each_other(lean: float) -> None:
+    shape = make_shape([[(30, 30), (110, 30), (110 - lean, 90), (30 + lean, 90)]])
+    found = sequences(shape, Sheet(140, 120))
+    first = found[0][0][0]
+    assert np.abs(first.off(np.array([[70, 0], [70, 120]]))).max() < 1e-6
+    assert len(found[0][0]) == 3
+
+
 def test_what_stops_the_folds_is_said_with_its_corner() -> None:
     shape = make_shape([[(20, 20), (80, 20), (60, 50), (30, 70)]])
     with pytest.raises(UnfoldableError, match=r"no straight fold .* at the corner at \(\d+, \d+\) mm"):
