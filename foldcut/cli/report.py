@@ -330,8 +330,9 @@ def _fold_rows(report: Report) -> list[tuple[str, str]]:
             f"through ({x:.4g}, {y:.4g}) mm, always away from you: of its {count} sectors {left} stay beside each other"
         )
         rows.append(("then", f"fold the half into a wedge of {180 / count:.4g} degrees, along the other lines {way}"))
-        text = f"{report['actions']}: {first_fold_count(lines)} make the wedge"
-        return [*rows, ("folds", f"{text}, all others go through {layers_after(lines)} layers")]
+        first, layers = first_fold_count(lines), layers_after(lines)
+        others = f", all others go through {layers} layers" if report["actions"] > first else f" of {layers} layers"
+        return [*rows, ("folds", f"{report['actions']}: {first} make the wedge{others}")]
     through = f", all others through {layers_after(lines)} layers" if rows else ""
     return [*rows, ("folds", f"{report['actions']}{through}")]
 
