@@ -358,8 +358,8 @@ def _fold_rows(report: Report) -> list[tuple[str, str]]:
     counted = [Phase(**phase) for phase in report["phases"]]
     total = "" if len(counted) == 1 else f"{report['actions']}: " if counted else str(report["actions"])
     folds = [("folds", total + in_words(counted))]
-    if rows:
-        first = first_fold_count(lines)
+    first = first_fold_count(lines)
+    if rows and report["actions"] > first:
         number = {1: "", 2: " two", 3: " three", 4: " four"}.get(first, f" {first}")
         folds.append(("", f"all but the first{number} through {layers_after(lines)} layers"))
     return [*rows, *folds]

@@ -8,6 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from foldcut.core.errors import UnfoldableError
 from foldcut.methods import AUTO, METHODS
 from foldcut.methods.base import Effort, Made, Problem
@@ -166,7 +168,8 @@ def _fewest(problem: Problem) -> Fewest:
     """Return how many folds are needed at least, even if corners move as far as they may."""
     wishes = problem.wishes
     near = ADJUST * frame_scale(problem.laid) if wishes.adjust is None else wishes.adjust
-    return fewest_folds(problem.shape, problem.sheet, near, wishes.symmetry)
+    size = float(np.ptp(np.concatenate(problem.shape.loops), axis=0).max())
+    return fewest_folds(problem.shape, problem.sheet, near, wishes.symmetry, wishes.axes_off(size))
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ __all__ = ["AS_TOLERATED", "Effort", "Made", "Problem", "Wishes", "require_one_l
 AS_TOLERATED = float("inf")
 """How far corners may be off for a mirror axis where that is as far as the tolerance goes."""
 
-FILE_ROUNDING = 1e-4
+FILE_ROUNDING = 2e-4
 """How far corners are off oblique axes in a file with rounded numbers, at most, relative to the shape's size."""
 
 

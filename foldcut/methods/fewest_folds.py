@@ -15,6 +15,7 @@ Then the lines through any one corner count 1 or more there. If no line counts m
 n corners need at least n / w lines.
 
 Where the sheet is folded along mirror axes first, these are needed, and the lines for the corners on one side of them.
+Three axes or more through one point are folded by fewer folds than they are lines; what follows them is not counted.
 """
 
 from __future__ import annotations
@@ -27,13 +28,19 @@ import numpy as np
 
 from foldcut.core.arrays import Bools, Floats
 from foldcut.core.model import Shape, Sheet
+from foldcut.geometry.dihedral import dihedral
 from foldcut.geometry.mirror_axes import mirror_axes
 from foldcut.geometry.vectors import cross
+from foldcut.pattern.first_folds import FEWEST_OF_WEDGE, sectors_left
 
 __all__ = ["Fewest", "fewest_folds"]
 
 MOST_CORNERS = 60
 """Drawings with more corners get no bound: the time grows with the third power of their number."""
+
+SAVED = 2
+"""A wedge of three axes or more counts only where it may save so many folds: the ridges alone are folded at once, and
+looking for a wedge as well takes time."""
 
 RIGHT_ANGLE = 1e-5
 """Axes whose angle differs from a right one by less than this, in radians, are perpendicular."""
@@ -46,7 +53,8 @@ STRAIGHT = 1e-6
 class Fewest:
     """Lower bounds for a shape with a number of ``corners``.
 
-    ``folds``: no pattern has creases on fewer lines, or where mirror axes are folded first, fewer folds; 0 if unknown.
+    ``folds``: no pattern has creases on fewer lines, or where mirror axes are folded first, fewer folds, but for a
+    wedge that takes less than ``SAVED`` fewer; 0 if unknown.
     ``bisectors``: how many lines the bisectors of the corners lie on; every straight skeleton has creases on these.
     """
 
@@ -55,10 +63,13 @@ class Fewest:
     corners: int
 
 
-def fewest_folds(shape: Shape, sheet: Sheet, near: float = 0.0, symmetry: float = 0.0) -> Fewest:
+def fewest_folds(
+    shape: Shape, sheet: Sheet, near: float = 0.0, symmetry: float = 0.0, several: float | None = None
+) -> Fewest:
     """Return a lower bound for the folds of a shape on its sheet that holds even if corners move by ``near`` mm.
 
-    ``symmetry`` is how far corners may be off for a mirror axis, in mm.
+    ``symmetry`` is how far corners may be off for a mirror axis, in mm; ``several``: the same for three axes or more
+    through one point, None for no more.
     """
     corners = np.concatenate(shape.loops)
     inside = np.minimum(corners, (sheet.width, sheet.height) - corners).min() > near
@@ -73,6 +84,10 @@ def fewest_folds(shape: Shape, sheet: Sheet, near: float = 0.0, symmetry: float 
     for one, other in combinations(range(len(sides)), 2):
         if abs(normals[one] @ normals[other]) < RIGHT_ANGLE:
             folds.append(2 + lines.fewest(sides[one] & sides[other]))
+    around = dihedral(shape, symmetry if several is None else several)
+    if around is not None and around.count >= FEWEST_OF_WEDGE:
+        wedge = 1 + len(sectors_left(around.count))
+        folds += [wedge] if wedge <= min(folds) - SAVED else []
     return Fewest(min(folds), lines.bisectors(), len(corners))
 
 

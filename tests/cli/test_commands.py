@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import json
 import pkgutil
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 from foldcut import pipeline
 from foldcut.cli import commands, options
 from foldcut.cli.commands import COMMANDS, load
+from foldcut.cli.main import main
 from foldcut.cli.parser import Parser, parse
 from foldcut.core.errors import BadInputError
 
@@ -76,3 +78,18 @@ def test_options_with_a_value_of_their_own_are_told_in_order(tmp_path: Path) -> 
         BadInputError, match=r"^--font, --from, --join: only for drawings; .* has its sheet and creases"
     ):
         options.request(args)
+
+
+def test_a_report_says_how_a_wedge_is_folded(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    command = ["make", "rosette", "--effort", "fast", "-o", str(tmp_path / "rosette.svg")]
+    assert main(command) == 0
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert "first fold the sheet in half along the level line at y = 148.5 mm, away from you" in lines
+    (then,) = [line for line in lines if line.startswith("then ")]
+    assert "into a wedge of 22.5 degrees" in then
+    assert "through (105, 148.5) mm" in then
+    assert "of its 8 sectors 4, then 2, then 1 stay beside each other" in then
+    assert "folds 6: 4 make the wedge, all others go through 16 layers" in lines
+    assert main([*command, "--force", "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    assert (report["first_fold_count"], len(report["first_folds"]), report["axes"]) == (4, 8, 8)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from support.strategies import Points, cross, rectangle, regular, star, star_shaped
@@ -127,3 +129,14 @@ def test_two_mirror_axes_leave_a_quarter_of_the_corners() -> None:
     octagon = [*quarter, *((-x, y) for x, y in quarter[::-1])]
     octagon += [(-x, -y) for x, y in octagon]
     assert fewest(octagon).folds == 4
+
+
+def test_a_wedge_counts_where_it_may_save_folds() -> None:
+    heptagram = [
+        (math.cos(k * math.pi / 7) * (1.0, 0.5)[k % 2], math.sin(k * math.pi / 7) * (1.0, 0.5)[k % 2])
+        for k in range(14)
+    ]
+    result = foldcut.fold([heptagram], effort="fast")
+    assert (result.method, result.findings) == ("mirror", ())
+    assert result.actions <= 5
+    assert len(result.folded_pattern.first_folds) == 7

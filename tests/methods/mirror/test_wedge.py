@@ -154,7 +154,7 @@ def test_axes_need_not_lie_along_the_sheet_nor_in_its_middle(options: dict[str, 
 
 
 def test_rounded_coordinates_are_symmetric_but_exact_forbids_to_move_them() -> None:
-    loops = [[(round(100 * x, 2), round(100 * y, 2)) for x, y in loop] for loop in dihedral_shape("star", 5, 6).loops]
+    loops = [[(round(50 * x, 2), round(50 * y, 2)) for x, y in loop] for loop in dihedral_shape("star", 5, 6).loops]
     result = foldcut.fold(loops, method="mirror", effort="fast", tolerance=0.05, next_level=False)
     assert result.findings == ()
     assert len(result.folded_pattern.first_folds) == 5
