@@ -18,6 +18,7 @@ import pytest
 import shapely
 import svgelements
 from support.folded import folded_sample
+from support.patterns import build_pattern
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
@@ -26,11 +27,12 @@ from foldcut.exporters.job.lbrn2 import PALETTE
 from foldcut.jobs.bed import Lay, TurnedOver
 from foldcut.jobs.blade import holder_path
 from foldcut.jobs.coupon import make_coupon
+from foldcut.jobs.dashes import Cuts, perforations, sines
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.instructions import instructions
 from foldcut.jobs.job import Job, make_jobs
 from foldcut.output.render import job_files
-from foldcut.profiles import Blade, Profile, load_profile, profile_names
+from foldcut.profiles import Blade, Dash, Profile, load_profile, profile_names
 
 MACHINES = [name for name in profile_names() if load_profile(name).operations]
 CUTTING = [name for name in MACHINES if load_profile(name).kind in ("laser", "cutter")]
@@ -80,8 +82,10 @@ def layers_told(lines: list[str], profile: Profile) -> set[str]:
 def test_the_steps_speak_of_every_layer_in_the_file_and_of_no_other(machine: str) -> None:
     profile = load_profile(machine)
     kinds = ["corners", "holes", *(["jig"] if not profile.draws else [])]
-    sides: list[dict[str, Any]] = [{}, *({"two_sided": True, "registration": kind} for kind in kinds)]
-    for treatment, side, marks in itertools.product(TREATMENTS, sides, (None, ("title", "outline"))):
+    sides: list[dict[str, Any]] = [{"two_sided": True, "registration": kind} for kind in kinds]
+    one_sided = itertools.product(TREATMENTS, [{}], (None, ("title", "outline")))
+    two_sided = itertools.product(("perforate",), sides, (None, ("outline",)))
+    for treatment, side, marks in (*one_sided, *two_sided):
         jobs = make_jobs(folded("star"), profile, treatment=treatment, marks=marks, **side)  # type: ignore[arg-type]
         check_layers(jobs, profile)
     check_layers((make_coupon(profile)[0],), profile)
@@ -416,7 +420,9 @@ def test_a_cutter_with_one_holder_gets_a_file_for_each_tool_with_its_force_and_s
     assert set(re.findall(r"SP([1-9])", cut)) == {"2"}
     assert len(re.findall(r"PU\d", cut)) == 2, "two passes"
     perforated = make_jobs(folded("star"), profile, treatment="perforate")
-    assert set(files(perforated, profile)) == {"both-cut.hpgl"}, "perforations are cut"
+    ((name, data),) = files(perforated, profile).items()
+    assert name == "both-cut.hpgl", "perforations are cut"
+    assert set(re.findall(r"SP([1-9])", data.decode())) == {"2"}
 
 
 def test_a_cutter_that_changes_tools_waits_in_between_if_it_is_told_to() -> None:
@@ -439,7 +445,7 @@ def test_a_step_is_one_object(machine: str) -> None:
         paths = list(svg.elements(lambda found: isinstance(found, svgelements.Path)))
         assert len(paths) == len(job.steps)
         assert {round(float(path.stroke_width), 6) for path in paths} == {profile.stroke_mm}
-    assert load_profile("epilog").stroke_mm == 0.025
+    assert profile.kind != "laser" or profile.stroke_mm == 0.025, "wider lines are engraved as pictures"
 
 
 @pytest.mark.parametrize("machine", CUTTING)
@@ -496,6 +502,30 @@ def test_cuts_of_two_creases_stay_apart(machine: str, sample: str, kerf: float) 
         if profile.blade is not None:
             assert shapely.length(lines).min() >= profile.blade.offset_mm - 1e-9
         assert len(strokes) > 30
+
+
+def test_the_clearance_of_a_cut_grows_with_1_by_the_sine_of_the_angle() -> None:
+    angle = math.radians(20)
+    ends = [(0, 0), (100, 0), (100 * math.cos(angle), 100 * math.sin(angle)), (100, 60), (0, 60)]
+    edges = [(0, 1, "B"), (1, 2, "B"), (2, 3, "B"), (3, 4, "B"), (4, 0, "B"), (0, 2, "M")]
+    pattern = build_pattern(ends, ends, edges, [(0, 1, 2), (0, 2, 3, 4)], [0, 1])
+    assert sines(pattern.creases)[-1, 0] == pytest.approx(math.sin(angle))
+    assert sines(pattern.creases)[3, 1] == 1.0, "at a right angle"
+    dash = Dash(dash_mm=1.0, gap_mm=1.0, clearance_mm=0.5)
+    cuts, uncut = perforations(pattern.creases, Cuts({"M": dash}, apart_mm=0.4))
+    assert (uncut, math.hypot(*cuts["M"][0][0][0])) == (0, pytest.approx(0.4 / math.sin(angle)))
+
+
+def test_cuts_that_are_too_near_without_a_vertex_between_them_are_left_out() -> None:
+    x = [0, 40, 40.2, 100]
+    ends = [(a, b) for a in x for b in (0, 60)]
+    edges = [(0, 1, "B"), (6, 7, "B"), (2, 3, "M"), (4, 5, "V")]
+    edges += [(low, low + 2, "B") for low in range(6)]
+    pattern = build_pattern(ends, ends, edges, [(n, n + 2, n + 3, n + 1) for n in (0, 2, 4)], [0, 1, 2])
+    dash = Dash(dash_mm=1.0, gap_mm=1.0, clearance_mm=0.5)
+    for apart, left in ((0.1, 2), (0.4, 1)):
+        cuts, uncut = perforations(pattern.creases, Cuts({"M": dash, "V": dash}, apart_mm=apart))
+        assert (len(cuts["M"]) + len(cuts["V"]), uncut) == (left, 2 - left)
 
 
 def in_line(one: Floats, other: Floats) -> bool:
