@@ -9,7 +9,7 @@ import pytest
 from support.icons import SETS, fold_icon, icon_folders, silhouettes
 from support.programs import missing
 
-ICONS = 200
+ICONS = 60
 CHUNK = 10
 BUDGETS = (12, 20, 30)
 
