@@ -140,6 +140,7 @@ class FoldedPattern:
     ``first_folds``: straight lines across the whole sheet, each ``(2, 2)`` mm, to be folded away from you one after
     another before anything else. ``regions``: where the molecules lie, as a tree, if that is known. ``drawn``: the
     loops of the drawing, ``(n, 2)`` mm on the sheet, if ``shape`` is another outline that was drawn near to them.
+    ``moved_by``: by how many mm ``shape`` was moved from the drawing (see ``redraw.deviation``); None: nobody knows.
     """
 
     creases: CreasePattern
@@ -151,6 +152,7 @@ class FoldedPattern:
     first_folds: tuple[Floats, ...] = ()
     regions: tuple[Region, ...] = ()
     drawn: tuple[Floats, ...] = ()
+    moved_by: float | None = None
 
 
 @dataclass(frozen=True)
