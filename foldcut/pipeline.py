@@ -22,7 +22,14 @@ import shapely
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import Floats, points_array
-from foldcut.core.errors import BadInputError, CreaseTooShortError, FoldcutError, UnfoldableError, VerificationError
+from foldcut.core.errors import (
+    BadInputError,
+    CreaseTooShortError,
+    FoldcutError,
+    ShapeError,
+    UnfoldableError,
+    VerificationError,
+)
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
 from foldcut.drawing.curved import curves_of
 from foldcut.drawing.laying import Laying
@@ -40,6 +47,7 @@ from foldcut.pattern.foldability import Foldability, crease_numbers, foldability
 from foldcut.proof.verify import verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_FOLDS, Bounds
+from foldcut.redraw.deviation import moved_by
 from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
 
 if TYPE_CHECKING:
@@ -246,8 +254,9 @@ def fold(
     assert tried is not None
     assert pattern is not None
     made = tried.made
+    loops = shape if read.drawing is None else read.drawing.own_coordinates()
     return Result(
-        pattern,
+        replace(pattern, moved_by=_moved_by(pattern, loops)),
         tried.findings,
         made.detail,
         made.method,
@@ -262,6 +271,16 @@ def fold(
         made.numbers,
         ladder,
     )
+
+
+def _moved_by(pattern: FoldedPattern, drawn: object) -> float | None:
+    """Return by how many mm the outline was moved from what was drawn: a shape, or loops in the file's coordinates."""
+    loops = drawn.loops if isinstance(drawn, Shape) else cast(Sequence[ArrayLike], drawn)
+    try:
+        on_sheet = [pattern.placement.apply(points_array(loop)) for loop in loops]
+        return moved_by(pattern.shape.loops, make_shape(prepare(on_sheet, Preparation()).loops).loops)
+    except ShapeError:  # it can be folded only because something was left out on request
+        return None
 
 
 def _on_less_paper(method: str, problem: Problem, effort: Effort, laying: Laying, only: str) -> Tried:

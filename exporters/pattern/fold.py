@@ -7,7 +7,8 @@ layer solvers fail on lines that nearly coincide.
 Our own keys: ``foldcut:layers``, the faces from bottom to top; ``foldcut:placement``, the 2 x 3 matrix from the
 drawing's coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:shape``, the loops on the sheet that the
 cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:drawn``, the drawing's loops
-on the sheet, if the shape is another outline near to them; ``foldcut:faceOrders`` = "adjacent" if only faces that share
+on the sheet, if the shape is another outline near to them; ``foldcut:movedBy``, by how many mm the shape was moved from
+the drawing at most (see ``redraw.deviation``); ``foldcut:faceOrders`` = "adjacent" if only faces that share
 a crease are ordered (see ``face_orders``).
 """
 
@@ -69,6 +70,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     }
     if pattern.drawn:
         fold["foldcut:drawn"] = list(pattern.drawn)
+    if pattern.moved_by is not None:
+        fold["foldcut:movedBy"] = pattern.moved_by
     if adjacent_only:
         fold["foldcut:faceOrders"] = "adjacent"
     return _to_json(fold)

@@ -141,6 +141,7 @@ class FoldedPattern:
     another before anything else; three or more go through one point and fold the sheet into a wedge
     (``pattern/first_folds.py``). ``regions``: where the molecules lie, as a tree, if that is known. ``drawn``: the
     loops of the drawing, ``(n, 2)`` mm on the sheet, if ``shape`` is another outline that was drawn near to them.
+    ``moved_by``: by how many mm ``shape`` was moved from the drawing (see ``redraw.deviation``); None: nobody knows.
     """
 
     creases: CreasePattern
@@ -152,6 +153,7 @@ class FoldedPattern:
     first_folds: tuple[Floats, ...] = ()
     regions: tuple[Region, ...] = ()
     drawn: tuple[Floats, ...] = ()
+    moved_by: float | None = None
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,8 @@ class FoldFile:
     there) are foldcut's own entries.
     ``unit_mm`` is the length that was assumed for the unit of the file. ``notes`` say what was left out or assumed.
     ``claims`` are all the other fields about the pattern; ``turned`` ``(f,)``: which faces the file has clockwise;
-    ``own_layers``: whether ``layers`` are foldcut's own entry and not sorted from faceOrders.
+    ``own_layers``: whether ``layers`` are foldcut's own entry and not sorted from faceOrders. ``moved_by``: by how
+    many mm ``loops`` were moved from the drawing, as the file says.
     """
 
     pattern: CreasePattern
@@ -74,6 +75,7 @@ class FoldFile:
     claims: Claims = field(default_factory=Claims)
     turned: Bools | None = None
     own_layers: bool = False
+    moved_by: float | None = None
 
 
 def read_fold(path: Path | str) -> FoldFile:
@@ -154,6 +156,7 @@ class _Reader:
             claims,
             turned,
             given and "foldcut:layers" in self.data,
+            self.moved_by(),
         )
 
     def claims(self, pattern: CreasePattern, *, given: bool) -> Claims:
@@ -330,6 +333,16 @@ class _Reader:
                 "above 0 and at right angles",
             )
         return Placement(array)
+
+    def moved_by(self) -> float | None:
+        """Return by how many mm the shape was moved from the drawing, as the file says."""
+        name = "foldcut:movedBy"
+        if name not in self.data:
+            return None
+        (moved,) = numbers(name, [self.data[name]])
+        if moved < 0:
+            fail(name, f"{moved:g} is not a length in mm from 0 up")
+        return moved
 
     def rows(self, name: str) -> Iterator[tuple[str, list[Any]]]:
         """Yield the place in the file and the row, for each row of an entry that is a list of lists."""

@@ -74,7 +74,9 @@ def reopen(file: FoldFile) -> Reopened:
         first, about_first = _proven_first_folds(creases, sheet, file.first_folds or ())
         drawn, about_drawn = _shown_drawing(sheet, file.drawn or ())
         notes += about_first + about_drawn
-    pattern = FoldedPattern(creases, folded, sheet, shape, file.placement, file.title, first, drawn=drawn)
+    pattern = FoldedPattern(
+        creases, folded, sheet, shape, file.placement, file.title, first, drawn=drawn, moved_by=file.moved_by
+    )
     return Reopened(pattern, tuple(findings), notes)
 
 

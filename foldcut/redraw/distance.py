@@ -9,7 +9,7 @@ import shapely
 
 from foldcut.core.arrays import Floats
 
-__all__ = ["apart"]
+__all__ = ["apart", "farthest"]
 
 EXACT = 1e-4
 """How exact the distance is, relative to the size of the loops."""
@@ -20,16 +20,21 @@ def apart(some: Sequence[Floats], others: Sequence[Floats]) -> float:
 
     Outlines are closed loops, ``(n, 2)``, in the same units.
     """
-    return max(_farthest(some, others), _farthest(others, some))
+    return max(
+        farthest(one, other, EXACT * float(np.ptp(np.concatenate(one), axis=0).max()))
+        for one, other in ((some, others), (others, some))
+    )
 
 
-def _farthest(some: Sequence[Floats], others: Sequence[Floats]) -> float:
-    """Return how far a point of ``some`` is at most from ``others``: pieces that may be farther are halved."""
+def farthest(some: Sequence[Floats], others: Sequence[Floats], error: float) -> float:
+    """Return how far a point of ``some`` is at most from ``others``: pieces that may be farther are halved.
+
+    Outlines are closed loops, ``(n, 2)``, in the same units as ``error``, by which the result may be too small.
+    """
     start = np.concatenate(some)
     end = np.concatenate([np.roll(loop, -1, axis=0) for loop in some])
     segments = np.stack([np.concatenate(others), np.concatenate([np.roll(loop, -1, axis=0) for loop in others])], 1)
     tree = shapely.STRtree(shapely.linestrings(segments))
-    error = EXACT * float(np.ptp(start, axis=0).max())
 
     def distances(points: Floats) -> Floats:
         nearest = tree.query_nearest(shapely.points(points), all_matches=False)[1]

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
+from collections.abc import Sequence
 from pathlib import Path
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
+
+if TYPE_CHECKING:
+    from foldcut.core.arrays import Floats
+    from foldcut.core.model import Finding
+    from foldcut.foldfile.read import FoldFile
 
 EXAMPLES = """\
 examples:
@@ -17,8 +22,8 @@ examples:
   foldcut check fish.fold --json
 """
 
-ANOTHER = 0.1
-"""An outline that is farther than this part of a drawing's size from it was not made from that drawing."""
+MOST_MOVED = 0.02
+"""An outline that was moved by more than this part of a drawing's diagonal is not taken as that drawing's."""
 
 
 def add_options(command: ArgumentParser) -> None:
@@ -33,10 +38,10 @@ def add_options(command: ArgumentParser) -> None:
 def check(args: Namespace) -> int:
     """Verify a FOLD file."""
     from foldcut.cli import report
+    from foldcut.drawing.mend import Preparation, prepare
     from foldcut.drawing.shape import make_shape
     from foldcut.foldfile.judge import judge
     from foldcut.foldfile.read import read_fold
-    from foldcut.redraw.distance import apart
 
     read = read_fold(Path(args.file))
     shape, notes = None, read.notes
@@ -48,17 +53,48 @@ def check(args: Namespace) -> int:
         else:
             loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
             notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
-        shape = make_shape(loops)
+        prepared = prepare(loops, Preparation())
+        notes += prepared.changes
+        shape = make_shape(prepared.loops)
     findings = judge(read, shape)
+    if findings and shape is not None and read.loops and all(finding.check == "cut" for finding in findings):
+        findings, more = judge_moved(read, shape.loops, findings)
+        notes += more
     checked = report.check_report(read.pattern, findings, shape is not None, notes)
     remedy = "mend the pattern"
     if args.shape:
         remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --exact)"
-    if shape is not None and read.loops and any(finding.check == "cut" for finding in findings):
-        off = apart(read.loops, shape.loops)
-        if off < ANOTHER * float(np.ptp(np.concatenate(shape.loops), axis=0).max()):
-            remedy = f"its outline is about {off:.1g} mm off that drawing; foldcut make --exact moves no corner"
     return options.console(args).verdict(checked, report.check_lines(checked), findings, remedy)
+
+
+def judge_moved(
+    read: FoldFile, drawing: Sequence[Floats], before: list[Finding]
+) -> tuple[list[Finding], tuple[str, ...]]:
+    """Judge the outline that a file cuts out instead of the drawing, if it is as near to it as the file states.
+
+    Returns what is wrong and notes; ``before`` is what is wrong if the drawing itself is to be cut out.
+    """
+    from foldcut.core.model import Finding
+    from foldcut.drawing.shape import make_shape
+    from foldcut.foldfile.judge import judge
+    from foldcut.redraw.deviation import EXACT, drawing_size, left_out, moved_by
+
+    assert read.loops is not None
+    moved, most = moved_by(read.loops, drawing), MOST_MOVED * drawing_size(drawing)
+    stated = read.moved_by
+    notes: tuple[str, ...] = ()
+    if stated is not None and stated > most:
+        notes = (f"the file states that it was moved by {stated:.3g} mm, over 2 % of the drawing's size: too much",)
+    slack = 2 * EXACT * drawing_size(drawing)
+    if stated is None or moved > min(stated, most) + slack:
+        said = "does not state by how much" if stated is None else f"states {stated:.3g} mm"
+        what = f"the outline was moved from the drawing by {moved:.3g} mm, and the file {said}; {before[0].message}"
+        return [Finding("cut", what, before[0].place, moved)], notes
+    notes += (f"the outline is at most {moved:.3g} mm off the drawing, as the file states",)
+    far = left_out(read.loops, drawing, moved)
+    if far:
+        notes += (f"parts of the drawing narrower than {2 * moved:.3g} mm are left out, up to {far:.3g} mm from it",)
+    return judge(read, make_shape(read.loops)), notes
 
 
 CHECK = Command(
