@@ -82,7 +82,7 @@ def check_pattern(pattern: FoldedPattern) -> None:
 
 def _check_step(step: JobStep, size: tuple[float, float], beyond: float) -> None:
     """Raise JobError unless the numbers and strokes of a step can be carried out on a sheet of this size."""
-    numbers = [] if step.setting is None else list(step.setting.model_dump().values())
+    numbers = [] if step.setting is None else [one for one in step.setting.model_dump().values() if one is not None]
     if not np.isfinite(np.array(numbers, dtype=np.float64)).all():
         raise JobError(f"the setting of {step.role} is {step.setting}; give finite numbers with --set")
     for stroke in step.strokes:

@@ -43,6 +43,25 @@ def sectors_left(count: int) -> list[int]:
     return left
 
 
+def letters_of_wedge(count: int) -> list[str]:
+    """Return which half-lines of a wedge of ``count`` lines are mountains ("M") and which are valleys ("V").
+
+    They are numbered counter-clockwise from the second half of the first line on, twice as many as lines.
+    """
+    letters = ["M"] * (2 * count)
+    # sectors that lie beside each other, each with its layers from top to bottom: sector, and whether its front is up
+    row = [[(place, True), (2 * count - 1 - place, False)] for place in range(count)]
+    for left in sectors_left(count):
+        joined = {sector for sector, _ in row[left - 1]}
+        for sector, is_up in row[left]:
+            for beside in joined & {sector - 1, sector + 1}:
+                letters[max(sector, beside)] = "M" if is_up else "V"
+        for k, pile in enumerate(row[left:]):
+            row[left - 1 - k] += [(sector, not is_up) for sector, is_up in pile[::-1]]
+        del row[left:]
+    return letters
+
+
 def in_front(line: Floats, first_folds: Sequence[Floats]) -> bool:
     """Return whether a line, ``(2, 2)`` mm, is at least in part on what is on top once the first folds are made.
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ import pytest
 from support.folded import folded_sample
 from support.patterns import book_fold, square_out_of_square
 
+import foldcut
 from foldcut.cli.main import main
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.exporters import export
@@ -27,23 +30,52 @@ def reopened(pattern: FoldedPattern, folder: Path, **changes: object) -> Reopene
     return reopen(read_fold(path))
 
 
-@pytest.mark.parametrize(("sample", "count"), [("triangle", 1), ("plus", 2), ("ring", 2), ("square", 0)])
+@pytest.mark.parametrize(("sample", "count"), [("triangle", 1), ("ring", 2), ("star", 5)])
 def test_the_first_folds_that_foldcut_wrote_are_proven(sample: str, count: int, tmp_path: Path) -> None:
-    pattern = folded_sample(sample)
+    pattern = folded_sample(sample, method="mirror")
     assert len(pattern.first_folds) == count
     again = reopened(pattern, tmp_path)
     assert len(again.folded_pattern.first_folds) == count
     assert again.notes == ()
 
 
-def plus_lines() -> tuple[list[list[float]], list[list[float]]]:
-    first, second = (line.tolist() for line in folded_sample("plus").first_folds)
+def test_the_first_folds_of_a_wedge_are_proven(tmp_path: Path) -> None:
+    pattern = folded_sample("rosette")
+    again = reopened(pattern, tmp_path)
+    assert (len(again.folded_pattern.first_folds), again.notes) == (8, ())
+
+
+@pytest.mark.parametrize("count", [3, 7])
+def test_a_wedge_of_other_lines_or_other_creases_is_refused(count: int) -> None:
+    tooth = (-0.2, 1.0), (0.2, 1.0), (math.pi / count, 0.5)
+    places = [(k * 2 * math.pi / count + turn, away) for k in range(count) for turn, away in tooth]
+    star = [(away * math.cos(turn), away * math.sin(turn)) for turn, away in places]
+    pattern = foldcut.fold([star], method="mirror", effort="fast").folded_pattern
+    creases, sheet, lines = pattern.creases, pattern.sheet, pattern.first_folds
+    assert why_not_first(creases, sheet, lines) == ""
+    assert "not folded all along" in why_not_first(creases, sheet, lines[::-1])
+    assert "through one point" in why_not_first(creases, sheet, [lines[0] + 1e-3, *lines[1:]])
+    assert "equal angles" in why_not_first(creases, sheet, [lines[0] + [(0, 0), (1, -1)], *lines[1:]])
+    middles = creases.vertices_coords[creases.edges_vertices].mean(axis=1)
+    on_axes = np.zeros(len(middles), dtype=bool)
+    for start, end in lines:
+        along = (end - start) / np.hypot(*(end - start))
+        on_axes |= np.abs((middles - start) @ (-along[1], along[0])) < 1e-6
+    for on, words in ((True, "not folded all along"), (False, "no mirror images")):
+        letters = creases.edges_assignment.copy()
+        some = np.flatnonzero((on_axes == on) & np.isin(letters, ["M", "V"]))[0]
+        letters[some] = {"M": "V", "V": "M"}[letters[some]]
+        assert words in why_not_first(replace(creases, edges_assignment=letters), sheet, lines)
+
+
+def ring_lines() -> tuple[list[list[float]], list[list[float]]]:
+    first, second = (line.tolist() for line in folded_sample("ring", method="mirror").first_folds)
     return first, second
 
 
 def test_lines_that_are_no_middle_lines_are_left_out(tmp_path: Path) -> None:
-    pattern = folded_sample("plus")
-    first, second = plus_lines()
+    pattern = folded_sample("ring", method="mirror")
+    first, second = ring_lines()
     far, same = [[1e6, 0], [0, 1e6]], [[5, 5], [5, 5]]
     diagonal = [[0, 0], [pattern.sheet.width, pattern.sheet.height]]
     short = [first[0], [(a + b) / 2 for a, b in zip(*first, strict=True)]]
@@ -55,8 +87,8 @@ def test_lines_that_are_no_middle_lines_are_left_out(tmp_path: Path) -> None:
 
 
 def test_the_second_fold_cannot_be_the_first(tmp_path: Path) -> None:
-    first, second = plus_lines()
-    again = reopened(folded_sample("plus"), tmp_path, **{"foldcut:firstFolds": [second, first]})
+    first, second = ring_lines()
+    again = reopened(folded_sample("ring", method="mirror"), tmp_path, **{"foldcut:firstFolds": [second, first]})
     assert "line 0 is not folded away from you all along" in again.notes[-1]
 
 
@@ -72,7 +104,7 @@ def test_a_middle_line_of_a_pattern_without_symmetry_is_no_first_fold() -> None:
 
 
 def test_a_crease_without_a_mirror_image_is_found() -> None:
-    pattern = folded_sample("triangle")
+    pattern = folded_sample("triangle", method="mirror")
     letters = pattern.creases.edges_assignment.copy()
     ends = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
     (line,) = pattern.first_folds
