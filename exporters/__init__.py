@@ -13,6 +13,7 @@ from typing import cast
 
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
+from foldcut.jobs.bed import Lay
 from foldcut.jobs.job import Job, check_job, steps_of
 from foldcut.jobs.last_door import brought_on_bed, check_pattern
 from foldcut.profiles import Profile, Registration, load_profile, profile_names
@@ -101,8 +102,8 @@ def check_job_export(
 ) -> None:
     """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would raise for any on this sheet."""
     check_job(sheet, profile, material=material, tile=tile, registration=registration)
-    size = (sheet.width, sheet.height)
-    export_job(Job("", size, (0.0, 0.0), False, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)
+    lay = Lay.for_machine(sheet, profile, tile=tile)
+    export_job(Job("", lay.size, lay.at, lay.turned, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)
 
 
 def export_job(job: Job, suffix: str, profile: Profile) -> bytes:

@@ -11,7 +11,8 @@ import pytest
 from support.patterns import book_fold
 
 from foldcut.core.errors import BadInputError
-from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS, SOLIDS, export, export_job
+from foldcut.core.model import Sheet
+from foldcut.exporters import JOB_EXPORTERS, PATTERN_EXPORTERS, SOLIDS, check_job_export, export, export_job
 from foldcut.jobs.coupon import make_coupon
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.job import Job, make_jobs
@@ -123,3 +124,12 @@ def test_no_pattern_leaves_its_sheet_in_any_format(changes: dict[str, Any], word
     with pytest.raises(BadInputError, match=re.escape(words)):
         export(dataclasses.replace(pattern, **changes), suffix)
     assert export(dataclasses.replace(pattern, first_folds=(LINE,)), suffix)
+
+
+@pytest.mark.parametrize("name", [name for name in profile_names() if "cut" in load_profile(name).operations])
+def test_a_sheet_that_fits_when_turned_passes_before_there_is_a_pattern(name: str) -> None:
+    profile = load_profile(name)
+    reach = profile.bed or max(profile.papers.values(), key=lambda paper: paper.width_mm)
+    sides = np.array([reach.width_mm, reach.height_mm]) - 60
+    for width, height in (sides, sides[::-1]):
+        check_job_export(f".{profile.format}", profile, Sheet(float(width), float(height)))

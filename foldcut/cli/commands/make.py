@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.making import fold_or_open, write_and_report
-from foldcut.cli.options import PATTERN_STEM, USUAL_SHEET, FoldRequest, Machine, Request, Source
+from foldcut.cli.options import PATTERN_STEM, FoldRequest, Machine, Request, Source
 from foldcut.cli.outputs import Outputs
 from foldcut.core.errors import BadInputError
 
@@ -90,7 +90,7 @@ def make(args: Namespace) -> int:
     machine = options.no_machine() if usual else options.machine(args)
     default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
     outputs = Outputs(output_paths(args.output or default, source), source.stem, machine, usual)
-    outputs.check_formats(request_sheet(request, args))
+    outputs.check_formats(request_sheet(request))
     preview_path = None if not args.preview else Path(args.preview)
     if preview_path is not None and preview_path.suffix.lower() != ".svg":
         raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
@@ -111,11 +111,13 @@ def make(args: Namespace) -> int:
     return write_and_report(result, contents, console, replace=args.force, made=made)
 
 
-def request_sheet(request: Request, args: Namespace) -> Sheet:
-    """Return the sheet that a drawing is folded on; that of a pattern is checked when it is opened."""
-    from foldcut.drawing.placement import parse_sheet
+def request_sheet(request: Request) -> Sheet:
+    """Return the sheet that a drawing is folded on; for a pattern, whose sheet is not known yet, the smallest."""
+    from foldcut.core.model import Sheet
+    from foldcut.drawing.placement import SHEET_LIMITS_MM
 
-    return request.folding.sheet if isinstance(request, FoldRequest) else parse_sheet(args.sheet or USUAL_SHEET)
+    least = SHEET_LIMITS_MM[0]
+    return request.folding.sheet if isinstance(request, FoldRequest) else Sheet(least, least)
 
 
 def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
