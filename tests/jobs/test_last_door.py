@@ -97,7 +97,7 @@ def test_a_kerf_moves_the_job_onto_the_bed(origin: str) -> None:
 
 def test_a_kerf_that_the_bed_has_no_room_for_is_told() -> None:
     profile = load_profile("grbl-laser", ["kerf_mm=0.4", "bed.width_mm=100", "bed.height_mm=60"])
-    (job,) = make_jobs(book_fold(), profile)
+    (job,) = make_jobs(book_fold(), load_profile("grbl-laser", ["kerf_mm=0.4"]))
     with pytest.raises(JobError, match=r"with a kerf of 0\.4 mm, beyond the machine's 100 x 60 mm"):
         export_job(job, ".gcode", profile)
 
