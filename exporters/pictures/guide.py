@@ -201,9 +201,15 @@ class _Sheet:
         groups = [lines_of(self.pattern, self.state.vertices_coords, group) for group in step.groups]
         layers = most_layers(self.faces, self.state) if self.folded.any() else 1
         through = "" if layers == 1 else " through both layers" if layers == 2 else f" through all {layers} layers"
+        single = sum(map(len, groups)) == 1
+        if single:  # elsewhere there may be more layers than on this line
+            line = groups[0][0]
+            on_line = self.state.vertices_coords[self.ends[step.edges]]
+            layers = _most_on(on_line, (line[1] - line[0]) / math.dist(*line), 1e-6 * self.pattern.sheet.diagonal)
+            through = "" if layers == 1 else f" through {layers} layers"
         sheet = self.drawn(self.state, self.folded)
         overview = [self._overview(groups, sheet)] if len(groups) > 1 else []
-        return [*overview, *self._press(groups, sheet, through), self._close(step, through)]
+        return [*overview, *self._press(groups, sheet, through), self._close(step, through, single)]
 
     def _overview(self, groups: list[list[Floats]], sheet: list[Item]) -> Instruction:
         """Return the instruction that shows which creases are in which group."""
@@ -247,15 +253,17 @@ class _Sheet:
             made.append(Instruction(title, text, Panel([*sheet, *items], keys)))
         return made
 
-    def _close(self, step: FoldingStep, through: str) -> Instruction:
-        """Return the instruction to close all creases of a step at once."""
+    def _close(self, step: FoldingStep, through: str, single: bool) -> Instruction:
+        """Return the instruction to close all creases of a step at once, or a single one that is no simple fold."""
         folded = self.folded.copy()
         folded[step.edges] = True
         ends = "lies flat like this" if not self.folded.any() else "lies flat again, like this"
+        what = f"these creases{through} close together: this is one movement and not a row of straight folds"
+        if single:
+            what = f"this crease{through} closes, though not as a simple fold"
         text = (
-            f"Now these creases{through} close together: this is one movement and not a row of straight folds. Bend "
-            "every mountain (dash-dotted on the pattern) away from you and every valley (dashed) toward you, a little "
-            f"everywhere, then more, until the sheet {ends}."
+            f"Now {what}. Bend every mountain (dash-dotted on the pattern) away from you and every valley (dashed) "
+            f"toward you, a little everywhere, then more, until the sheet {ends}."
         )
         if len(step.groups) > 1 and self.pattern.regions:
             text += (

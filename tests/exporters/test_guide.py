@@ -109,6 +109,16 @@ def test_what_collapses_is_said_to_be_one_movement_and_shown_as_it_comes_out() -
     assert len(filled) == len(pattern.creases.faces_vertices)
 
 
+def test_a_single_crease_that_is_no_simple_fold_is_told_in_the_singular_with_its_own_layers() -> None:
+    made = instructions(folded_sample("paper-chain"), load_profile().drawing)
+    first, second = [step for step in made if step.title == "Collapse"]
+    (press,) = [step for step in made if step.title == "Press creases"]
+    assert "these creases through all 6 layers close together" in first.text
+    layers = re.findall(r"through (\d+) layers", press.text + second.text)
+    assert layers == ["6", "6"]
+    assert "this crease" in second.text
+
+
 def test_html_has_every_step_and_loads_nothing(pattern: FoldedPattern) -> None:
     page = export_html(pattern).decode()
     assert page.count("<section>") == len(instructions(pattern, load_profile().drawing))
