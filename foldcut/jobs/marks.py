@@ -19,7 +19,7 @@ import shapely
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.geometry.planar_graph import edge_faces
-from foldcut.geometry.vectors import left_normal
+from foldcut.geometry.vectors import cross, left_normal
 from foldcut.pattern.cut_line import fold_boundary
 from foldcut.pattern.face_maps import fold_faces, folded_edges
 from foldcut.pattern.first_folds import in_front
@@ -138,9 +138,21 @@ def numbers(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
             continue
         along = (line[1] - line[0]) / math.dist(*line)
         along = -along if along[0] < -1e-9 or (abs(along[0]) < 1e-9 and along[1] < 0) else along
-        middle = line.mean(axis=0) + left_normal(along) * 0.3 * NUMBER_MM
+        # first folds cross in one point, where their numbers would lie on each other
+        spot = line.mean(axis=0) if number > len(firsts) or len(firsts) < 2 else _halfway(line, firsts)
+        middle = spot + left_normal(along) * 0.3 * NUMBER_MM
         strokes += [_turned(stroke, along) + middle for stroke in text(str(number), NUMBER_MM)]
     return _in_room(strokes, room or whole(pattern.sheet))
+
+
+def _halfway(line: Floats, firsts: list[Floats]) -> Floats:
+    """Return the point of a first fold halfway from where it crosses the others to its farther end."""
+    other = next(first for first in firsts if first is not line)
+    along, across = line[1] - line[0], other[1] - other[0]
+    centre = line[0] + along * float(cross(other[0] - line[0], across) / cross(along, across))
+    far = line[int(np.hypot(*(line - centre).T).argmax())]
+    halfway: Floats = (centre + far) / 2
+    return halfway
 
 
 def title(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:

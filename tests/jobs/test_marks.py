@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cache
 
 import numpy as np
@@ -89,6 +90,16 @@ def test_numbers_are_beside_lines_in_front_of_the_first_fold() -> None:
     # the first fold's own number stands beside it; all others are on the right half
     assert len(strokes) - len(beside) <= 1
     assert marks.numbers(folded("bolt"))
+
+
+@pytest.mark.parametrize(("sample", "count"), [("rosette", 8), ("plus", 4)])
+def test_numbers_of_first_folds_that_cross_do_not_lie_on_each_other(sample: str, count: int) -> None:
+    pattern = folded(sample, "mirror")
+    assert len(pattern.first_folds) == count
+    bare = dataclasses.replace(pattern, creases=book_fold().creases)  # no lines but the first folds
+    boxes = [shapely.box(*shapely.LineString(stroke).bounds) for stroke in marks.numbers(bare)]
+    labels = shapely.get_parts(shapely.unary_union(shapely.buffer(boxes, 1.0)))
+    assert len(labels) >= count
 
 
 def test_arrowheads_point_at_both_ends_of_each_first_fold() -> None:
