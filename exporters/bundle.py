@@ -72,7 +72,7 @@ def readme(
         if is_wedge(pattern.first_folds):
             left = ", then ".join(map(str, sectors_left(len(pattern.first_folds))))
             lines[-1] = (
-                f"Fold the sheet first, always away from you, along {where}: in half along one of them, then so "
+                f"Fold the sheet first, always away from you, along {where}: in half along the first, then so "
                 f"that of the {len(pattern.first_folds)} sectors of the half {left} stay beside each other."
             )
     lines += [
