@@ -36,7 +36,7 @@ def test_the_notebook_runs_shows_the_result_and_writes_a_dxf(tmp_path: Path, mon
     shown = [kind for output in outputs for kind in output.get("data", {})]
     assert "text/html" in shown
     assert "image/svg+xml" in shown
-    assert {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "tree.dxf").layers} >= {"Cut"}
+    assert {layer.dxf.name for layer in ezdxf.readfile(tmp_path / "tree.dxf").layers} >= {"CUT"}
     assert (tmp_path / "tree-guide.pdf").read_bytes().startswith(b"%PDF")
 
 

@@ -13,16 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from foldcut.core.arrays import Bools, Floats, Indices, index_array, points_array
 from foldcut.core.model import FoldedPattern, FoldedState
 from foldcut.geometry.planar_graph import edge_faces, signed_areas
+from foldcut.geometry.union_find import groups
 from foldcut.geometry.vectors import cross
 from foldcut.pattern.face_maps import folded_edges
 
 __all__ = ["SheetData", "SheetState", "Turn", "is_one_sheet", "kept_together"]
+
+FEW_PAIRS = 500
+"""Parts that hang together by so few pairs of faces are found without scipy, which takes longer to import."""
 
 TOUCHING = 1e-7
 """Places that are this near each other, relative to the sheet's diagonal, count as one."""
@@ -209,6 +211,14 @@ class SheetState:
             more = np.nonzero(glued)
             one, other = np.concatenate([one, more[0]]), np.concatenate([other, more[1]])
         count = len(self.rank)
+        if len(one) <= FEW_PAIRS:
+            least, numbers = np.unique(
+                groups(count, list(zip(one.tolist(), other.tolist(), strict=True))), return_inverse=True
+            )
+            return len(least), numbers
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
         graph = coo_array((np.ones(len(one)), (one, other)), shape=(count, count))
         parts, part = connected_components(graph, directed=False)
         return int(parts), part.astype(np.intp)

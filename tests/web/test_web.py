@@ -466,7 +466,7 @@ def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
         assert {"pattern.fold", "job.zip"} <= set(seen[name]["files"]), name
     assert seen["over"] == 1
     assert seen["left"] == ""
-    assert "mountains" in seen["shown"]
+    assert "mountain" in seen["shown"]
     assert "nonsense" in seen["bad"]
     assert not seen["stale"]
     assert corners(seen["corners"]) == pytest.approx([20, 20, 80, 20, 40, 80], abs=0.6)
