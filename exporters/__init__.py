@@ -103,7 +103,8 @@ def check_job_export(
     """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would raise for any on this sheet."""
     check_job(sheet, profile, material=material, tile=tile, registration=registration)
     lay = Lay.for_machine(sheet, profile, tile=tile)
-    export_job(Job("", lay.size, lay.at, lay.turned, "both", steps_of(profile, material), 0.0, 0.0), suffix, profile)
+    steps = steps_of(profile, material)
+    export_job(Job("", lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper), suffix, profile)
 
 
 def export_job(job: Job, suffix: str, profile: Profile) -> bytes:

@@ -212,9 +212,8 @@ class SheetState:
             one, other = np.concatenate([one, more[0]]), np.concatenate([other, more[1]])
         count = len(self.rank)
         if len(one) <= FEW_PAIRS:
-            least, numbers = np.unique(
-                groups(count, list(zip(one.tolist(), other.tolist(), strict=True))), return_inverse=True
-            )
+            pairs = list(zip(one.tolist(), other.tolist(), strict=True))
+            least, numbers = np.unique(groups(count, pairs), return_inverse=True)
             return len(least), numbers
         from scipy.sparse import coo_array
         from scipy.sparse.csgraph import connected_components

@@ -85,14 +85,14 @@ def _job_exporter(suffix: str) -> Item:
 def plain_job(pattern: FoldedPattern, profile_name: str) -> Job:
     """Return a job of every crease as one stroke, in the pattern's order."""
     profile = load_profile(profile_name)
-    creases, lay = pattern.creases, Lay.on(pattern.sheet, profile.bed)
+    creases, lay = pattern.creases, Lay.for_machine(pattern.sheet, profile)
     ends = lay.place(creases.vertices_coords)[creases.edges_vertices]
     strokes = {
         "mountain": tuple(ends[creases.edges_assignment == "M"]),
         "valley": tuple(ends[creases.edges_assignment == "V"]),
     }
     steps = tuple(replace(step, strokes=strokes[step.role]) for step in steps_of(profile) if step.role in strokes)
-    return Job(pattern.title, lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0)
+    return Job(pattern.title, lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper)
 
 
 def _job(subject: Subject) -> Callable[[], Job]:
