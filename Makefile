@@ -105,6 +105,7 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make docs/drawings/snowflake.svg -o docs/snowflake.svg --force
 	$(BIN)/foldcut make snowflake -o docs/snowflake-wedge.svg --force
 	$(BIN)/foldcut make rosette -o docs/rosette.svg --force
+	$(BIN)/foldcut make paper-chain -o docs/paper-chain.svg --force
 	$(BIN)/python docs/drawings/machines.py
 	$(KITE) --show packing -o docs/figure-1.svg
 	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg

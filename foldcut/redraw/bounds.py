@@ -82,7 +82,7 @@ class Bounds:
         if self.folds < 1:
             raise BadInputError(f"a pattern with {self.folds} folds is asked for; allow at least 1")
         if self.exact and (self.tolerance or self.level not in ("", "exact")):
-            raise BadInputError("exact forbids to move the outline; leave out the tolerance and the level, or exact")
+            raise BadInputError("--exact forbids to move the outline; leave out --tolerance and --level, or --exact")
 
     @property
     def is_exact(self) -> bool:
