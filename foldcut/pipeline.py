@@ -221,7 +221,7 @@ def fold(
     stages = Stages(progress)
     stages.up_to(READ)
     if (exact or level == "exact") and (simplify or symmetry or adjust):
-        raise BadInputError("--exact forbids to move corners; leave out --simplify, --symmetry and --adjust, or --exact")
+        raise BadInputError("--exact forbids to move corners; leave it out, or --simplify, --symmetry and --adjust")
     if tolerance is None and simplify > 0 and not level:
         tolerance = simplify
     if method not in FOLD_REDRAWN and tolerance is not None and not simplify:
