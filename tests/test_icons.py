@@ -9,7 +9,7 @@ import pytest
 from support.icons import SETS, fold_icon, icon_folders, silhouettes
 from support.programs import missing
 
-ICONS = 60
+ICONS = 30
 CHUNK = 10
 BUDGETS = (12, 20, 30)
 
