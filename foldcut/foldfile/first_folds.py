@@ -83,12 +83,12 @@ def _why_no_wedge(creases: CreasePattern, sheet: Sheet, lines: Sequence[Floats])
     }
     first = math.atan2(along[0, 1], along[0, 0])
     rays = []
-    for number, letter in enumerate(letters_of_wedge(count)):
+    for number, letter in letters_of_wedge(count).items():
         angle = first + number * math.pi / count
         end = centre + sheet.diagonal * np.array([math.cos(angle), math.sin(angle)])
         rays.append(shapely.intersection(shapely.linestrings([centre, end]), paper))
         if not _covers(creased.get(letter), rays[-1], near):
-            return f"line {number % count} is not folded all along as a wedge needs it"
+            return f"the line at {math.degrees(angle) % 180:.4g} degrees is not folded all along as a wedge needs it"
     apart = shapely.buffer(shapely.union_all(rays), near)
     for number, (normal, offset) in enumerate(zip(normals, offsets.tolist(), strict=True)):
         for letter, some in creased.items():

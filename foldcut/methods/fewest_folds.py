@@ -31,7 +31,7 @@ from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.dihedral import dihedral
 from foldcut.geometry.mirror_axes import mirror_axes
 from foldcut.geometry.vectors import cross
-from foldcut.pattern.first_folds import FEWEST_OF_WEDGE, sectors_left
+from foldcut.pattern.first_folds import FEWEST_OF_WEDGE, fan_folds
 
 __all__ = ["Fewest", "fewest_folds"]
 
@@ -86,7 +86,7 @@ def fewest_folds(
             folds.append(2 + lines.fewest(sides[one] & sides[other]))
     around = dihedral(shape, symmetry if several is None else several)
     if around is not None and around.count >= FEWEST_OF_WEDGE:
-        wedge = 1 + len(sectors_left(around.count))
+        wedge = fan_folds(around.count)
         folds += [wedge] if wedge <= min(folds) - SAVED else []
     return Fewest(min(folds), lines.bisectors(), len(corners))
 

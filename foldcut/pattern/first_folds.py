@@ -43,23 +43,50 @@ def sectors_left(count: int) -> list[int]:
     return left
 
 
-def letters_of_wedge(count: int) -> list[str]:
+def fan_folds(count: int) -> int:
+    """Return how many straight folds make a wedge: the fewest that can, as a fold at most doubles the layers."""
+    return 1 + len(sectors_left(count))
+
+
+def fan(count: int) -> list[int]:
+    """Return the sectors of a sheet with ``count`` lines in the order in which they lie in the fan, from top to bottom.
+
+    Sector 0 is on top. Sectors are numbered counter-clockwise from the second half of the first line on.
+    """
+    row = [[number, 2 * count - 1 - number] for number in range(count)]
+    for left in sectors_left(count):
+        row = _folded(row, left)
+    return row[0]
+
+
+def axis_order(count: int) -> list[int]:
+    """Return the lines in the order in which the fan's folds crease them; one that is creased twice counts once.
+
+    Line ``number`` has the direction of the border between sectors ``number`` - 1 and ``number``.
+    """
+    return list(dict.fromkeys(half % count for half in letters_of_wedge(count)))
+
+
+def letters_of_wedge(count: int) -> dict[int, str]:
     """Return which half-lines of a wedge of ``count`` lines are mountains ("M") and which are valleys ("V").
 
-    They are numbered counter-clockwise from the second half of the first line on, twice as many as lines.
+    They have the numbers of the sectors that follow them, and come in the order in which the fan's folds crease them.
     """
-    letters = ["M"] * (2 * count)
-    # sectors that lie beside each other, each with its layers from top to bottom: sector, and whether its front is up
-    row = [[(place, True), (2 * count - 1 - place, False)] for place in range(count)]
+    letters = {0: "M", count: "M"}
+    row = [[number, 2 * count - 1 - number] for number in range(count)]
     for left in sectors_left(count):
-        joined = {sector for sector, _ in row[left - 1]}
-        for sector, is_up in row[left]:
-            for beside in joined & {sector - 1, sector + 1}:
-                letters[max(sector, beside)] = "M" if is_up else "V"
-        for k, pile in enumerate(row[left:]):
-            row[left - 1 - k] += [(sector, not is_up) for sector, is_up in pile[::-1]]
-        del row[left:]
+        # every other sector of a column lies turned over: its first border is the one away from column 0
+        turned = {sector: (sector - left) % 2 for sector in row[left]}
+        for sector in sorted(turned, key=lambda one: (one + turned[one]) % count):
+            letters.setdefault((sector + turned[sector]) % (2 * count), "V" if turned[sector] else "M")
+        row = _folded(row, left)
     return letters
+
+
+def _folded(row: Sequence[list[int]], left: int) -> list[list[int]]:
+    """Return the columns, each from top to bottom, of which those from number ``left`` on go under the others."""
+    under = [*row[left:], *[[]] * (2 * left - len(row))][::-1]
+    return [[*above, *below[::-1]] for above, below in zip(row[:left], under, strict=True)]
 
 
 def in_front(line: Floats, first_folds: Sequence[Floats]) -> bool:
@@ -94,7 +121,7 @@ def _left(line: Floats, points: Floats) -> Floats:
 
 def first_fold_count(lines: Sequence[Floats]) -> int:
     """Return how many straight folds the lines are that are folded first."""
-    return 1 + len(sectors_left(len(lines))) if is_wedge(lines) else len(lines)
+    return fan_folds(len(lines)) if is_wedge(lines) else len(lines)
 
 
 def layers_after(lines: Sequence[Floats]) -> int:

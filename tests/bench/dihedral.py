@@ -16,7 +16,7 @@ import foldcut
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.dihedral_shapes import DihedralShape, dihedral_shapes
 
-from foldcut.methods.mirror.wedge import fan_folds
+from foldcut.pattern.first_folds import fan_folds
 
 COLUMNS = "{:<32} {:>7} {:>9} {:>5} {:>5} {:>5} {:>8} {:>11} {:>7}  {}"
 

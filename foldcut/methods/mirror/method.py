@@ -27,16 +27,15 @@ from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
 from foldcut.methods.frame import ADJUST, Frame, frame_scale, frames, in_frame
 from foldcut.methods.mirror.halves import closed_wedge, halves_of, one_loop_halves, one_loop_wedges
-from foldcut.methods.mirror.search import Part, fold_mirrored
+from foldcut.methods.mirror.search import fold_mirrored
 from foldcut.methods.mirror.skeletal import (
-    fold_half,
-    fold_wedge,
+    fold_part,
     made_of_half,
     made_of_wedge,
     search_half,
     search_wedge,
 )
-from foldcut.methods.mirror.wedge import Wedge, fan_folds
+from foldcut.methods.mirror.wedge import Part, Wedge
 from foldcut.methods.progress import Progress
 from foldcut.methods.skeleton.search import SECONDS
 from foldcut.methods.skeleton.trial import Skeletal
@@ -105,7 +104,7 @@ class _AlongSheet:
 
     def look(self, frame: Frame, ribbon: float) -> Rank:
         half = next(halves_of(self.shape(frame), frame.sheet, self.axes))
-        found = fold_half(half, ribbon=ribbon)
+        found = fold_part(half, ribbon=ribbon)
         return rank(len(self.axes) + crease_numbers(found.part).lines, shortest_crease(found.creases))
 
     def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
@@ -148,8 +147,8 @@ class _Around:
 
     def look(self, frame: Frame, ribbon: float) -> Rank:
         wedge = self.loops(frame)
-        found = fold_wedge(wedge, ribbon=ribbon)
-        return rank(fan_folds(wedge.count) + crease_numbers(found.part).lines, shortest_crease(found.creases))
+        found = fold_part(wedge, ribbon=ribbon)
+        return rank(wedge.fold_count + crease_numbers(found.part).lines, shortest_crease(found.creases))
 
     def search(self, frame: Frame, *, near: float, ribbon: float, seconds: float, progress: Progress) -> Skeletal:
         wedge = self.loops(frame)

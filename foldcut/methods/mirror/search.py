@@ -16,12 +16,8 @@ from foldcut.methods.base import straight_folds
 from foldcut.methods.compact.budget import EFFORT_SECONDS
 from foldcut.methods.compact.pattern import regions
 from foldcut.methods.compact.search import Compact, fold_compact
-from foldcut.methods.mirror.unfold import Half
-from foldcut.methods.mirror.wedge import Wedge
+from foldcut.methods.mirror.wedge import Part
 from foldcut.pattern.ranking import FOLDABLE_MM, Goal, Rank, rank, shortest_crease
-
-Part = Half | Wedge
-"""What is left of the sheet once its axes are folded, and a single loop to fold it by."""
 
 SCAN = 0.4
 """The part of the effort for the first looks."""

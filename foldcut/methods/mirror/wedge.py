@@ -31,9 +31,9 @@ from foldcut.core.model import CreasePattern, FoldedState, Region, Shape, Sheet
 from foldcut.geometry.convex_sheet import ConvexSheet
 from foldcut.geometry.dihedral import sector_maps
 from foldcut.geometry.vectors import signed_area
-from foldcut.methods.mirror.unfold import LoopedPart
+from foldcut.methods.mirror.unfold import Half, LoopedPart
 from foldcut.pattern.crop import crop_stack
-from foldcut.pattern.first_folds import sectors_left
+from foldcut.pattern.first_folds import axis_order, fan, fan_folds
 from foldcut.pattern.foldability import crease_numbers
 
 TIE = 1e-9
@@ -41,41 +41,6 @@ TIE = 1e-9
 
 GRID = 1e-11
 """Creases of different sectors are compared with places rounded to this, relative to the sheet's diagonal."""
-
-
-def fan(count: int) -> list[int]:
-    """Return the sectors of a sheet with ``count`` axes in the order in which they lie in the fan, from top to bottom.
-
-    Sector 0 is on top. Sectors are numbered counter-clockwise; the first fold is along the border of sector 0 that
-    comes first in this direction.
-    """
-    columns = [[number, 2 * count - 1 - number] for number in range(count)]
-    for left in sectors_left(count):
-        for column in range(left, len(columns)):
-            columns[2 * left - 1 - column] += columns[column][::-1]
-        columns = columns[:left]
-    return columns[0]
-
-
-def fan_folds(count: int) -> int:
-    """Return how many straight folds make the fan."""
-    return 1 + len(sectors_left(count))
-
-
-def axis_order(count: int) -> list[int]:
-    """Return the axes in the order in which the fan's folds crease them; one that is creased twice counts once.
-
-    Axis ``number`` has the direction of the border between sectors ``number`` - 1 and ``number``.
-    """
-    order = [0]
-    layers = [[number, 2 * count - 1 - number] for number in range(count)]
-    for left in sectors_left(count):
-        # of a sector that lies turned over, the border that comes first is the one away from column 0
-        order += sorted((sector + (sector - left) % 2) % count for sector in layers[left])
-        for column in range(left, len(layers)):
-            layers[2 * left - 1 - column] += layers[column][::-1]
-        layers = layers[:left]
-    return list(dict.fromkeys(order))
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,6 +194,10 @@ class Wedge(LoopedPart):
         placed[last] = away[last, None] * (math.cos(step), math.sin(step))
         placed[first & last] = 0.0
         return placed
+
+
+Part = Half | Wedge
+"""What is left of the sheet once its axes are folded."""
 
 
 def wedge_lines(creases: CreasePattern, wedge: Wedge) -> int:

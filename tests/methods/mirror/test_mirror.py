@@ -19,7 +19,7 @@ from foldcut.drawing.shape import invariant_faults, make_shape
 from foldcut.geometry.mirror_axes import symmetric
 from foldcut.methods.mirror import search
 from foldcut.methods.mirror.halves import extended, halves_of, matchings, one_loop_halves
-from foldcut.methods.mirror.skeletal import fold_half, lines_beside, made_of_half
+from foldcut.methods.mirror.skeletal import fold_part, lines_beside, made_of_half
 from foldcut.methods.mirror.unfold import Half
 from foldcut.methods.skeleton.search import Search
 from foldcut.pattern.foldability import crease_numbers
@@ -285,7 +285,7 @@ def test_sides_that_meet_beyond_the_border_are_joined_there() -> None:
 def test_nodes_on_the_axis_end_what_comes_to_them(points: Points, axes: tuple[int, ...]) -> None:
     # all bisectors of the square meet in the middle of the sheet, which is a corner of the quarter sheet
     shape, sheet = laid([points], axes)
-    straight_on, whole_loops = (fold_half(half) for half in halves_of(shape, sheet, axes))
+    straight_on, whole_loops = (fold_part(half) for half in halves_of(shape, sheet, axes))
     for found in (straight_on, whole_loops):
         assert verify(found.creases, found.folded.layers, shape) == []
     assert lines_beside(straight_on.creases, sheet, axes) == lines_beside(whole_loops.creases, sheet, axes)
@@ -299,7 +299,7 @@ def test_what_lies_beyond_the_border_does_not_matter(name: str, axes: tuple[int,
     folds, shortest = zip(
         *(
             (lines_beside(found.creases, sheet, axes), shortest_crease(found.creases))
-            for found in map(fold_half, halves_of(shape, sheet, axes))
+            for found in map(fold_part, halves_of(shape, sheet, axes))
         ),
         strict=True,
     )
@@ -313,7 +313,7 @@ def test_a_drawing_that_crosses_its_axis_often_has_a_skeleton_but_no_single_loop
     shape, sheet = laid(bars, (0,))
     with pytest.raises(foldcut.UnfoldableError, match="crosses the mirror axis 36 times"):
         list(one_loop_halves(shape, sheet, (0,)))
-    found = fold_half(next(halves_of(shape, sheet, (0,))))
+    found = fold_part(next(halves_of(shape, sheet, (0,))))
     assert verify(found.creases, found.folded.layers, shape) == []
 
 
@@ -327,12 +327,12 @@ def test_a_loop_off_the_axis_is_refused_by_the_one_and_taken_by_the_other() -> N
 def test_a_half_whose_pattern_would_have_too_many_creases_is_refused() -> None:
     shape, sheet = laid(random_symmetric(4), (0,))
     with pytest.raises(foldcut.UnfoldableError, match="creases"):
-        fold_half(next(halves_of(shape, sheet, (0,))))
+        fold_part(next(halves_of(shape, sheet, (0,))))
 
 
 def test_a_half_becomes_what_the_method_made() -> None:
     shape, sheet = laid(SHAPES["figure 8"][0], (0, 1))
-    found = fold_half(next(halves_of(shape, sheet, (0, 1))))
+    found = fold_part(next(halves_of(shape, sheet, (0, 1))))
     on = Laid(sheet, shape, AS_IT_IS, (), False, shape, AS_IT_IS)
     made = made_of_half((0, 1), found, on)
     assert made.actions == 2 + crease_numbers(found.part).lines

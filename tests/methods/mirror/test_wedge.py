@@ -22,9 +22,9 @@ from foldcut.methods import METHODS
 from foldcut.methods.base import Effort, Problem, Wishes
 from foldcut.methods.mirror import method
 from foldcut.methods.mirror.halves import closed_wedge, one_loop_wedges
-from foldcut.methods.mirror.skeletal import fold_wedge
-from foldcut.methods.mirror.wedge import Wedge, axis_order, fan, fan_folds, wedge_lines
-from foldcut.pattern.first_folds import first_fold_count, in_front, layers_after
+from foldcut.methods.mirror.skeletal import fold_part
+from foldcut.methods.mirror.wedge import Wedge, wedge_lines
+from foldcut.pattern.first_folds import axis_order, fan, fan_folds, first_fold_count, in_front, layers_after
 from foldcut.pattern.foldability import crease_numbers
 from foldcut.pattern.ranking import shortest_crease
 from foldcut.proof.verify import verify
@@ -88,7 +88,7 @@ def test_the_sectors_of_a_sheet_differ_and_the_wedge_covers_them_all() -> None:
     corners = [wedge.in_wedge(np.array([[corner, corner]]))[0, 0] for corner in wedge.whole.corners]
     assert all(outline.buffer(1e-6).covers(shapely.Point(place)) for place in corners)
     assert len({tuple(place) for place in np.round(corners, 3).tolist()}) == 2
-    found = fold_wedge(wedge)
+    found = fold_part(wedge)
     assert verify(found.creases, found.folded.layers, wedge.shape) == []
     places = {tuple(place) for place in found.creases.vertices_coords.tolist()}
     assert {tuple(place) for place in wedge.whole.corners.tolist()} <= places
@@ -98,7 +98,7 @@ def test_the_sectors_of_a_sheet_differ_and_the_wedge_covers_them_all() -> None:
 
 def test_a_sector_in_the_wrong_place_of_the_fan_is_found_by_verification(monkeypatch: pytest.MonkeyPatch) -> None:
     wedge = wedge_of([regular(4)])
-    found = fold_wedge(wedge)
+    found = fold_part(wedge)
     state = flat_state(found.part)
     right = fan(4)
     assert verify(*pattern(wedge, found.part, state), wedge.shape) == []
@@ -123,14 +123,14 @@ def pattern(wedge: Wedge, creases: CreasePattern, state: FoldedState) -> tuple[C
 @pytest.mark.parametrize("sheet", ["a3", "100x220mm", "300x160mm"])
 def test_what_is_cut_off_by_the_sheet_in_one_sector_counts_once(sheet: str) -> None:
     wedge = wedge_of(dihedral_shape("snowflake", 6, 10).loops, sheet)
-    found = fold_wedge(wedge)
+    found = fold_part(wedge)
     assert verify(found.creases, found.folded.layers, wedge.shape) == []
     assert 0 < wedge_lines(found.creases, wedge) <= crease_numbers(found.part).lines
 
 
 def test_only_creases_of_the_wedge_are_counted() -> None:
     wedge = wedge_of(dihedral_shape("snowflake", 6, 10).loops)
-    found = fold_wedge(wedge)
+    found = fold_part(wedge)
     lines = crease_numbers(found.part).lines
     assert lines > 5
     assert wedge_lines(found.creases, wedge) == lines
@@ -211,7 +211,7 @@ def test_a_point_of_the_axes_beyond_the_sheet_is_refused() -> None:
 
 def test_lines_in_front_are_those_of_one_sector() -> None:
     wedge = wedge_of(dihedral_shape("snowflake", 6, 10).loops)
-    found = fold_wedge(wedge)
+    found = fold_part(wedge)
     ends = found.creases.edges_vertices[found.creases.edges_assignment != "B"]
     lines = found.creases.vertices_coords[ends]
     shown = [line for line in lines if in_front(line, wedge.first_folds)]
@@ -242,7 +242,7 @@ def test_loops_closed_beyond_a_border_fold_the_same_shape(
     last, first = (corners @ np.linalg.inv(wedge.borders)).T
     for beyond, is_near in ((last, near[0]), (first, near[1])):
         assert (beyond[beyond < -1e-9].max() > -1) == is_near
-    found = fold_wedge(closed)
+    found = fold_part(closed)
     assert verify(found.creases, found.folded.layers, wedge.shape) == []
 
 
