@@ -17,6 +17,7 @@ import shapely
 
 from foldcut.core.arrays import Floats, points_array
 from foldcut.drawing.shape import polygon_loops
+from foldcut.geometry.union_find import groups
 
 MOST_CROSSINGS = 10_000
 """Outlines with more crossings are left as they are; ``make_shape`` refuses them and says where."""
@@ -117,11 +118,11 @@ def _groups(parts: Sequence[Part]) -> list[list[int]]:
     """Return the numbers of the parts whose outlines meet, directly or through others, in order."""
     lines = np.array([shapely.multilinestrings(_closed_lines(part.loops)) for part in parts])
     one, other = shapely.STRtree(lines).query(lines, predicate="intersects")
-    from scipy.sparse import coo_array  # a quarter of a second to import
-    from scipy.sparse.csgraph import connected_components
-
-    count, group = connected_components(coo_array((np.ones(len(one)), (one, other)), shape=(len(parts), len(parts))))
-    return [np.flatnonzero(group == number).tolist() for number in range(count)]
+    pairs = list(zip(one.tolist(), other.tolist(), strict=True))
+    members: dict[int, list[int]] = {}
+    for number, first in enumerate(groups(len(parts), pairs)):
+        members.setdefault(first, []).append(number)
+    return list(members.values())
 
 
 class _Ground:
