@@ -416,7 +416,7 @@ def _no_axis(shape: Shape, symmetry: float) -> str:
     near = mirror_axes(shape, NEARLY * float(np.ptp(np.concatenate(shape.loops), axis=0).max()))
     if not near:
         within = f" within {symmetry:.3g} mm" if symmetry else ""
-        return f"the drawing is not mirror-symmetric{within}{_instead_of_axis(shape, symmetry)}"
+        return f"the drawing is not mirror-symmetric{within}{_instead_of_axis(shape, symmetry)} use another method"
     off = min(axis.deviation for axis in near)
     return (
         f"the drawing is not mirror-symmetric, but nearly: corners are {off:.2g} mm off; "
@@ -425,14 +425,18 @@ def _no_axis(shape: Shape, symmetry: float) -> str:
 
 
 def _instead_of_axis(shape: Shape, symmetry: float) -> str:
-    """Say what a shape on the sheet without a mirror axis has instead: turns, or an axis for most of it."""
+    """Say what a shape on the sheet without a mirror axis has instead: turns, or an axis for most of it.
+
+    The text ends where a remedy can follow.
+    """
     turns = turns_of(shape, symmetry)
     if turns > 1:
-        return f"; {turns} equal turns bring it onto itself, but without an axis nothing can be folded first"
+        return f"; {turns} equal turns bring it onto itself, but without an axis nothing can be folded first;"
     most = partial_axis(shape)
     if most is None:
-        return ""
+        return ";"
     x, y = most.place
     rest = f"{max(round(100 * (1 - most.share)), 1)}% of its outline"
     where = f"the axis at {math.degrees(most.angle):.4g} degrees through ({x:.4g}, {y:.4g}) mm"
-    return f", but all except {rest} is so about {where}; draw the rest, which is up to {most.off:.2g} mm off, alike"
+    off = f"up to {most.off:.2g} mm off"
+    return f", but all except {rest} is so about {where}; draw the rest, which is {off}, alike, or"
