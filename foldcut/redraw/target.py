@@ -73,10 +73,11 @@ class Target:
     def of(cls, shape: Shape, curves: Sequence[CurvedLoop] = ()) -> Target:
         """Return the target for a shape in mm of the frame; ``curves`` are its loops in the same order, if known.
 
-        They may run either way around.
+        They may run either way around. Curves that cross by a hair, where the flattened loops of the shape do not, are
+        not used.
         """
-        known = curves or [CurvedLoop.of_points(loop) for loop in shape.loops]
-        return cls.of_curves(known, shape.parent)
+        target = cls.of_curves(curves or [CurvedLoop.of_points(loop) for loop in shape.loops], shape.parent)
+        return target if not curves or shapely.is_simple(target.outline) else cls.of(shape)
 
     @classmethod
     def of_curves(cls, curves: Sequence[CurvedLoop], parent: Sequence[int]) -> Target:

@@ -6,11 +6,13 @@ import math
 
 import numpy as np
 import pytest
+import shapely
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
 from foldcut.drawing.curved import curves_of
 from foldcut.drawing.laying import Laying
+from foldcut.drawing.mend import Preparation, prepare
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.drawing.shape import make_shape
 from foldcut.geometry.curves import Arc, Bezier, CurvedLoop, Line, farthest_apart
@@ -18,6 +20,7 @@ from foldcut.geometry.vectors import signed_area
 from foldcut.methods.frame import frames
 from foldcut.readers import Drawing, read_shape
 from foldcut.readers.typed_text import draw_text
+from foldcut.redraw.narrow_parts import small_parts
 from foldcut.redraw.target import Target
 
 SQUARE = np.array([(0.0, 0.0), (60.0, 0.0), (60.0, 60.0), (0.0, 60.0)])
@@ -159,3 +162,22 @@ def test_off_by_is_measured_on_the_curves() -> None:
     off, place = Target.of_curves([loop], [-1]).off_by([SQUARE])
     assert off == pytest.approx(10.0, abs=2e-4)
     assert place == pytest.approx((30.0, -10.0), abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "M50 10a40 40 0 1 0 30 66L60 50L52 9.95L49.997994 10.000047z",
+        "M50 10A40 40 0 0 0 50 90L60 50L53 9.9L49.999233 10.000025z",
+        "M50 10C27.9 10 10 27.9 10 50C10 72 28 90 50 90L90 50L51.5 9.98L49.996928 10.000045z",
+    ],
+)
+def test_curves_that_cross_by_a_hair_where_the_path_is_closed_are_not_used(path: str) -> None:
+    drawing = svg(path)
+    shape = make_shape(prepare(drawing.loops, Preparation()).loops)
+    curves = curves_of(shape, drawing.loops, drawing.curves)
+    assert not shapely.is_simple(Target.of_curves(curves, shape.parent).outline)
+    target = Target.of(shape, curves)
+    assert shapely.is_simple(target.outline)
+    assert all(curve.is_straight for curve in target.curves)
+    small_parts(target, 0.2)
