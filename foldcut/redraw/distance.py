@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from foldcut.core.arrays import Floats
+from foldcut.core.arrays import Floats, Indices
 
 __all__ = ["apart", "farthest"]
 
@@ -36,22 +36,26 @@ def farthest(some: Sequence[Floats], others: Sequence[Floats], error: float) -> 
     segments = np.stack([np.concatenate(others), np.concatenate([np.roll(loop, -1, axis=0) for loop in others])], 1)
     tree = shapely.STRtree(shapely.linestrings(segments))
 
-    def distances(points: Floats) -> Floats:
-        nearest = tree.query_nearest(shapely.points(points), all_matches=False)[1]
-        a, b = segments[nearest].transpose(1, 0, 2)
+    def nearest(points: Floats) -> tuple[Floats, Indices]:
+        """Return how far points are from the nearest of the segments, and its number."""
+        number = tree.query_nearest(shapely.points(points), all_matches=False)[1]
+        a, b = segments[number].transpose(1, 0, 2)
         along, away = b - a, points - a
         share = np.clip((away * along).sum(axis=1) / np.maximum((along * along).sum(axis=1), 1e-300), 0, 1)
         away = away - share[:, None] * along
-        found: Floats = np.hypot(away[:, 0], away[:, 1])
-        return found
+        return np.hypot(away[:, 0], away[:, 1]), number
 
-    best = float(distances(start).max())
+    off, first = nearest(start)
+    best = float(off.max())
+    last = np.concatenate([np.roll(part, -1) for part in np.split(first, np.cumsum([len(loop) for loop in some])[:-1])])
     while len(start):
         middle = (start + end) / 2
-        here = distances(middle)
-        best = max(best, float(here.max()))
+        off, between = nearest(middle)
+        best = max(best, float(off.max()))
         half = np.hypot(*(end - start).T) / 2
-        far = here + half > best + error
-        start, middle, end = start[far], middle[far], end[far]
-        start, end = np.concatenate([start, middle]), np.concatenate([middle, end])
+        far = off + half > best + error
+        # how far a piece is from one segment is greatest at an end: if both are nearest to the same, nothing is farther
+        one, other = far & (first != between), far & (between != last)
+        start, end = np.concatenate([start[one], middle[other]]), np.concatenate([middle[one], end[other]])
+        first, last = np.concatenate([first[one], between[other]]), np.concatenate([between[one], last[other]])
     return best
