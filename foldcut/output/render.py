@@ -12,6 +12,7 @@ from foldcut.core.model import FoldedPattern
 from foldcut.exporters import JOB_EXPORTERS, export, export_job
 from foldcut.jobs.bed import Side
 from foldcut.jobs.job import Job, JobStep, Registration, make_jobs
+from foldcut.output.recipe import Recipe
 from foldcut.profiles import Action, Profile, Treatment
 
 __all__ = ["JobOptions", "Maker"]
@@ -70,19 +71,26 @@ def job_files(job: Job, path: Path, profile: Profile) -> dict[Path, Job]:
 class Maker:
     """Makes the files of a pattern.
 
-    ``jobs``: its jobs for the machine, by side, once a file has needed them; ``jobs_of``: what of them is in each file.
+    ``recipe``: how they are made, if that is to stand in them. ``jobs``: the pattern's jobs for the machine, by side,
+    once a file has needed them; ``jobs_of``: what of them is in each file.
     """
 
-    def __init__(self, pattern: FoldedPattern, profile: Profile | None, options: JobOptions) -> None:
-        self.pattern, self.profile, self.options = pattern, profile, options
+    def __init__(
+        self, pattern: FoldedPattern, profile: Profile | None, options: JobOptions, recipe: Recipe | None = None
+    ) -> None:
+        self.pattern, self.profile, self.options, self.recipe = pattern, profile, options, recipe
         self.jobs: dict[Side, Job] = {}
         self.jobs_of: dict[Path, Job] = {}
 
     def files(self, path: Path) -> dict[Path, bytes]:
-        """Return the bytes of each file that ``path`` stands for; its ending says the format.
+        """Return the bytes of each file that ``path`` stands for, with their recipe; its ending says the format.
 
         Raises FileFormatError and JobError, as exporters do.
         """
+        recipe, made = self.recipe, self._without_recipe(path)
+        return made if recipe is None else {p: recipe.put_into(data, path.name, p.name) for p, data in made.items()}
+
+    def _without_recipe(self, path: Path) -> dict[Path, bytes]:
         profile, options = self.profile, self.options
         if profile is None or not profile.operations or path.suffix.lower() not in JOB_EXPORTERS:
             return {path: export(self.pattern, path.suffix, profile)}

@@ -46,7 +46,7 @@ def add_options(command: ArgumentParser) -> None:
         nargs="*",
         help="a folder, with all its subfolders, a pattern of names, or a drawing",
     )
-    options.add_text(command, "fold the letters of this text instead, each once and on a sheet of its own")
+    add_letters(command)
     command.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
     command.add_argument(
         "--format",
@@ -75,12 +75,18 @@ def add_options(command: ArgumentParser) -> None:
     options.add_console(command)
 
 
+def add_letters(command: ArgumentParser) -> None:
+    """Add the text and its font."""
+    options.add_text(command, "fold the letters of this text instead, each once and on a sheet of its own")
+
+
 def batch(args: Namespace) -> int:
     """Fold many drawings."""
     from foldcut.batch.drawings import letters_of
     from foldcut.batch.run import run_batch
     from foldcut.batch.worker import Recipe
     from foldcut.cli.progress import ProgressBar
+    from foldcut.output.recipe import Recipe as FileRecipe
     from foldcut.readers.typed_text import letter_names
     from foldcut.redraw.compiling import get_ready
 
@@ -93,7 +99,9 @@ def batch(args: Namespace) -> int:
     Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", machine).check_formats(folding.sheet)
     out = Path(args.output)
     fold = folding.keywords() | {"next_level": False}  # nobody reads what it would cost
-    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job)
+    made = FileRecipe("make").also(*options.words(args, add_letters, text=None))
+    made = made.also(*options.folding_words(args)).also(*machine.words)
+    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job, made)
     done = ""
     with ProgressBar(console.draws_progress) as bar:
 
@@ -105,7 +113,7 @@ def batch(args: Namespace) -> int:
         try:
             if not folding.exact:
                 get_ready(lambda text: progress(text, 0.0))  # once, and not in each process
-            made = run_batch(
+            outcome = run_batch(
                 args.drawings,
                 out,
                 recipe,
@@ -122,17 +130,17 @@ def batch(args: Namespace) -> int:
         except (KeyboardInterrupt, Terminated) as error:
             error.add_note(f"{done}the same command again goes on from there")
             raise
-    failed = failures(made)
+    failed = failures(outcome)
     report = {
         "ok": not failed,
-        "counts": made.counts,
-        "resumed": made.resumed,
-        "files": list(map(str, made.written)),
-        "rows": made.rows,
+        "counts": outcome.counts,
+        "resumed": outcome.resumed,
+        "files": list(map(str, outcome.written)),
+        "rows": outcome.rows,
     }
     if names:
         report["letters"] = names
-    console.report(report, [*lines(made, out), *repeated(names)])
+    console.report(report, [*lines(outcome, out), *repeated(names)])
     return FAILED if failed else DONE
 
 
