@@ -51,6 +51,9 @@ JOB_EXPORTERS = {
 }
 """The exporters of jobs, by the ending of their files."""
 
+DUPLEX = ".pdf"
+"""The format that has both sides in one file."""
+
 
 def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile | None = None) -> None:
     """Raise FileFormatError unless a file with this ending, such as ``".svg"``, can be written.
@@ -119,6 +122,13 @@ def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
         )
     exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
     return exporter(brought_on_bed(job, profile), profile)
+
+
+def export_duplex(front: Job, back: Job, profile: Profile) -> bytes:
+    """Return the jobs of both sides as one PDF to print on both sides; errors as for ``export_job``."""
+    from .job.pdf import export_duplex
+
+    return export_duplex(brought_on_bed(front, profile), brought_on_bed(back, profile), profile)
 
 
 def _imported(name: str) -> object:

@@ -689,7 +689,9 @@ def add_machine(command: ArgumentParser) -> None:
         "lines (default: the profile's)",
     )
     machine.add_argument(
-        "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
+        "--two-sided",
+        action="store_true",
+        help="mountains on the front, valleys on the back, as two files, or as one PDF to print on both sides",
     )
     machine.add_argument(
         "--registration",

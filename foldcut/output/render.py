@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from foldcut.core.model import FoldedPattern
-from foldcut.exporters import JOB_EXPORTERS, export, export_job
+from foldcut.exporters import DUPLEX, JOB_EXPORTERS, export, export_duplex, export_job
 from foldcut.jobs.bed import Side
 from foldcut.jobs.job import Job, JobStep, Registration, make_jobs
 from foldcut.output.recipe import Recipe
@@ -30,8 +30,8 @@ class JobOptions:
     tile: bool = False
 
     def sides(self, path: Path) -> dict[Side, Path]:
-        """Return the files that ``path`` stands for: one, or one for the front and one for the back."""
-        if not self.two_sided or path.suffix.lower() not in JOB_EXPORTERS:
+        """Return the files that ``path`` stands for: one, or one for the front and one for the back; a PDF has both."""
+        if not self.two_sided or path.suffix.lower() not in JOB_EXPORTERS or path.suffix.lower() == DUPLEX:
             return {"both": path}
         return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
 
@@ -106,6 +106,10 @@ class Maker:
                 tile=options.tile,
             )
             self.jobs = {job.side: job for job in made}
+        if options.two_sided and path.suffix.lower() == DUPLEX:
+            front, back = self.jobs["front"], self.jobs["back"]
+            self.jobs_of[path] = replace(front, side="both")
+            return {path: export_duplex(front, back, profile)}
         parts: dict[Path, Job] = {}
         for side, name in options.sides(path).items():
             parts |= job_files(self.jobs[side], name, profile)
