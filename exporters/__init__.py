@@ -14,6 +14,7 @@ from typing import cast
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.bed import Lay
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.job import Job, check_job, steps_of
 from foldcut.jobs.last_door import brought_on_bed, check_pattern
 from foldcut.profiles import Profile, Registration, load_profile, profile_names
@@ -71,7 +72,7 @@ def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile |
                 needs("build123d")
         return
     if suffix.lower() in JOB_EXPORTERS:
-        for_it = [name for name in profile_names() if f".{load_profile(name).format}" == suffix.lower()]
+        for_it = machines_for(suffix)
         which = f" {' or '.join(for_it)}" if for_it else ""
         raise FileFormatError(f"{suffix} files are for a machine: name it with --profile{which}; see foldcut profiles")
     what = f"foldcut cannot write {suffix} files" if suffix else "an output file needs an ending that names its format"
@@ -107,7 +108,19 @@ def check_job_export(
     check_job(sheet, profile, material=material, tile=tile, registration=registration)
     lay = Lay.for_machine(sheet, profile, tile=tile)
     steps = steps_of(profile, material)
-    export_job(Job("", lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper), suffix, profile)
+    try:
+        export_job(Job("", lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper), suffix, profile)
+    except TooLargeError:
+        raise
+    except JobError as error:
+        others = [] if suffix.lower() == f".{profile.format}" else machines_for(suffix)
+        remedy = f", or make {suffix} files by a command of their own, with --profile {' or '.join(others)}"
+        raise JobError(f"{error}{remedy if others else ''}") from None
+
+
+def machines_for(suffix: str) -> list[str]:
+    """Return the profiles whose own format has this ending."""
+    return [name for name in profile_names() if f".{load_profile(name).format}" == suffix.lower()]
 
 
 def export_job(job: Job, suffix: str, profile: Profile) -> bytes:

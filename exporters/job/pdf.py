@@ -83,7 +83,7 @@ def export_duplex(front: Job, back: Job, profile: Profile) -> bytes:
 
 def _document(jobs: Sequence[Job], profile: Profile) -> bytes:
     if profile.bed is None or profile.page is None:
-        raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; use one for a printer")
+        raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; add them with --set")
     raw = io.BytesIO()
     canvas = Canvas(raw, invariant=True, pageCompression=0)
     canvas.setTitle(printable(jobs[0].title) or "foldcut")

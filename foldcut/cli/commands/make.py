@@ -58,6 +58,13 @@ examples:
 """
 
 
+ANOTHER_SHEET = (
+    "a pattern has its sheet already: fold the drawing again with --sheet, or take a larger machine, or a printer and "
+    "--tile"
+)
+"""What to do with a pattern whose sheet is too large for a machine."""
+
+
 def add_options(command: ArgumentParser) -> None:
     """Add the outputs, the drawing, the search and the machine."""
     command.add_argument(
@@ -95,6 +102,7 @@ def make(args: Namespace) -> int:
         return make_again(args)
     from foldcut.drawing.mend import preview
     from foldcut.foldfile.reopen import Reopened
+    from foldcut.jobs.errors import TooLargeError
     from foldcut.output.atomic import check_targets
 
     console, request = options.console(args), options.request(args)
@@ -114,7 +122,12 @@ def make(args: Namespace) -> int:
     made: list[MadeFor] = outputs.machines()
     if result.verified:
         recipe = recipe_of(options.recipe(args), request, result)
-        contents, made = outputs.contents(result.folded_pattern, recipe)
+        try:
+            contents, made = outputs.contents(result.folded_pattern, recipe)
+        except TooLargeError as error:
+            if not source.is_pattern:
+                raise
+            raise BadInputError(f"{error.what}; {ANOTHER_SHEET}") from None
         if preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
             pattern, drawing = result.folded_pattern, result.drawing
             before, after = result.prepared.drawn, result.prepared.loops
