@@ -13,6 +13,7 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
+from foldcut.jobs.duration import about, seconds_of_steps
 from foldcut.jobs.instructions import instructions
 from foldcut.jobs.job import Job
 from foldcut.pattern.first_folds import is_wedge, sectors_left
@@ -56,13 +57,7 @@ def readme(
         turned = ", which lies a quarter turn to the left" if job and job.turned else ""
         lines.append(f"  {place}. {name}{what}{turned}")
     for job in whole:
-        lines += ["", f"Operations{'' if job.side == 'both' else f' on the {job.side}'}, in this order:"]
-        for step in job.steps:
-            setting = ""
-            if step.setting is not None:
-                numbers = {key: value for key, value in step.setting.model_dump().items() if value is not None}
-                setting = f" ({', '.join(f'{key} {value:g}' for key, value in numbers.items())}: a starting point)"
-            lines.append(f"  - {step.operation.layer}: {len(step.strokes)} strokes, {step.length:.0f} mm{setting}")
+        lines += _operations(job, profile)
     if profile is not None:
         lines += ["", f"{profile.title}:", *(f"  {line}" for line in instructions(profile, whole))]
     if pattern.first_folds:
@@ -81,6 +76,23 @@ def readme(
         "outline.",
     ]
     return ("\r\n".join(lines) + "\r\n").encode()
+
+
+def _operations(job: Job, profile: Profile | None) -> list[str]:
+    """Return what a job does in which order, with which settings, and how long that takes."""
+    seconds = None if profile is None else seconds_of_steps(job, profile)
+    lines = ["", f"Operations{'' if job.side == 'both' else f' on the {job.side}'}, in this order:"]
+    for place, step in enumerate(job.steps):
+        setting = ""
+        if step.setting is not None:
+            numbers = {key: value for key, value in step.setting.model_dump().items() if value is not None}
+            setting = f" ({', '.join(f'{key} {value:g}' for key, value in numbers.items())}: a starting point)"
+        amount = f"{len(step.strokes)} strokes, {step.length:.0f} mm"
+        lasts = "" if seconds is None else f", {about(seconds[place])}"
+        lines.append(f"  - {step.operation.layer}: {amount}{lasts}{setting}")
+    if seconds is not None:
+        lines.append(f"  Together {about(sum(seconds))} on the machine, without changing tools.")
+    return lines
 
 
 def _places(first_folds: Sequence[Floats]) -> str:

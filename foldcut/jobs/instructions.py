@@ -6,7 +6,7 @@ and every setting that the files cannot have; so nothing is left that a machine'
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from foldcut.core.arrays import Floats
 from foldcut.jobs.job import Job, JobStep
@@ -26,57 +26,71 @@ COLOURS = {
 }
 """The names of colours that have a plain one."""
 
-IN_THE_FILE = {"hpgl": ("force_g", "speed_mm_s", "passes"), "gcode": ("speed_mm_s", "passes")}
-"""The settings that a machine's format has room for, besides a laser's power in G-code."""
+IN_THE_FILE = {
+    "hpgl": {"force_g", "speed_mm_s", "passes"},
+    "gcode": {"speed_mm_s", "passes"},
+    "lbrn2": {"speed_mm_s", "power_percent", "passes"},
+}
+"""The settings that a format has room for, besides a laser's power in G-code."""
 
 MISSED_MM = 0.1
 """Margins narrower than this that a machine does not reach are not worth a word."""
 
 
-def instructions(profile: Profile, jobs: Sequence[Job]) -> list[str]:
-    """Return what the operator does with the files of these jobs, line by line."""
+def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str] = ()) -> list[str]:
+    """Return what the operator does with the files of these jobs, line by line.
+
+    ``formats``: those of the files, such as "svg"; the machine's own by default.
+    """
     first, *rest = profile.instructions
     if not jobs:
         return [first, *rest]
     lines = [first]
     for job in jobs:
         side = "" if job.side == "both" else f"{job.side.capitalize()}: "
-        lines += [f"{side}{step_words(step, profile, job.side)}" for step in job.steps]
+        lines += [f"{side}{step_words(step, profile, job.side, formats)}" for step in job.steps]
     lines += rest
     if len(jobs) > 1:
         lines += turning_over(profile, jobs)
     return [*lines, *notes(profile, jobs[0])]
 
 
-def step_words(step: JobStep, profile: Profile, side: str = "both") -> str:
+def step_words(step: JobStep, profile: Profile, side: str = "both", formats: Collection[str] = ()) -> str:
     """Return what a step is called in the machine's software, what is done with it, and with which setting."""
+    formats = formats or (profile.format,)
     operation = step.operation
     colour = f"{COLOURS[operation.colour]} " if operation.colour in COLOURS else ""
-    pen = f", pen {operation.pen}" if operation.pen is not None and profile.format in ("hpgl", "gcode") else ""
+    pen = f", pen {operation.pen}" if operation.pen is not None and {"hpgl", "gcode"} & {*formats} else ""
     what = profile.does.get(step.action, step.action)
     if step.words:
         what = f"{step.words.partition(' ')[2]}: {what}"
     # seen from behind, a valley is a mountain
     behind = "; these valleys fold away from you on this side" if side == "back" and step.role == "valley" else ""
-    return f"{operation.layer} ({colour}{operation.colour}{pen}): {what}{behind}{told_setting(step.setting, profile)}"
+    setting = told_setting(step.setting, profile, formats)
+    return f"{operation.layer} ({colour}{operation.colour}{pen}): {what}{behind}{setting}"
 
 
-def told_setting(setting: Setting | None, profile: Profile) -> str:
-    """Return the part of a setting that the machine's format has no room for."""
+def told_setting(setting: Setting | None, profile: Profile, formats: Collection[str]) -> str:
+    """Return the part of a setting that one of the files has no room for."""
     if setting is None:
         return ""
-    known = IN_THE_FILE.get(profile.format, ())
-    laser = profile.gcode is not None and profile.gcode.tool == "laser" and profile.format == "gcode"
+    known = set.intersection(*(_room(name, profile) for name in formats))
     parts = []
-    if setting.power_percent is not None and not laser and profile.format != "lbrn2":
+    if setting.power_percent is not None and "power_percent" not in known:
         parts.append(f"{setting.power_percent:g} % of the power")
     if setting.force_g is not None and "force_g" not in known:
         parts.append(f"{setting.force_g:g} g")
-    if "speed_mm_s" not in known and profile.format != "lbrn2":
+    if "speed_mm_s" not in known:
         parts.append(f"{setting.speed_mm_s:g} mm/s")
-    if setting.passes > 1 and "passes" not in known and profile.format != "lbrn2":
+    if setting.passes > 1 and "passes" not in known:
         parts.append(f"{setting.passes} passes")
     return f"; begin with {', '.join(parts)}" if parts else ""
+
+
+def _room(name: str, profile: Profile) -> set[str]:
+    """Return the settings that a format has room for."""
+    laser = name == "gcode" and profile.gcode is not None and profile.gcode.tool == "laser"
+    return IN_THE_FILE.get(name, set()) | ({"power_percent"} if laser else set())
 
 
 def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:

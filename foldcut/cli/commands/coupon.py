@@ -30,6 +30,7 @@ def coupon(args: Namespace) -> int:
     """Write a machine's test card."""
     from foldcut.exporters import export_job
     from foldcut.jobs.coupon import make_coupon
+    from foldcut.jobs.duration import about, seconds_of_steps
     from foldcut.jobs.instructions import instructions
     from foldcut.output.atomic import check_targets, write_files
     from foldcut.output.render import JobOptions, job_files
@@ -43,8 +44,10 @@ def coupon(args: Namespace) -> int:
     contents = {name: export_job(part, path.suffix, profile) for name, part in parts.items()}
     files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
     write_files(contents, replace=args.force)
-    following = instructions(profile, [job])
+    following = instructions(profile, [job], [path.suffix.lower()[1:]])
     lines = [job.title, *(f"  {row}" for row in rows)]
+    seconds = seconds_of_steps(job, profile)
+    lines += [] if seconds is None else [f"  time      {about(sum(seconds))} on the machine"]
     lines += [f"  written   {file['path']} ({file['bytes']:,} bytes)" for file in files]
     lines += [f"  next      {line}" for line in following]
     report = {"ok": True, "title": job.title, "rows": rows, "files": files, "next": following}
