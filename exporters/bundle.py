@@ -34,6 +34,12 @@ WHAT = {
 }
 """What a file without a job is, by its ending."""
 
+FRAME_STEM = "-frame."
+"""What is in the name of a file that goes round a job."""
+
+FRAME = "goes round the job with the tool off"
+"""What such a file does."""
+
 
 def readme(
     pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None, whole: Sequence[Job] = ()
@@ -53,6 +59,7 @@ def readme(
     ]
     for place, (name, job) in enumerate(files.items(), start=1):
         what = f": {job.side} of the sheet" if job and job.side != "both" else ""
+        what = f": {FRAME}" if job is None and FRAME_STEM in name else what
         what = f": {WHAT[ending]}" if job is None and (ending := name.rpartition(".")[2]) in WHAT else what
         turned = ", which lies a quarter turn to the left" if job and job.turned else ""
         lines.append(f"  {place}. {name}{what}{turned}")

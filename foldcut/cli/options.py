@@ -460,7 +460,7 @@ def folding(args: Namespace) -> FoldOptions:
         sheet=sheet,
         margin=_usual_margin(args, sheet) if args.margin is None else parse_length(args.margin),
         scale=_scale(args.scale, args.width, args.height),
-        offset=_offset(args.offset),
+        offset=None if args.offset is None else parse_pair(args.offset, "--offset"),
         rotation=_rotation(args.rotate),
         width=length(args.width),
         height=length(args.height),
@@ -506,15 +506,13 @@ def _scale(text: str | None, width: str | None, height: str | None) -> str | flo
     return scale
 
 
-def _offset(text: str | None) -> tuple[float, float] | None:
-    """Return (x, y) in mm from "X,Y", each a length that may be negative."""
+def parse_pair(text: str, option: str) -> tuple[float, float]:
+    """Return (x, y) in mm from "X,Y", each a length that may be negative; ``option`` is where it was given."""
     from foldcut.core.units import parse_length
 
-    if text is None:
-        return None
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 2:
-        raise BadInputError(f"--offset {text} is not a pair; give X,Y such as 30,40 or 3cm,-5mm")
+        raise BadInputError(f"{option} {text} is not a pair; give X,Y such as 30,40 or 3cm,5mm")
     x, y = (-parse_length(part[1:]) if part.startswith("-") else parse_length(part) for part in parts)
     return x, y
 
@@ -640,6 +638,26 @@ def add_machine(command: ArgumentParser) -> None:
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the printer's paper on several pages"
     )
+    machine.add_argument(
+        "--at",
+        metavar="X,Y",
+        help="where on the bed the sheet's corner lies, from the bed's zero, to the right and away from it, such as "
+        "30,2cm; the file is then for the whole bed (default: in the bed's corner)",
+    )
+    machine.add_argument(
+        "--copies", metavar="N", type=int, default=1, help="make this many beside each other on the bed (default: 1)"
+    )
+    machine.add_argument(
+        "--tabs",
+        metavar="NxWIDTH",
+        help="leave the sheet's outline uncut at N tabs of this width, such as 4x0.5mm, evenly spaced and away from "
+        "corners, so that it stays in the stock",
+    )
+    machine.add_argument(
+        "--frame",
+        action="store_true",
+        help="also write NAME-frame, which goes round the job with the laser off or the pen up (G-code and HPGL)",
+    )
 
 
 def machine(args: Namespace, default: str | None = None) -> Machine:
@@ -647,6 +665,8 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
 
     Options that only a machine can follow are errors without one.
     """
+    from foldcut.jobs.arrange import BedLayout
+    from foldcut.jobs.tabs import parse_tabs
     from foldcut.output.render import JobOptions
     from foldcut.profiles import load_profile
 
@@ -671,6 +691,9 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
         registration=args.registration,
         marks=_marks(args.marks),
         tile=args.tile,
+        layout=BedLayout(None if args.at is None else parse_pair(args.at, "--at"), args.copies),
+        tabs=None if args.tabs is None else parse_tabs(args.tabs),
+        framed=args.frame,
     )
     return Machine(name, profile, job)
 

@@ -66,6 +66,9 @@ class Outputs:
                     material=job.material,
                     tile=job.tile,
                     registration=registration,
+                    layout=job.layout,
+                    tabs=job.tabs,
+                    framed=job.framed,
                 )
 
     def targets(self) -> list[Path]:

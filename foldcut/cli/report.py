@@ -297,6 +297,8 @@ def _job_report(job: Job, profile: Profile | None) -> Report:
         "turned_over": job.turned_over,
         "registration": job.registration,
         "holes_mm": None if job.holes is None else (job.holes + job.at).tolist(),
+        "corners_mm": [list(corner) for corner in job.corners],
+        "tabs": None if job.tabs is None else asdict(job.tabs),
         "missed_mm": list(job.missed),
         "uncut": job.uncut,
         "travel_before_mm": job.travel_before,

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+import numpy as np
+
 from foldcut.core.arrays import Floats
 from foldcut.jobs.job import Job, JobStep
 from foldcut.jobs.marks import HOLES_MM
@@ -52,7 +54,7 @@ def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str]
     lines += rest
     if len(jobs) > 1:
         lines += turning_over(profile, jobs)
-    return [*lines, *notes(profile, jobs[0])]
+    return [*lines, *notes(profile, jobs)]
 
 
 def step_words(step: JobStep, profile: Profile, side: str = "both", formats: Collection[str] = ()) -> str:
@@ -97,7 +99,7 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
     """Return how the sheet is turned over between the front and the back, and what holds it in its place."""
     front, back = jobs[0], jobs[-1]
     turn = f"Do the front first, then turn the sheet over {back.turned_over}"
-    corner = "upper left" if profile.bed is not None and profile.bed.origin == "upper-left" else "lower left"
+    corner = _zero(profile)
     if back.registration == "jig":
         return [
             f"{turn}: the front cuts its outline last; leave the stock fixed on the bed, and lay the sheet back into "
@@ -122,9 +124,17 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
     ]
 
 
-def notes(profile: Profile, job: Job) -> list[str]:
-    """Return what the machine leaves to be done by hand."""
+def notes(profile: Profile, jobs: Sequence[Job]) -> list[str]:
+    """Return where sheets lie, and what the machine leaves to be done by hand."""
+    job = jobs[0]
     lines = []
+    if job.framed:
+        lines.append(
+            "The file whose name ends in -frame goes round the job with the tool off: send it first, and see that the "
+            "stock lies under its path."
+        )
+    if job.corners:
+        lines.append(_where(job, profile))
     if job.paper is not None:
         lines.append(f"Load paper {job.paper.upper() if len(job.paper) < 3 else job.paper.capitalize()}.")
     edges = [
@@ -143,7 +153,30 @@ def notes(profile: Profile, job: Job) -> list[str]:
             f"{job.uncut} crease{'' if one else 's'} {'is' if one else 'are'} too short to perforate and left uncut; "
             f"fold {'it' if one else 'them'} by hand."
         )
+    for tabs in [job.tabs for job in jobs if job.tabs is not None]:
+        one, each = tabs.count == 1, " of each sheet" if len(job.corners) > 1 else ""
+        lines.append(
+            f"The outline{each} is not cut at {tabs.count} tab{'' if one else 's'} of {tabs.width_mm:g} mm, which "
+            f"{'holds' if one else 'hold'} the sheet in the stock: cut {'it' if one else 'them'} with a knife."
+        )
     return lines
+
+
+def _where(job: Job, profile: Profile) -> str:
+    """Return where the corners of sheets lie on the bed."""
+    corner = _zero(profile)
+    places = ", ".join(f"({x:g}, {y:g})" for x, y in np.round(job.corners, 3).tolist())
+    sheets = "The sheet lies with its" if len(job.corners) == 1 else f"{len(job.corners)} sheets lie with their"
+    turned = ", turned by a quarter to the left" if job.turned else ""
+    return (
+        f"{sheets} {corner} corner{'s' * (len(job.corners) > 1)} at {places}, in mm from the {corner} corner of the "
+        f"bed{turned}; the file is for the whole bed of {job.size[0]:g} x {job.size[1]:g} mm."
+    )
+
+
+def _zero(profile: Profile) -> str:
+    """Return which corner of the bed its zero is in."""
+    return "upper left" if profile.bed is not None and profile.bed.origin == "upper-left" else "lower left"
 
 
 def _places(job: Job, profile: Profile) -> str:

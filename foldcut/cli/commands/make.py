@@ -43,6 +43,8 @@ examples:
   foldcut make fish -o fish.pdf -o fish.dxf -o fish.fold
   foldcut make fish --profile axidraw-a4 --marks outline,numbers,title
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
+  foldcut make star --sheet a6 --profile grbl-laser --copies 4 --tabs 4x0.5mm --frame -o stars.zip
+  foldcut make star --sheet a6 --profile xtool-s1 --at 30mm,2cm
 
 Without -o it writes NAME-creases.svg and, unless SHAPE is a .fold, NAME-creases.fold into the current folder, or with
 --profile NAME-PROFILE with the ending of the machine's format.
