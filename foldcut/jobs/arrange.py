@@ -24,7 +24,17 @@ from foldcut.jobs.model import Job, JobStep, operation_after
 from foldcut.jobs.pen_path import travel
 from foldcut.profiles import Bed, Profile, Role
 
-__all__ = ["APART_MM", "IN_THE_CORNER", "BedLayout", "arranged", "check_bed", "laid_out"]
+__all__ = [
+    "APART_MM",
+    "IN_THE_CORNER",
+    "BedLayout",
+    "arranged",
+    "check_bed",
+    "check_copies",
+    "from_zero",
+    "laid_out",
+    "quarter_turned",
+]
 
 APART_MM = 2.0
 """What stays of the stock between two sheets, beside what the tool takes."""
@@ -68,6 +78,12 @@ def check_bed(profile: Profile) -> Bed:
     return profile.bed
 
 
+def check_copies(layout: BedLayout) -> None:
+    """Raise JobError if there are no copies, or too many."""
+    if not 1 <= layout.copies <= MOST_COPIES:
+        raise JobError(f"--copies {layout.copies}: give a number from 1 to {MOST_COPIES}")
+
+
 def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, list[tuple[float, float]]]:
     """Return how all copies of a sheet lie, and the lower left corner of each on the bed, with the tool's border.
 
@@ -75,8 +91,7 @@ def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, li
     Raises JobError: they do not fit.
     """
     bed, border = check_bed(profile), tool_border(profile)
-    if not 1 <= layout.copies <= MOST_COPIES:
-        raise JobError(f"--copies {layout.copies}: give a number from 1 to {MOST_COPIES}")
+    check_copies(layout)
     x, y = (border, border) if layout.at is None else layout.at
     if min(x, y) < border - SLACK_MM:
         around = f", and the tool goes {border:g} mm beyond the sheet" if border else ""
@@ -142,6 +157,16 @@ def _sheet_corner(job: Job, corner: tuple[float, float], bed: Bed, border: float
     """Return the corner of a sheet itself that is next to the bed's zero, counted from there."""
     x, y = from_zero(corner, job.size, bed)
     return x + border, y + border
+
+
+def quarter_turned(job: Job) -> Job:
+    """Return a job of one sheet turned by a quarter to the left."""
+    width, height = job.size
+    steps = tuple(
+        replace(step, strokes=tuple(np.column_stack([height - stroke[:, 1], stroke[:, 0]]) for stroke in step.strokes))
+        for step in job.steps
+    )
+    return replace(job, size=(height, width), turned=not job.turned, steps=steps)
 
 
 def _fitting(room: float, size: float) -> int:
