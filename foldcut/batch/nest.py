@@ -39,7 +39,7 @@ BED_FILE = re.compile(r"bed-([1-9][0-9]*)(?:-[a-z]+)?[.][a-z0-9]+")
 MICRONS = 1000
 """The packer counts in whole numbers: thousandths of a mm."""
 
-MANY = 200
+MANY = 1000
 """For more sheets than this only one way of packing is tried: others take too long."""
 
 WAYS = tuple(product(("MaxRectsBssf", "MaxRectsBl", "GuillotineBssfSas"), ("SORT_AREA", "SORT_LSIDE", "SORT_SSIDE")))

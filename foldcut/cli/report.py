@@ -255,7 +255,7 @@ def _next(files: Sequence[Report], made: MadeFor, several: bool) -> list[str]:
         return []
     # a .zip has files in the machine's own format
     formats = {ending for ending in endings if f".{ending}" in JOB_EXPORTERS} | ({profile.format} if fits else set())
-    lines = [line for line in instructions(profile, jobs, formats) if fits or line not in profile.instructions]
+    lines = instructions(profile, jobs, formats)
     return [f"{profile.title}: {line}" for line in lines] if several else lines
 
 

@@ -42,16 +42,17 @@ MISSED_MM = 0.1
 def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str] = ()) -> list[str]:
     """Return what the operator does with the files of these jobs, line by line.
 
-    ``formats``: those of the files, such as "svg"; the machine's own by default.
+    ``formats``: those of the files, such as "svg"; the machine's own by default, which alone says how to load a file.
     """
-    first, *rest = profile.instructions
+    formats = formats or (profile.format,)
+    load = list(profile.instructions) if profile.format in formats else []
     if not jobs:
-        return [first, *rest]
-    lines = [first]
+        return load
+    lines = load[:1]
     for job in jobs:
         side = "" if job.side == "both" else f"{job.side.capitalize()}: "
         lines += [f"{side}{step_words(step, profile, job.side, formats)}" for step in job.steps]
-    lines += rest
+    lines += load[1:]
     if len(jobs) > 1:
         lines += turning_over(profile, jobs)
     return [*lines, *notes(profile, jobs)]

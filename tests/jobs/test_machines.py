@@ -149,6 +149,8 @@ def test_a_setting_is_told_unless_every_file_has_room_for_it(machine: str) -> No
     for name in ("svg", "dxf"):
         assert f"{setting.speed_mm_s:g} mm/s" in told[name]
         assert f"{setting.speed_mm_s:g} mm/s" in " ".join(instructions(profile, jobs, [name, "lbrn2"]))
+    for name, lines in told.items():  # how to load a file is said of the machine's own format only
+        assert (profile.instructions[0] in lines) == (name == profile.format)
     assert not any("mm/s" in told[name] for name in ("lbrn2", "gcode", "hpgl"))
     if setting.power_percent is not None:
         power = f"{setting.power_percent:g} % of the power"

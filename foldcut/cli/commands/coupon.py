@@ -50,7 +50,8 @@ def coupon(args: Namespace) -> int:
     lines += [] if seconds is None else [f"  time      {about(sum(seconds))} on the machine"]
     lines += [f"  written   {file['path']} ({file['bytes']:,} bytes)" for file in files]
     lines += [f"  next      {line}" for line in following]
-    report = {"ok": True, "title": job.title, "rows": rows, "files": files, "next": following}
+    lasts = None if seconds is None else round(sum(seconds), 1)
+    report = {"ok": True, "title": job.title, "rows": rows, "seconds": lasts, "files": files, "next": following}
     options.console(args).report(report, lines)
     return DONE
 
