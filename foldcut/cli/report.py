@@ -475,8 +475,9 @@ def _verdict_rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _file_text(file: Report) -> str:
-    """Return a file's path, its size, and whether it replaced another."""
-    return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''})"
+    """Return a file's path, its size, whether it replaced another, and why its recipe is not in it."""
+    without = f"; without a recipe: {file['no_recipe']}" if file.get("no_recipe") else ""
+    return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''}{without})"
 
 
 def _aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
