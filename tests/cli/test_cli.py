@@ -402,7 +402,7 @@ def test_check_finds_a_flipped_crease(folder: Path, capsys: pytest.CaptureFixtur
     status, report = run_json(capsys, "check", "pattern.fold")
     assert (status, report["ok"], report["verified"]) == (1, False, [])
     assert report["findings"]
-    assert report["error"]["message"].startswith("the pattern is not verified: ")
+    assert report["error"]["message"].startswith("the pattern does not fold flat: maekawa")
 
 
 def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
