@@ -15,6 +15,7 @@ from foldcut.core.errors import BadInputError, FileFormatError, ShapeError, Unfo
 if TYPE_CHECKING:
     from foldcut.cli.outputs import MadeFor
     from foldcut.foldfile.reopen import Reopened
+    from foldcut.output.atomic import Inputs
     from foldcut.pipeline import Result
 
 NOT_VERIFIED = "nothing is written"
@@ -75,13 +76,15 @@ def fold_and_write(
 ) -> int:
     """Fold a drawing, or open a pattern, and write one file about it; return the exit status."""
     from foldcut.jobs.last_door import check_pattern
-    from foldcut.output.atomic import check_targets
+    from foldcut.output.atomic import Inputs, check_targets
 
-    check_targets([output], replace=replace)
+    inputs = Inputs(request.source.files())
+    check_targets([output], replace=replace, inputs=inputs)
     result = fold_or_open(request, console)
     if result.verified:
         check_pattern(result.folded_pattern)
-    return write_and_report(result, {output: content(result)} if result.verified else {}, console, replace=replace)
+    contents = {output: content(result)} if result.verified else {}
+    return write_and_report(result, contents, console, replace=replace, inputs=inputs)
 
 
 def write_and_report(
@@ -90,18 +93,19 @@ def write_and_report(
     console: Console,
     *,
     replace: bool,
+    inputs: Inputs,
     made: Sequence[MadeFor] = (),
 ) -> int:
     """Write the files of a verified result and print its report; return the exit status.
 
-    ``made``: the machines that there are files for, and their jobs.
+    ``inputs`` are not replaced. ``made``: the machines that there are files for, and their jobs.
     """
     from foldcut.cli import report
     from foldcut.foldfile.reopen import Reopened
     from foldcut.output.atomic import write_files
 
     files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-    write_files(contents, replace=replace)
+    write_files(contents, replace=replace, inputs=inputs)
     if isinstance(result, Reopened):
         told = report.reopened_report(result, files, made)
         return console.verdict(told, report.reopened_lines(told), result.findings, NOT_VERIFIED)

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from foldcut.cli.console import Console
 from foldcut.cli.parser import Parser, nearest
 from foldcut.core.errors import BadInputError
+from foldcut.core.files import NOT_ORDINARY, is_standard_input
 from foldcut.methods import AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
 from foldcut.redraw.bounds import FEWEST, HANDS_CREASE_MM, HANDS_FOLDS, LEVELS, SMALL_PARTS, TOLERANCES
 
@@ -32,8 +33,6 @@ PATTERN_SUFFIX = ".fold"
 """A source with this ending is a pattern that is folded already, not a drawing."""
 PATTERN_STEM = "-creases"
 """``foldcut make`` puts this behind the drawing's name when it names a pattern itself."""
-STDIN = "-"
-"""The SHAPE that stands for standard input."""
 LONGEST_STEM = 40
 """A file that is named after a text gets this many of its letters."""
 USUAL_MACHINES = {".dxf": ("laser-dxf",), ".pdf": ("printer-a4", "printer-letter", "print-shop-a3")}
@@ -88,6 +87,15 @@ class Source:
     font: str = ""
     joined: str | None = None
 
+    def files(self) -> list[Path]:
+        """Return the files that are read: the drawing's, or that of the font."""
+        if self.text is None:
+            return [self.path]
+        from foldcut.readers.typed_text import font_file
+
+        found = font_file(self.font)
+        return [] if found is None else [found]
+
     @property
     def is_word(self) -> bool:
         """Whether this is a text of several letters."""
@@ -102,7 +110,7 @@ class Source:
     def stem(self) -> str:
         """What outputs are called: after the drawing, also where the source is a pattern that is named after one."""
         stem = self.path.stem.removesuffix(PATTERN_STEM) if self.is_pattern else self.path.stem
-        return "drawing" if str(self.path) == STDIN else stem or self.path.stem
+        return "drawing" if is_standard_input(self.path) else stem or self.path.stem
 
     def read(self, options: ReadOptions) -> Drawing:
         """Return the drawing."""
@@ -161,12 +169,14 @@ def named_source(shape: str) -> Source:
     from foldcut.samples import sample_names, sample_path
 
     path = Path(shape)
-    if shape == STDIN or path.is_file():
+    if is_standard_input(shape) or path.is_file():
         return Source(path)
     if shape in sample_names():
         return Source(sample_path(shape))
     if path.is_dir():
         raise BadInputError(f"{shape}: is a folder; give a drawing, or give the folder to foldcut batch")
+    if path.exists():
+        raise BadInputError(f"{shape}: {NOT_ORDINARY}")
     remedy = "give a drawing or one of the samples, which foldcut samples lists"
     raise BadInputError(f"{shape}: there is no such file; {nearest(shape, sample_names(), 'the sample ') or remedy}")
 

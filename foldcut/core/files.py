@@ -12,7 +12,7 @@ from pathlib import Path
 
 from foldcut.core.errors import FileFormatError
 
-__all__ = ["STANDARD_INPUT", "identity", "is_standard_input", "read_bytes"]
+__all__ = ["NOT_ORDINARY", "STANDARD_INPUT", "identity", "is_standard_input", "read_bytes"]
 
 STANDARD_INPUT = "-"
 """The path that stands for standard input, as ``/dev/stdin`` does."""

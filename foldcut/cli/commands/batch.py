@@ -110,6 +110,7 @@ def batch(args: Namespace) -> int:
                 out,
                 recipe,
                 letters=letters,
+                inputs_beside=read_beside(args, machine),
                 jobs=args.jobs,
                 timeout=args.drawing_timeout,
                 cluster=args.dask,
@@ -134,6 +135,16 @@ def batch(args: Namespace) -> int:
         report["letters"] = names
     console.report(report, [*lines(made, out), *repeated(names)])
     return FAILED if failed else DONE
+
+
+def read_beside(args: Namespace, machine: Machine) -> list[Path]:
+    """Return the files that are read beside the drawings: the font, and the user's own profile."""
+    from foldcut.profiles import profile_file
+    from foldcut.readers.typed_text import font_file
+
+    font = None if args.text is None else font_file(args.font)
+    profile = None if machine.name is None else profile_file(machine.name)
+    return [path for path in (font, profile) if path is not None]
 
 
 def asked_machine(args: Namespace) -> Machine:

@@ -31,18 +31,19 @@ def coupon(args: Namespace) -> int:
     from foldcut.exporters import export_job
     from foldcut.jobs.coupon import make_coupon
     from foldcut.jobs.instructions import instructions
-    from foldcut.output.atomic import check_targets, write_files
+    from foldcut.output.atomic import Inputs, check_targets, write_files
     from foldcut.output.render import JobOptions, job_files
-    from foldcut.profiles import load_profile
+    from foldcut.profiles import load_profile, profile_file
 
     profile = load_profile(args.profile, args.set)
     path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
-    check_targets(JobOptions().targets(path, profile), replace=args.force)
+    inputs = Inputs([profile_file(args.profile)])
+    check_targets(JobOptions().targets(path, profile), replace=args.force, inputs=inputs)
     job, rows = make_coupon(profile, args.material)
     parts = job_files(job, path, profile)
     contents = {name: export_job(part, path.suffix, profile) for name, part in parts.items()}
     files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
-    write_files(contents, replace=args.force)
+    write_files(contents, replace=args.force, inputs=inputs)
     following = instructions(profile, [job])
     lines = [job.title, *(f"  {row}" for row in rows)]
     lines += [f"  written   {file['path']} ({file['bytes']:,} bytes)" for file in files]
