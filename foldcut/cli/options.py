@@ -39,6 +39,8 @@ USUAL_MACHINES = {".dxf": ("laser-dxf",), ".pdf": ("printer-a4", "printer-letter
 """The profiles for files with these endings when no machine is named; among printers the one for the sheet is taken."""
 LETTER_COUNTRIES = frozenset(("BZ", "CA", "CL", "CO", "CR", "GT", "MX", "NI", "PA", "PH", "PR", "SV", "US", "VE"))
 """Where letter paper is usual: Unicode CLDR, supplemental data, paperSize US-Letter."""
+LARGEST_SCALE = 1e12
+"""Nobody means a larger scale, nor a smaller one than 1 in this."""
 USUAL_SHEET = "a4"
 """The sheet if neither the user nor a machine has another."""
 USUAL_MARGIN_MM = 10.0
@@ -509,10 +511,8 @@ def _scale(text: str | None, width: str | None, height: str | None) -> str | flo
         scale = float(numerator) / (float(denominator) if colon else 1.0)
     except (ValueError, ZeroDivisionError):
         scale = 0.0
-    if not 0 < scale < float("inf"):
-        raise BadInputError(
-            f"--scale {text} is not a scale; give fit, a number above 0 such as 1.5, or a ratio such as 1:2"
-        )
+    if not 1 / LARGEST_SCALE < scale < LARGEST_SCALE:
+        raise BadInputError(f"--scale {text} is not a scale; give fit, a number such as 1.5, or a ratio such as 1:2")
     return scale
 
 

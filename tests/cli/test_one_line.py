@@ -99,6 +99,39 @@ def test_a_long_error_keeps_what_is_wrong_and_the_remedy(capsys: pytest.CaptureF
     assert capsys.readouterr().err == f"foldcut: error: {line}\n"
 
 
+# --- lengths and numbers
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--ribbon", "1e300mm"], "'1e300mm' is longer than a kilometre"),
+        (["--width", "9" * 5000], "is longer than a kilometre"),
+        (["--flatten", "1e999in"], "is longer than a kilometre"),
+        (["--ribbon", "500mm"], "--ribbon is 500 mm, and the sheet 60 x 60 mm is 84.85 mm from corner to corner"),
+        (["--tolerance", "90mm"], "--tolerance is 90 mm"),
+        (["--min-crease", "20cm"], "--min-crease is 200 mm"),
+        (["--scale", "1e300"], "--scale 1e300 is not a scale"),
+        (["--folds", "9" * 5000], "invalid int value"),
+        (["--limit", "points=" + "9" * 5000], "is not a limit"),
+    ],
+)
+def test_lengths_that_nobody_means_are_refused_before_any_work(
+    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["make", "t.json", "--sheet", "60x60", *words]) == 2
+    error = capsys.readouterr().err
+    assert says in error
+    assert error.count("\n") == 1
+    assert len(error) < LONGEST + 50
+
+
+def test_a_symmetry_as_large_as_the_drawing_makes_no_point_of_it(capsys: pytest.CaptureFixture[str]) -> None:
+    for length in ("30mm", "80mm"):
+        assert main(["make", "t.json", "--sheet", "60x60", "--method", "simple", "--symmetry", length]) == 1
+        assert "too far where the drawing is 40 mm" in capsys.readouterr().err
+
+
 # --- streams
 
 
