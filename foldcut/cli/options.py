@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from foldcut.cli.console import Console
 from foldcut.cli.parser import Parser, nearest
 from foldcut.core.errors import BadInputError
+from foldcut.core.files import NOT_ORDINARY, is_standard_input
 from foldcut.methods import AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
 from foldcut.redraw.bounds import FEWEST, HANDS_CREASE_MM, HANDS_FOLDS, LEVELS, SMALL_PARTS, TOLERANCES
 
@@ -34,8 +35,6 @@ PATTERN_SUFFIX = ".fold"
 """A source with this ending is a pattern that is folded already, not a drawing."""
 PATTERN_STEM = "-creases"
 """``foldcut make`` puts this behind the drawing's name when it names a pattern itself."""
-STDIN = "-"
-"""The SHAPE that stands for standard input."""
 LONGEST_STEM = 40
 """A file that is named after a text gets this many of its letters."""
 USUAL_MACHINES = {".dxf": ("laser-dxf",), ".pdf": ("printer-a4", "printer-letter", "print-shop-a3")}
@@ -46,6 +45,8 @@ FILES_OF = {"--font": "", "--profile": ".toml"}
 """The options that may name a file, and what its name ends in."""
 NOT_REPEATED = ("shape", "progress")
 """What has no part in what files are made of, or is not an option."""
+LARGEST_SCALE = 1e12
+"""Nobody means a larger scale, nor a smaller one than 1 in this."""
 USUAL_SHEET = "a4"
 """The sheet if neither the user nor a machine has another."""
 USUAL_MARGIN_MM = 10.0
@@ -94,6 +95,15 @@ class Source:
     font: str = ""
     joined: str | None = None
 
+    def files(self) -> list[Path]:
+        """Return the files that are read: the drawing's, or that of the font."""
+        if self.text is None:
+            return [self.path]
+        from foldcut.readers.typed_text import font_file
+
+        found = font_file(self.font)
+        return [] if found is None else [found]
+
     @property
     def is_word(self) -> bool:
         """Whether this is a text of several letters."""
@@ -108,7 +118,7 @@ class Source:
     def stem(self) -> str:
         """What outputs are called: after the drawing, also where the source is a pattern that is named after one."""
         stem = self.path.stem.removesuffix(PATTERN_STEM) if self.is_pattern else self.path.stem
-        return "drawing" if str(self.path) == STDIN else stem or self.path.stem
+        return "drawing" if is_standard_input(self.path) else stem or self.path.stem
 
     def read(self, options: ReadOptions) -> Drawing:
         """Return the drawing."""
@@ -167,12 +177,14 @@ def named_source(shape: str) -> Source:
     from foldcut.samples import sample_names, sample_path
 
     path = Path(shape)
-    if shape == STDIN or path.is_file():
+    if is_standard_input(shape) or path.is_file():
         return Source(path)
     if shape in sample_names():
         return Source(sample_path(shape))
     if path.is_dir():
         raise BadInputError(f"{shape}: is a folder; give a drawing, or give the folder to foldcut batch")
+    if path.exists():
+        raise BadInputError(f"{shape}: {NOT_ORDINARY}")
     remedy = "give a drawing or one of the samples, which foldcut samples lists"
     raise BadInputError(f"{shape}: there is no such file; {nearest(shape, sample_names(), 'the sample ') or remedy}")
 
@@ -505,10 +517,8 @@ def _scale(text: str | None, width: str | None, height: str | None) -> str | flo
         scale = float(numerator) / (float(denominator) if colon else 1.0)
     except (ValueError, ZeroDivisionError):
         scale = 0.0
-    if not 0 < scale < float("inf"):
-        raise BadInputError(
-            f"--scale {text} is not a scale; give fit, a number above 0 such as 1.5, or a ratio such as 1:2"
-        )
+    if not 1 / LARGEST_SCALE < scale < LARGEST_SCALE:
+        raise BadInputError(f"--scale {text} is not a scale; give fit, a number such as 1.5, or a ratio such as 1:2")
     return scale
 
 
@@ -632,7 +642,7 @@ def recipe(args: Namespace) -> Recipe:
     from foldcut.output.recipe import Recipe
 
     asked = source(args)
-    name = "" if asked.text is not None else "drawing" if str(asked.path) == STDIN else asked.path.name
+    name = "" if asked.text is not None else "drawing" if is_standard_input(asked.path) else asked.path.name
     made = Recipe(args.command, drawing=name).also(*words(args, add_source))
     return made if asked.is_pattern else made.also(*folding_words(args))
 

@@ -21,14 +21,16 @@ import numpy as np
 
 from foldcut.core.arrays import Bools, Chars, Floats, Ints, Ragged, index_array, points_array, sealed
 from foldcut.core.errors import FileFormatError
+from foldcut.core.files import is_standard_input, read_bytes
 from foldcut.core.model import CreasePattern, Placement
+from foldcut.core.text import as_title
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.foldfile.claims import Claims, read_claims
 from foldcut.foldfile.frames import is_folded_form, with_pattern_first
 from foldcut.foldfile.parts import LARGEST, fail, indices, numbers, rows_of, shown
 from foldcut.geometry.planar_graph import edge_faces, signed_areas, trace_faces
 from foldcut.pattern.face_maps import fold_faces
-from foldcut.readers.base import read_text
+from foldcut.readers.base import decoded, why_not_json
 
 __all__ = ["FoldFile", "read_fold"]
 
@@ -96,22 +98,24 @@ def read_fold(path: Path | str) -> FoldFile:
 
 def _load(path: Path) -> dict[str, Any]:
     """Return the JSON object in a file."""
-    size = path.stat().st_size
-    if size > LARGEST_FILE:
-        limit = f"{LARGEST_FILE / 2**20:.0f} MiB"
+    limit = f"{LARGEST_FILE / 2**20:.0f} MiB"
+    if not is_standard_input(path) and (size := path.stat().st_size) > LARGEST_FILE:
         raise FileFormatError(f"the file has {size / 2**20:.0f} MiB; give one of at most {limit}")
+    data = read_bytes(path, LARGEST_FILE)
+    if len(data) > LARGEST_FILE:
+        raise FileFormatError(f"the file has more than {limit}; give a smaller one")
 
     def refuse(name: str) -> NoReturn:
         raise ValueError(f"{name} is not a JSON number")
 
-    text = read_text(path)
+    text = decoded(data)
     try:
-        data = json.loads(text, parse_constant=refuse)
+        parsed = json.loads(text, parse_constant=refuse)
     except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"not JSON, as a FOLD file has to be: {error}") from None
-    if not isinstance(data, dict):
-        raise FileFormatError(f"a FOLD file holds one JSON object, not a {type(data).__name__}")
-    return data
+        raise FileFormatError(f"not JSON, as a FOLD file has to be: {why_not_json(error)}") from None
+    if not isinstance(parsed, dict):
+        raise FileFormatError(f"a FOLD file holds one JSON object, not a {type(parsed).__name__}")
+    return parsed
 
 
 class _Reader:
@@ -187,7 +191,7 @@ class _Reader:
 
     def title(self) -> str:
         title = self.data.get("file_title", "")
-        return title if isinstance(title, str) else ""
+        return as_title(title) if isinstance(title, str) else ""
 
     def vertices(self, unit_mm: float) -> Floats:
         return self.points(self.rows("vertices_coords"), unit_mm)

@@ -183,7 +183,7 @@ BAD_INPUT = {
     "needs an ending": ["make", "box.json", "-o", "a"],
     "its folder does not exist": ["make", "box.json", "-o", "a.svg", "-o", "missing/a.fold"],
     "is named twice": ["make", "box.json", "-o", "a.svg", "-o", "./a.svg"],
-    "is the drawing itself": ["make", "own.svg", "-o", "own.svg"],
+    "own.svg: it is read, and would be lost": ["make", "own.svg", "-o", "own.svg"],
     "is not a sheet": ["make", "box.json", "--sheet", "a99"],
     "is not a length": ["make", "box.json", "--margin", "wide"],
     "is not a scale": ["make", "box.json", "--scale", "1:0"],

@@ -133,6 +133,7 @@ def batch(args: Namespace) -> int:
                 out,
                 recipe,
                 letters=letters,
+                inputs_beside=read_beside(args, machine),
                 jobs=args.jobs,
                 timeout=args.drawing_timeout,
                 cluster=args.dask,
@@ -160,6 +161,16 @@ def batch(args: Namespace) -> int:
         report["beds"] = [bed_report(bed) for bed in outcome.beds]
     console.report(report, [*lines(outcome, out), *([] if nesting else repeated(names)), *bed_lines(outcome, out)])
     return FAILED if failed else DONE
+
+
+def read_beside(args: Namespace, machine: Machine) -> list[Path]:
+    """Return the files that are read beside the drawings: the font, and the user's own profile."""
+    from foldcut.profiles import profile_file
+    from foldcut.readers.typed_text import font_file
+
+    font = None if args.text is None else font_file(args.font)
+    profile = None if machine.name is None else profile_file(machine.name)
+    return [path for path in (font, profile) if path is not None]
 
 
 def asked_machine(args: Namespace) -> Machine:

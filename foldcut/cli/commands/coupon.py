@@ -50,16 +50,17 @@ def coupon(args: Namespace) -> int:
     from foldcut.jobs.coupon import make_coupon
     from foldcut.jobs.duration import about, seconds_of_steps
     from foldcut.jobs.instructions import instructions
-    from foldcut.output.atomic import check_targets, write_files
+    from foldcut.output.atomic import Inputs, check_targets, write_files
     from foldcut.output.recipe import Recipe
     from foldcut.output.render import job_files
-    from foldcut.profiles import load_profile
+    from foldcut.profiles import load_profile, profile_file
 
     profile = load_profile(args.profile, args.set)
     path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
     if path.is_dir():
         raise BadInputError(f"{path} is a folder; give a file in it, or a .zip")
-    check_targets(targets(path, profile), replace=args.force)
+    inputs = Inputs([profile_file(args.profile)])
+    check_targets(targets(path, profile), replace=args.force, inputs=inputs)
     job, rows = make_coupon(profile, args.material)
     recipe = Recipe(args.command).also(*options.words(args, add_card))
     card = path.with_suffix(f".{profile.format}") if is_bundle(path) else path
@@ -73,7 +74,7 @@ def coupon(args: Namespace) -> int:
         text = card_readme(job.title, list(parts), rows, following, recipe.lines())
         contents = {path: recipe.put_into(zipped({README: text} | parts), path.name, path.name)}
     files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
-    write_files(contents, replace=args.force)
+    write_files(contents, replace=args.force, inputs=inputs)
     lines = [job.title, *(f"  {row}" for row in rows)]
     seconds = seconds_of_steps(job, profile)
     lines += [] if seconds is None else [f"  time      {about(sum(seconds))} on the machine"]
