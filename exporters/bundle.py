@@ -42,11 +42,16 @@ FRAME = "goes round the job with the tool off"
 
 
 def readme(
-    pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None, whole: Sequence[Job] = ()
+    pattern: FoldedPattern,
+    files: Mapping[str, Job | None],
+    profile: Profile | None,
+    whole: Sequence[Job] = (),
+    made: Sequence[str] = (),
 ) -> bytes:
     """Return the text that lists the files in the order to load them and says how to go on.
 
-    ``files``: what of the jobs is in each file, by name; None if the file has the pattern itself; ``whole``: the jobs.
+    ``files``: what of the jobs is in each file, by name; None if the file has the pattern itself; ``whole``: the jobs;
+    ``made``: how the files were made, in words.
     """
     sheet = pattern.sheet
     jobs = [job for job in files.values() if job is not None]
@@ -81,7 +86,19 @@ def readme(
         "",
         "With the front up, fold mountains away from you and valleys toward you, flat, then cut once along the shape's "
         "outline.",
+        *(["", *made] if made else []),
     ]
+    return ("\r\n".join(lines) + "\r\n").encode()
+
+
+def card_readme(
+    title: str, files: Sequence[str], rows: Sequence[str], following: Sequence[str], made: Sequence[str]
+) -> bytes:
+    """Return the text that goes with a test card: its files, its rows, what the operator does, how it was made."""
+    lines = [f"{OURS}: {title}", "", "Files, in the order to use them:"]
+    lines += [f"  {place}. {name}" for place, name in enumerate(files, start=1)]
+    lines += ["", "Rows; the ticks beside each are its number:", *(f"  {row}" for row in rows)]
+    lines += ["", *following, "", *made]
     return ("\r\n".join(lines) + "\r\n").encode()
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.jobs.blade import holder_path
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Hpgl, Paper, Profile, Setting
 
@@ -108,8 +108,8 @@ def _check(units: Floats, profile: Profile, paper: Paper | None) -> None:
     if len(beyond):
         x, y = units[beyond[0]] * unit
         width, height = reach * unit
-        raise JobError(
-            f"({x:.2f}, {y:.2f}) mm is beyond the machine's {width:g} x {height:g} mm; use a smaller --sheet"
+        raise TooLargeError(
+            f"({x:.2f}, {y:.2f}) mm is beyond the machine's {width:g} x {height:g} mm", "use a smaller --sheet"
         )
 
 

@@ -35,7 +35,7 @@ from foldcut.batch.results import (
 from foldcut.batch.worker import BAD_INPUT, MADE, Outcome, Recipe
 from foldcut.core.errors import BadInputError
 from foldcut.exporters.pictures.contact_sheet import Thumbnail
-from foldcut.output.atomic import OutputError, check_targets, write_files
+from foldcut.output.atomic import InputError, Inputs, OutputError, check_targets, write_files
 
 TIMEOUT_S = 300.0
 """A drawing that takes longer is given up, unless the caller gives another time."""
@@ -68,6 +68,7 @@ def run_batch(
     recipe: Recipe,
     *,
     letters: Sequence[Item] = (),
+    inputs_beside: Sequence[Path] = (),
     jobs: int | None = None,
     timeout: float = TIMEOUT_S,
     cluster: str | None = None,
@@ -82,6 +83,7 @@ def run_batch(
 
     ``inputs``: folders, which are searched with their subfolders, glob patterns such as ``"icons/*.svg"``, and files.
     ``letters``: drawings that are in no file, of ``batch.drawings.letters_of``, instead of ``inputs``.
+    ``inputs_beside``: other files that are read, such as a font; like the drawings they are never replaced.
     ``jobs``: the number of processes, by default one for each core; ``cluster``: the address of a dask scheduler, whose
     workers then do the work instead. ``timeout``: seconds for a drawing.
 
@@ -109,6 +111,9 @@ def run_batch(
     if out.exists() and not out.is_dir():
         raise OutputError(f"{out} is a file, and a batch is written into a folder; give another name")
     out.mkdir(parents=True, exist_ok=True)
+    read = Inputs([*(item.path for item in items if item.data is None), *inputs_beside])
+    ours = [out / name for name in (JOURNAL, RESULTS, f"{CONTACT_SHEET}{sheet}", *([PARQUET] if parquet else []))]
+    check_targets(ours, replace=True, inputs=read)
     if not (out / JOURNAL).exists() or not (out / JOURNAL).stat().st_size:
         beds_too = [] if nesting is None else [BEDS, *(f"bed-1{ending}" for ending in nesting.endings)]
         _check_free(out, items, recipe, [f"{CONTACT_SHEET}{sheet}", RESULTS, *beds_too], replace=replace)
@@ -124,7 +129,7 @@ def run_batch(
             outcomes = work_on_cores(left, recipe, timeout, min(jobs or os.cpu_count() or 1, len(left)))
         try:
             for item, digest, outcome in outcomes:
-                record = _keep(item, digest, outcome, out)
+                record = _keep(item, digest, outcome, out, read)
                 journal.add(item.stem, record)
                 done += 1
                 failed += record["status"] != MADE
@@ -135,7 +140,7 @@ def run_batch(
             known = before | journal.added()  # as read from the disk: an interruption may come at any moment
             records = [known[item.stem] | {"file": str(item.path)} for item in items if item.stem in known]
             rows = tuple({name: record[name] for name in COLUMNS} for record in records)
-            write_files({out / RESULTS: csv_table(rows)}, replace=True)
+            write_files({out / RESULTS: csv_table(rows)}, replace=True, inputs=read)
         pictures = [(record["stem"], Thumbnail(**record["thumbnail"])) for record in records if record["thumbnail"]]
         written = {out / f"{CONTACT_SHEET}{sheet}": contact_sheet_file(pictures, sheet)}
         if arrow is not None:
@@ -147,7 +152,7 @@ def run_batch(
                 progress("laying sheets on beds", 1.0)
             beds, files, stale = nested_files(out, records, nesting, recipe.profile, recipe.job)
             written |= files
-        write_files(written, replace=True)
+        write_files(written, replace=True, inputs=read)
         for path in stale:
             path.unlink(missing_ok=True)
     return Batch(rows, resumed, (out / RESULTS, *written), tuple(beds))
@@ -155,7 +160,11 @@ def run_batch(
 
 def _is_done(record: Mapping[str, Any] | None, item: Item, out: Path, recipe: Recipe, *, retry: bool) -> bool:
     """Return whether a drawing's record still holds: the drawing is unchanged, and its files are there."""
-    if record is None or (retry and record["status"] != MADE):
+    if (
+        record is None
+        or not record.keys() >= {*COLUMNS, "sha256", "thumbnail"} - {"file"}
+        or (retry and record["status"] != MADE)
+    ):
         return False
     for name, size in record["outputs"].items():
         try:
@@ -166,16 +175,18 @@ def _is_done(record: Mapping[str, Any] | None, item: Item, out: Path, recipe: Re
     return bool(record["sha256"] == item.read(recipe.reading.limits.bytes)[1])
 
 
-def _keep(item: Item, digest: str, outcome: Outcome, out: Path) -> Record:
-    """Write the files of a drawing and return its record."""
+def _keep(item: Item, digest: str, outcome: Outcome, out: Path, inputs: Inputs) -> Record:
+    """Write the files of a drawing, but not over ``inputs``, and return its record."""
     status, error, files = outcome.status, outcome.error, dict(outcome.files)
     try:
         for name in files:
             (out / name).parent.mkdir(parents=True, exist_ok=True)
-        write_files({out / name: data for name, data in files.items()}, replace=True)
+        write_files({out / name: data for name, data in files.items()}, replace=True, inputs=inputs)
     except (OutputError, OSError) as problem:
         cause = problem if isinstance(problem, OSError) else problem.__cause__
-        if not isinstance(cause, OSError) or cause.errno not in (errno.ENAMETOOLONG, errno.ENOTDIR, errno.EEXIST):
+        of_this_drawing = (errno.ENAMETOOLONG, errno.ENOTDIR, errno.EEXIST)
+        at_fault = isinstance(cause, OSError) and cause.errno in of_this_drawing
+        if not at_fault and not isinstance(problem, InputError):
             raise  # the next drawing would meet it as well: a full disk, for example
         status, error, files = BAD_INPUT, str(problem), {}
     made = status == MADE

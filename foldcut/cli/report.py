@@ -25,6 +25,7 @@ from foldcut.proof.verify import CHECKS
 
 if TYPE_CHECKING:
     from foldcut.cli.outputs import MadeFor
+    from foldcut.foldfile.decide import Decision
     from foldcut.foldfile.reopen import Reopened
     from foldcut.jobs.job import Job
     from foldcut.pipeline import Result
@@ -425,6 +426,27 @@ def check_lines(report: Report) -> list[str]:
     return _aligned([*_pattern_rows(report), *notes, *_verdict_rows(report)])
 
 
+def decision_report(decision: Decision, with_shape: bool, notes: Sequence[str]) -> Report:
+    """Return the report of ``foldcut check``: that of the checks, and what was decided."""
+    moved = decision.moved
+    return {
+        **check_report(decision.pattern, decision.findings, with_shape, notes),
+        "ok": decision.folds is True,
+        "folds": decision.folds,
+        "verdict": decision.sentence,
+        "verified": [check for check in CHECKS if decision.folds and (with_shape or check != "cut")],
+        "moved_mm": None if moved is None else moved.most,
+        "moved_at": None if moved is None else list(moved.where),
+    }
+
+
+def decision_lines(report: Report) -> list[str]:
+    """Return the report of ``foldcut check`` as text."""
+    notes = [("note", note) for note in report["notes"]]
+    rows = [*_pattern_rows(report), *notes, ("verdict", report["verdict"])]
+    return _aligned([*rows, *([] if report["folds"] is None else _verdict_rows(report))])
+
+
 def reopened_report(result: Reopened, files: Sequence[Report], made: Sequence[MadeFor] = ()) -> Report:
     """Return the report of a pattern that was read from a FOLD file; ``files`` as in ``make_report``."""
     pattern = result.folded_pattern
@@ -475,8 +497,9 @@ def _verdict_rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _file_text(file: Report) -> str:
-    """Return a file's path, its size, and whether it replaced another."""
-    return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''})"
+    """Return a file's path, its size, whether it replaced another, and why its recipe is not in it."""
+    without = f"; without a recipe: {file['no_recipe']}" if file.get("no_recipe") else ""
+    return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''}{without})"
 
 
 def _aligned(rows: Sequence[tuple[str, str]]) -> list[str]:

@@ -13,6 +13,7 @@ import numpy as np
 from foldcut.core.arrays import Floats
 from foldcut.jobs.job import Job, JobStep
 from foldcut.jobs.marks import HOLES_MM
+from foldcut.jobs.pages import flip_edge, tiles
 from foldcut.profiles import Profile, Setting
 
 COLOURS = {
@@ -52,7 +53,7 @@ def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str]
     for job in jobs:
         side = "" if job.side == "both" else f"{job.side.capitalize()}: "
         lines += [f"{side}{step_words(step, profile, job.side, formats)}" for step in job.steps]
-    lines += load[1:]
+    lines += [*load[1:], *glued(profile, jobs[0])]
     if len(jobs) > 1:
         lines += turning_over(profile, jobs)
     return [*lines, *notes(profile, jobs)]
@@ -96,9 +97,27 @@ def _room(name: str, profile: Profile) -> set[str]:
     return IN_THE_FILE.get(name, set()) | ({"power_percent"} if laser else set())
 
 
+def glued(profile: Profile, job: Job) -> list[str]:
+    """Return how to put a sheet together that is printed on several pages."""
+    if profile.page is None or profile.format != "pdf":
+        return []
+    count = next(tiles(job, profile)).count
+    line = f"{count} pages: glue them cross on cross; the small picture on each shows where it goes."
+    return [line] if count > 1 else []
+
+
 def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
     """Return how the sheet is turned over between the front and the back, and what holds it in its place."""
     front, back = jobs[0], jobs[-1]
+    assert back.turned_over is not None
+    if profile.page is not None and profile.format == "pdf":
+        edge = flip_edge(back.turned_over, next(tiles(front, profile)))
+        lines = [
+            f"Print on both sides, flip on {edge} edge, as the file asks; or print the odd pages, turn the paper "
+            f"over {back.turned_over}, and print the even ones."
+        ]
+        marks = "Held against the light, the corner marks lie on one another."
+        return [*lines, marks] if back.registration == "corners" else lines
     turn = f"Do the front first, then turn the sheet over {back.turned_over}"
     corner = _zero(profile)
     if back.registration == "jig":
@@ -106,8 +125,6 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
             f"{turn}: the front cuts its outline last; leave the stock fixed on the bed, and lay the sheet back into "
             "the hole it was cut out of."
         ]
-    if back.registration == "corners" and profile.kind == "printer":
-        return [f"{turn}, print the back, and hold it against the light: the corner marks lie on one another."]
     if back.registration == "corners":
         return [
             f"{turn}: fix two strips of card along its left and its {corner.split()[0]} edge before the front, and "

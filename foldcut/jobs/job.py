@@ -22,7 +22,7 @@ from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout, arranged, laid_out
 from foldcut.jobs.bed import Box, Lay, Side
 from foldcut.jobs.dashes import Cuts, crease_pieces, perforations
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.marks import HOLES_MM, MARKS, Room, corner_marks, crosses, hole_centres, holes
 from foldcut.jobs.model import Job, JobStep, operation_after
 from foldcut.jobs.pen_path import Run, chained, joined, ordered, travel
@@ -243,9 +243,9 @@ def _check_reach(job: Job, profile: Profile) -> None:
     for step in job.steps:
         points = np.concatenate(step.strokes) + job.at
         if (points < -1e-6).any() or (points > np.array([bed.width_mm, bed.height_mm]) + 1e-6).any():
-            raise JobError(
-                f"layer {step.operation.layer} goes beyond the machine's {bed.width_mm:g} x {bed.height_mm:g} mm; use "
-                "a smaller --sheet"
+            raise TooLargeError(
+                f"layer {step.operation.layer} goes beyond the machine's {bed.width_mm:g} x {bed.height_mm:g} mm",
+                "use a smaller --sheet",
             )
 
 

@@ -161,3 +161,47 @@ def test_what_cannot_be_placed_is_told_before_the_search(
     assert main(["make", "star", *options]) == 2
     assert words in capsys.readouterr().err
     assert not [*tmp_path.iterdir()]
+
+
+def error_of(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    capsys.readouterr()
+    assert main([*words]) == 2
+    return capsys.readouterr().err
+
+
+def test_a_format_of_another_machine_is_refused_with_machines_that_take_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for machine, other, first in (("grbl-laser", "hpgl", "drag-knife"), ("axidraw-a4", "gcode", "grbl-laser")):
+        error = error_of(capsys, "make", "star", "--profile", machine, "-o", "a.svg", "-o", f"b.{other}")
+        assert f"make .{other} files by a command of their own, with --profile {first} or" in error
+        assert main(["make", "star", "--effort", "fast", "--quiet", "--profile", first, "-o", f"b.{other}"]) == 0
+    assert not Path("a.svg").exists()
+
+
+def test_a_pattern_on_too_large_a_sheet_is_told_what_it_can_still_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["make", "star", "--sheet", "a1", "--effort", "fast", "--quiet", "-o", "a.fold"]) == 0
+    for machine in ("hp-7475a", "glowforge", "printer-a4"):
+        error = error_of(capsys, "make", "a.fold", "--profile", machine)
+        assert "fold the drawing again with --sheet" in error
+        assert "use --sheet" not in error
+    assert main(["make", "a.fold", "--profile", "printer-a4", "--tile", "--quiet"]) == 0
+
+
+def test_a_test_card_in_an_archive_has_all_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    assert main(["coupon", "--profile", "drag-knife", "-o", "card.zip", "--quiet"]) == 0
+    assert main(["coupon", "--profile", "drag-knife", "-o", "card.hpgl", "--quiet"]) == 0
+    with zipfile.ZipFile("card.zip") as archive:
+        names = [name for name in archive.namelist() if name != "README.txt"]
+        assert sorted(names) == sorted(path.name for path in Path().glob("*.hpgl"))
+        assert all(archive.read(name) == Path(name).read_bytes() for name in names)
+        text = archive.read("README.txt").decode()
+    assert all(name in text for name in names)
+    assert "foldcut coupon --profile=drag-knife" in text
+    assert main(["coupon", "--profile", "drag-knife", "-o", "folder"]) == 2

@@ -49,7 +49,7 @@ def add_options(command: ArgumentParser) -> None:
         nargs="*",
         help="a folder, with all its subfolders, a pattern of names, or a drawing",
     )
-    options.add_text(command, "fold the letters of this text instead, each once and on a sheet of its own")
+    add_letters(command)
     command.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
     command.add_argument(
         "--format",
@@ -84,6 +84,11 @@ def add_options(command: ArgumentParser) -> None:
     options.add_console(command)
 
 
+def add_letters(command: ArgumentParser) -> None:
+    """Add the text and its font."""
+    options.add_text(command, "fold the letters of this text instead, each once and on a sheet of its own")
+
+
 def batch(args: Namespace) -> int:
     """Fold many drawings."""
     from foldcut.batch.drawings import letters_of
@@ -91,6 +96,7 @@ def batch(args: Namespace) -> int:
     from foldcut.batch.worker import Recipe
     from foldcut.cli.progress import ProgressBar
     from foldcut.jobs.arrange import IN_THE_CORNER
+    from foldcut.output.recipe import Recipe as FileRecipe
     from foldcut.readers.typed_text import letter_names
     from foldcut.redraw.compiling import get_ready
 
@@ -108,7 +114,9 @@ def batch(args: Namespace) -> int:
         formats = tuple(dict.fromkeys((".fold", *(ending for ending in formats if ending not in nesting.endings))))
     out = Path(args.output)
     fold = folding.keywords() | {"next_level": False}  # nobody reads what it would cost
-    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job)
+    made = FileRecipe("make").also(*options.words(args, add_letters, text=None))
+    made = made.also(*options.folding_words(args)).also(*machine.words)
+    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job, made)
     done = ""
     with ProgressBar(console.draws_progress) as bar:
 
@@ -120,11 +128,12 @@ def batch(args: Namespace) -> int:
         try:
             if not folding.exact:
                 get_ready(lambda text: progress(text, 0.0))  # once, and not in each process
-            made = run_batch(
+            outcome = run_batch(
                 args.drawings,
                 out,
                 recipe,
                 letters=letters,
+                inputs_beside=read_beside(args, machine),
                 jobs=args.jobs,
                 timeout=args.drawing_timeout,
                 cluster=args.dask,
@@ -138,20 +147,30 @@ def batch(args: Namespace) -> int:
         except (KeyboardInterrupt, Terminated) as error:
             error.add_note(f"{done}the same command again goes on from there")
             raise
-    failed = failures(made)
+    failed = failures(outcome)
     report = {
         "ok": not failed,
-        "counts": made.counts,
-        "resumed": made.resumed,
-        "files": list(map(str, made.written)),
-        "rows": made.rows,
+        "counts": outcome.counts,
+        "resumed": outcome.resumed,
+        "files": list(map(str, outcome.written)),
+        "rows": outcome.rows,
     }
     if names:
         report["letters"] = names
     if nesting is not None:
-        report["beds"] = [bed_report(bed) for bed in made.beds]
-    console.report(report, [*lines(made, out), *([] if nesting else repeated(names)), *bed_lines(made, out)])
+        report["beds"] = [bed_report(bed) for bed in outcome.beds]
+    console.report(report, [*lines(outcome, out), *([] if nesting else repeated(names)), *bed_lines(outcome, out)])
     return FAILED if failed else DONE
+
+
+def read_beside(args: Namespace, machine: Machine) -> list[Path]:
+    """Return the files that are read beside the drawings: the font, and the user's own profile."""
+    from foldcut.profiles import profile_file
+    from foldcut.readers.typed_text import font_file
+
+    font = None if args.text is None else font_file(args.font)
+    profile = None if machine.name is None else profile_file(machine.name)
+    return [path for path in (font, profile) if path is not None]
 
 
 def asked_machine(args: Namespace) -> Machine:
