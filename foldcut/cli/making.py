@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from foldcut.cli.console import Console
 from foldcut.cli.options import FoldRequest, OpenRequest, Request, Source
@@ -15,6 +17,7 @@ from foldcut.core.errors import BadInputError, FileFormatError, ShapeError, Unfo
 if TYPE_CHECKING:
     from foldcut.cli.outputs import MadeFor
     from foldcut.foldfile.reopen import Reopened
+    from foldcut.output.recipe import Recipe
     from foldcut.pipeline import Result
 
 NOT_VERIFIED = "nothing is written"
@@ -65,23 +68,35 @@ def opened(request: OpenRequest) -> Reopened:
         raise BadInputError(f"{request.source.path}: {error}") from None
 
 
+def recipe_of(recipe: Recipe, request: Request, result: Result | Reopened) -> Recipe:
+    """Return a recipe with the hash of the drawing, or of the pattern, that the result was made of."""
+    from foldcut.foldfile.reopen import Reopened
+
+    if isinstance(result, Reopened):
+        return replace(recipe, sha256=hashlib.sha256(request.source.path.read_bytes()).hexdigest())
+    return replace(recipe, sha256="" if result.drawing is None else result.drawing.sha256)
+
+
 def fold_and_write(
     request: Request,
     output: Path,
     content: Callable[[Result | Reopened], bytes],
     console: Console,
+    recipe: Recipe,
     *,
-    replace: bool,
+    force: bool,
 ) -> int:
     """Fold a drawing, or open a pattern, and write one file about it; return the exit status."""
     from foldcut.jobs.last_door import check_pattern
     from foldcut.output.atomic import check_targets
 
-    check_targets([output], replace=replace)
+    check_targets([output], replace=force)
     result = fold_or_open(request, console)
-    if result.verified:
-        check_pattern(result.folded_pattern)
-    return write_and_report(result, {output: content(result)} if result.verified else {}, console, replace=replace)
+    if not result.verified:
+        return write_and_report(result, {}, console, force=force)
+    check_pattern(result.folded_pattern)
+    data = recipe_of(recipe, request, result).put_into(content(result), output.name, output.name)
+    return write_and_report(result, {output: data}, console, force=force)
 
 
 def write_and_report(
@@ -89,7 +104,7 @@ def write_and_report(
     contents: Mapping[Path, bytes],
     console: Console,
     *,
-    replace: bool,
+    force: bool,
     made: Sequence[MadeFor] = (),
 ) -> int:
     """Write the files of a verified result and print its report; return the exit status.
@@ -97,11 +112,15 @@ def write_and_report(
     ``made``: the machines that there are files for, and their jobs.
     """
     from foldcut.cli import report
+    from foldcut.exporters.recipe_place import NO_PLACE
     from foldcut.foldfile.reopen import Reopened
     from foldcut.output.atomic import write_files
 
-    files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-    write_files(contents, replace=replace)
+    files: list[dict[str, Any]] = [
+        {"path": str(p), "bytes": len(data), "replaced": p.exists(), "no_recipe": NO_PLACE.get(p.suffix.lower())}
+        for p, data in contents.items()
+    ]
+    write_files(contents, replace=force)
     if isinstance(result, Reopened):
         told = report.reopened_report(result, files, made)
         return console.verdict(told, report.reopened_lines(told), result.findings, NOT_VERIFIED)

@@ -39,6 +39,10 @@ class Parser(argparse.ArgumentParser):
         """Raise what argparse found wrong."""
         raise BadInputError(f"{message}; see {self.prog} --help")
 
+    def options(self) -> list[argparse.Action]:
+        """Return all options and arguments, in their order."""
+        return self._actions
+
     def option_strings(self) -> list[str]:
         """Return every option, as it is typed."""
         return [option for action in self._actions for option in action.option_strings]

@@ -11,16 +11,14 @@ from __future__ import annotations
 import errno
 import os
 import secrets
-import signal
 import stat
-import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FrameType
 
 from foldcut.core.errors import FileFormatError
+from foldcut.core.signals import signals_wait
 
 
 class OutputError(FileFormatError):
@@ -29,9 +27,6 @@ class OutputError(FileFormatError):
 
 STALE_S = 3600.0
 """A temporary file older than this, in seconds, was left behind by a process that was killed."""
-
-_HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name)]
-"""The signals that wait while files are moved."""
 
 _REMEDIES = {
     errno.ENOENT: "its folder does not exist; create it first",
@@ -90,12 +85,12 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> Non
             moves.append((path, temporary, target))
             with _explained(path):
                 _write_flushed(temporary, data, like=target)
-        with _signals_wait():
+        with signals_wait():
             for path, temporary, target in moves:
                 with _explained(path):
                     os.replace(temporary, target)
     finally:
-        with _signals_wait():
+        with signals_wait():
             for _, temporary, _ in moves:
                 temporary.unlink(missing_ok=True)
     for folder in {target.parent for _, _, target in moves}:
@@ -108,27 +103,6 @@ def _remove_stale(folder: Path) -> None:
         with suppress(OSError):
             if time.time() - left.stat().st_mtime > STALE_S:
                 left.unlink()
-
-
-@contextmanager
-def _signals_wait() -> Iterator[None]:
-    """Let signals wait until the block is done, and then run their handlers; does nothing outside the main thread."""
-    came: list[int] = []
-
-    def remember(number: int, frame: FrameType | None) -> None:
-        came.append(number)
-
-    before = {}
-    try:
-        if threading.current_thread() is threading.main_thread():  # no other is interrupted by signals
-            for number in _HELD:
-                before[number] = signal.signal(number, remember)
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        for number in came[:1]:
-            signal.raise_signal(number)
 
 
 def _write_flushed(path: Path, data: bytes, like: Path) -> None:
