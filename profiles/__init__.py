@@ -242,6 +242,22 @@ class Gcode(_Table):
         return self
 
 
+class Motion(_Table):
+    """How fast a machine moves, which says how long a job takes.
+
+    ``travel_mm_s``: how fast between strokes; ``work_mm_s``: how fast in strokes whose material has no speed;
+    ``acceleration_mm_s2``: how fast it gets faster and slower; ``corner_mm``: how far its path may stray in a corner,
+    by which GRBL and others say how fast it goes through (``$11``, junction deviation); ``lift_s``: how long it takes
+    to put the tool down, and as long to lift it; 0 if it works without a stop.
+    """
+
+    travel_mm_s: Millimetres
+    work_mm_s: Millimetres | None = None
+    acceleration_mm_s2: Millimetres
+    corner_mm: Annotated[float, Field(ge=0, lt=10)] = 0.01
+    lift_s: Annotated[float, Field(ge=0, le=10)] = 0.0
+
+
 class Profile(_Table):
     """A machine, and how foldcut makes jobs for it.
 
@@ -277,6 +293,7 @@ class Profile(_Table):
     hpgl: Hpgl | None = None
     gcode: Gcode | None = None
     blade: Blade | None = None
+    motion: Motion | None = None
     sources: dict[str, str]
 
     @property
@@ -521,6 +538,7 @@ def _fields(path: Sequence[str]) -> list[str]:
         "page": Page,
         "solid": Solid,
         "blade": Blade,
+        "motion": Motion,
         "papers": Paper,
         "operations": Operation,
     }

@@ -27,12 +27,14 @@ from foldcut.readers import READERS
 class Item:
     """A drawing: its file, and its ``stem``, the name of the files made of it without an ending.
 
-    ``data``: the bytes of a drawing that is in no file; ``path`` then only names it and its format.
+    ``data``: the bytes of a drawing that is in no file; ``path`` then only names it and its format. ``letter``: the one
+    that this is.
     """
 
     path: Path
     stem: str
     data: bytes | None = None
+    letter: str = ""
 
     def read(self, most: int) -> tuple[Task | None, str, str]:
         """Return the drawing's task and the hash of its bytes, or None and what went wrong.
@@ -40,7 +42,8 @@ class Item:
         No more is read than it takes to see that the file has more than ``most`` bytes.
         """
         if self.data is not None:
-            return Task(str(self.path), self.stem, self.data), hashlib.sha256(self.data).hexdigest(), ""
+            task = Task(str(self.path), self.stem, self.data, self.letter)
+            return task, hashlib.sha256(self.data).hexdigest(), ""
         try:
             data = read_bytes(self.path, most)
         except FileFormatError as error:
@@ -55,9 +58,11 @@ def letters_of(text: str, font: str) -> list[Item]:
 
     Raises BadInputError: the text has no letters, or the font lacks one. Raises FileFormatError: there is no such font.
     """
-    from foldcut.readers.typed_text import letter_svgs
+    from foldcut.readers.typed_text import letter_names, letter_svgs
 
-    return [Item(Path(f"{name}.svg"), name, drawn.encode()) for name, drawn in letter_svgs(text, font).items()]
+    letters = dict(zip(letter_names(text), "".join(text.split()), strict=True))
+    drawn = letter_svgs(text, font)
+    return [Item(Path(f"{name}.svg"), name, svg.encode(), letters[name]) for name, svg in drawn.items()]
 
 
 def find_drawings(inputs: Sequence[str | Path], out: Path) -> list[Item]:

@@ -21,6 +21,7 @@ from foldcut.batch.cluster import work_on_cluster
 from foldcut.batch.cores import work_on_cores
 from foldcut.batch.drawings import Item, find_drawings
 from foldcut.batch.journal import JOURNAL, Journal, Record
+from foldcut.batch.nest import BEDS, NestedBed, Nesting, nested_files
 from foldcut.batch.results import (
     COLUMNS,
     CONTACT_SHEET,
@@ -47,12 +48,13 @@ class Batch:
     """A finished batch.
 
     ``rows``: one for every drawing, sorted by name; ``resumed``: how many of them were done before; ``written``: the
-    paths of the table and the contact sheet.
+    paths of the table, the contact sheet and the files of the ``beds``, on which sheets lie together.
     """
 
     rows: tuple[Row, ...]
     resumed: int
     written: tuple[Path, ...]
+    beds: tuple[NestedBed, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -74,6 +76,7 @@ def run_batch(
     retry: bool = False,
     parquet: bool = False,
     sheet: str = ".svg",
+    nesting: Nesting | None = None,
     progress: Progress | None = None,
 ) -> Batch:
     """Fold every drawing that ``inputs`` name and write its files into the folder ``out``.
@@ -86,7 +89,8 @@ def run_batch(
 
     A drawing that is done in ``out`` is not done again, unless it changed or its files are gone. ``retry``: do again
     what failed. ``replace``: do everything again and replace files. ``sheet``: the contact sheet as ".svg" or ".png";
-    ``parquet``: write the table as Parquet, too. ``progress`` is called with a sentence and the fraction done.
+    ``parquet``: write the table as Parquet, too. ``nesting``: lay the sheets of all drawings on beds of the recipe's
+    machine; the recipe has to write ".fold". ``progress`` is called with a sentence and the fraction done.
 
     No drawing ends the batch: what goes wrong with it becomes its status and error. An exception such as
     ``KeyboardInterrupt`` does end it; what is done by then is in place, and the next call goes on from there.
@@ -111,7 +115,8 @@ def run_batch(
     ours = [out / name for name in (JOURNAL, RESULTS, f"{CONTACT_SHEET}{sheet}", *([PARQUET] if parquet else []))]
     check_targets(ours, replace=True, inputs=read)
     if not (out / JOURNAL).exists() or not (out / JOURNAL).stat().st_size:
-        _check_free(out, items, recipe, [f"{CONTACT_SHEET}{sheet}", RESULTS], replace=replace)
+        beds_too = [] if nesting is None else [BEDS, *(f"bed-1{ending}" for ending in nesting.endings)]
+        _check_free(out, items, recipe, [f"{CONTACT_SHEET}{sheet}", RESULTS, *beds_too], replace=replace)
     with Journal(out / JOURNAL, recipe.fingerprint, replace=replace) as journal:
         left = [item for item in items if not _is_done(journal.rows.get(item.stem), item, out, recipe, retry=retry)]
         undone = {item.stem for item in left}
@@ -140,8 +145,17 @@ def run_batch(
         written = {out / f"{CONTACT_SHEET}{sheet}": contact_sheet_file(pictures, sheet)}
         if arrow is not None:
             written[out / PARQUET] = parquet_table(arrow, rows)
+        beds: list[NestedBed] = []
+        stale: list[Path] = []
+        if nesting is not None and recipe.profile is not None:
+            if progress is not None:
+                progress("laying sheets on beds", 1.0)
+            beds, files, stale = nested_files(out, records, nesting, recipe.profile, recipe.job)
+            written |= files
         write_files(written, replace=True, inputs=read)
-    return Batch(rows, resumed, (out / RESULTS, *written))
+        for path in stale:
+            path.unlink(missing_ok=True)
+    return Batch(rows, resumed, (out / RESULTS, *written), tuple(beds))
 
 
 def _is_done(record: Mapping[str, Any] | None, item: Item, out: Path, recipe: Recipe, *, retry: bool) -> bool:

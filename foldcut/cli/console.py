@@ -25,6 +25,8 @@ FAILED = 1
 """There is no pattern, or it is not verified."""
 BAD_INPUT = 2
 """The input is at fault."""
+UNDECIDED = 3
+"""Whether the pattern folds is not decided."""
 INTERRUPTED = 128 + signal.SIGINT
 """Ctrl-C was pressed."""
 TERMINATED = 128 + signal.SIGTERM

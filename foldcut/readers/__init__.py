@@ -8,6 +8,7 @@ are a valid shape is for ``make_shape`` to say. To add a format, add a module wi
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -75,7 +76,7 @@ def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes
         ) from None
     except MemoryError:
         raise FileFormatError(f"{path}: the drawing takes more memory than there is; give a simpler one") from None
-    return drawing
+    return replace(drawing, sha256=hashlib.sha256(source.data).hexdigest())
 
 
 def _suffix(path: Path, options: ReadOptions) -> str:

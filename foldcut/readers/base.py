@@ -89,6 +89,7 @@ class Drawing:
     had to be mended, which ``--strict`` refuses. ``y_down``: the y axis of the file points down, so y has changed sign.
     ``curves``: what the loops were flattened from, in the same order; empty if all of them are straight lines, or if
     that is not known. ``lost``: outlines that the file has and that are not among the loops, since others cover them.
+    ``sha256``: the hash of the file's bytes, "" if there is no file.
     """
 
     loops: tuple[Floats, ...]
@@ -100,6 +101,7 @@ class Drawing:
     repairs: tuple[str, ...] = ()
     curves: tuple[CurvedLoop, ...] = ()
     lost: tuple[Floats, ...] = ()
+    sha256: str = ""
 
     @property
     def size(self) -> tuple[float, float]:
