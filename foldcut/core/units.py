@@ -26,7 +26,7 @@ MM_PER_UNIT = {
 }
 """Millimetres per unit, for every unit that a file or a user may name."""
 
-LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
+LENGTH = r"([+-]?(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:e[+-]?[0-9]++)?+)\s*+(mm|cm|in)?"
 """A regular expression for a length in lower case: its groups are the number and the unit, if there is one."""
 
 
