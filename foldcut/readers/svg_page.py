@@ -246,6 +246,8 @@ class Page:
                 elif not self._is_visible(style):
                     self.ignored["hidden element"] += counts
                 elif seen.layer and seen.chosen and (found := self._outline(seen, matrix, style, name)):
+                    dashed = found.stroked and style.get("stroke-dasharray", "none") != "none"
+                    self.ignored["stroke-dasharray"] += counts and dashed
                     yield found
 
     def _is_visible(self, style: Style) -> bool:

@@ -29,7 +29,7 @@ UNREADABLE = "unreadable style rule"
 
 INHERITED = frozenset(
     {"visibility", "color", "fill", "fill-rule", "fill-opacity", "stroke", "stroke-width", "stroke-opacity"}
-    | {"clip-rule", "stroke-linecap", "stroke-linejoin", "stroke-miterlimit"}
+    | {"clip-rule", "stroke-linecap", "stroke-linejoin", "stroke-miterlimit", "stroke-dasharray"}
 )
 GEOMETRY = frozenset(("x", "y", "cx", "cy", "r", "rx", "ry", "width", "height"))
 """Attributes that are properties of CSS, too (SVG 2, section 8.1 and chapter 10)."""

@@ -41,7 +41,7 @@ def profiles(args: Namespace) -> int:
     profile = load_profile(args.name, args.set)
     if args.action == "show":
         shown = profile.model_dump(exclude_none=True)
-        console.report({"ok": True, "profile": shown}, [json.dumps(shown, indent=2, ensure_ascii=False)])
+        console.report({"ok": True, "profile": shown}, json.dumps(shown, indent=2, ensure_ascii=False).split("\n"))
     else:
         console.report({"ok": True, "profile": args.name}, [f"{args.name}: valid"])
     return DONE
