@@ -60,10 +60,10 @@ def check(args: Namespace) -> int:
     from foldcut.drawing.mend import Preparation, prepare
     from foldcut.drawing.shape import make_shape
     from foldcut.foldfile.decide import TOLERANCE, decide, states_of
-    from foldcut.foldfile.read import read_fold
+    from foldcut.foldfile.read import read_fold_apart
 
     tolerance = TOLERANCE if args.tolerance is None else share(args.tolerance)
-    read = read_fold(Path(args.file))
+    read = read_fold_apart(Path(args.file))
     shape, notes = None, read.notes
     if args.shape:
         drawing = options.named_source(args.shape).read(options.reading(args))
