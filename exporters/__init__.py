@@ -13,10 +13,12 @@ from typing import cast
 
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
+from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout
 from foldcut.jobs.bed import Lay
 from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.job import Job, check_job, steps_of
 from foldcut.jobs.last_door import brought_on_bed, check_pattern
+from foldcut.jobs.tabs import Tabs
 from foldcut.profiles import Profile, Registration, load_profile, profile_names
 
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
@@ -52,6 +54,8 @@ JOB_EXPORTERS = {
 }
 """The exporters of jobs, by the ending of their files."""
 
+FRAME_EXPORTERS = {".gcode": "job.gcode.export_frame", ".hpgl": "job.hpgl.export_frame"}
+"""What writes the way round a job with the tool off, in the formats that have such moves."""
 DUPLEX = ".pdf"
 """The format that has both sides in one file."""
 
@@ -103,9 +107,14 @@ def check_job_export(
     material: str | None = None,
     tile: bool = False,
     registration: Registration | None = None,
+    layout: BedLayout = IN_THE_CORNER,
+    tabs: Tabs | None = None,
+    framed: bool = False,
 ) -> None:
     """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would raise for any on this sheet."""
-    check_job(sheet, profile, material=material, tile=tile, registration=registration)
+    if framed:
+        _check_frame(suffix)
+    check_job(sheet, profile, material=material, tile=tile, registration=registration, layout=layout, tabs=tabs)
     lay = Lay.for_machine(sheet, profile, tile=tile)
     steps = steps_of(profile, material)
     try:
@@ -135,6 +144,25 @@ def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
         )
     exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
     return exporter(brought_on_bed(job, profile), profile)
+
+
+def export_frame(job: Job, suffix: str, profile: Profile) -> bytes:
+    """Return the way round a job with the tool off, in the format of this ending.
+
+    Raises FileFormatError: the format has no such moves. Raises JobError as ``export_job`` does.
+    """
+    _check_frame(suffix)
+    exporter = cast(JobExporter, _imported(FRAME_EXPORTERS[suffix.lower()]))
+    return exporter(brought_on_bed(job, profile), profile)
+
+
+def _check_frame(suffix: str) -> None:
+    """Raise FileFormatError unless files with this ending have moves with the tool off."""
+    if suffix.lower() not in FRAME_EXPORTERS:
+        raise FileFormatError(
+            f"--frame needs moves with the tool off, and {suffix} files have none; use the framing of the machine's "
+            f"own software, or write {' or '.join(FRAME_EXPORTERS)} for a machine that takes it"
+        )
 
 
 def export_duplex(front: Job, back: Job, profile: Profile) -> bytes:

@@ -32,7 +32,7 @@ NEVER = ("-o", "--output", "--force", "--preview", "--again", "--timeout", "--js
 
 def make_again(args: Namespace) -> int:
     """Make a file again; say whether it is the same, and write what is missing."""
-    from foldcut.output.atomic import write_files
+    from foldcut.output.atomic import Inputs, write_files
     from foldcut.output.recipe import version_now
 
     path, given = asked(args)
@@ -62,7 +62,8 @@ def make_again(args: Namespace) -> int:
             "replace it with --force"
         )
     files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
-    write_files(contents, replace=args.force)
+    inputs = Inputs([] if drawing is None else [drawing])
+    write_files(contents, replace=args.force, inputs=inputs)
     report = {"ok": True, "again": str(path), "same": same, "foldcut": recipe.version, "files": files}
     lines = [
         str(path),

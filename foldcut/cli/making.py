@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import hashlib
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +17,7 @@ from foldcut.core.errors import BadInputError, FileFormatError, ShapeError, Unfo
 if TYPE_CHECKING:
     from foldcut.cli.outputs import MadeFor
     from foldcut.foldfile.reopen import Reopened
+    from foldcut.output.atomic import Inputs
     from foldcut.output.recipe import Recipe
     from foldcut.pipeline import Result
 
@@ -57,11 +58,11 @@ def one_by_one(source: Source) -> str:
 
 def opened(request: OpenRequest) -> Reopened:
     """Open a FOLD file that foldcut wrote, and verify it anew."""
-    from foldcut.foldfile.read import read_fold
+    from foldcut.foldfile.read import read_fold_apart
     from foldcut.foldfile.reopen import reopen
 
     try:
-        return reopen(read_fold(request.source.path))
+        return reopen(read_fold_apart(request.source.path))
     except FileFormatError:
         raise
     except BadInputError as error:
@@ -73,8 +74,8 @@ def recipe_of(recipe: Recipe, request: Request, result: Result | Reopened) -> Re
     from foldcut.foldfile.reopen import Reopened
 
     if isinstance(result, Reopened):
-        return replace(recipe, sha256=hashlib.sha256(request.source.path.read_bytes()).hexdigest())
-    return replace(recipe, sha256="" if result.drawing is None else result.drawing.sha256)
+        return dataclasses.replace(recipe, sha256=hashlib.sha256(request.source.path.read_bytes()).hexdigest())
+    return dataclasses.replace(recipe, sha256="" if result.drawing is None else result.drawing.sha256)
 
 
 def fold_and_write(
@@ -84,19 +85,20 @@ def fold_and_write(
     console: Console,
     recipe: Recipe,
     *,
-    force: bool,
+    replace: bool,
 ) -> int:
     """Fold a drawing, or open a pattern, and write one file about it; return the exit status."""
     from foldcut.jobs.last_door import check_pattern
-    from foldcut.output.atomic import check_targets
+    from foldcut.output.atomic import Inputs, check_targets
 
-    check_targets([output], replace=force)
+    inputs = Inputs(request.source.files())
+    check_targets([output], replace=replace, inputs=inputs)
     result = fold_or_open(request, console)
     if not result.verified:
-        return write_and_report(result, {}, console, force=force)
+        return write_and_report(result, {}, console, replace=replace, inputs=inputs)
     check_pattern(result.folded_pattern)
     data = recipe_of(recipe, request, result).put_into(content(result), output.name, output.name)
-    return write_and_report(result, {output: data}, console, force=force)
+    return write_and_report(result, {output: data}, console, replace=replace, inputs=inputs)
 
 
 def write_and_report(
@@ -104,12 +106,13 @@ def write_and_report(
     contents: Mapping[Path, bytes],
     console: Console,
     *,
-    force: bool,
+    replace: bool,
+    inputs: Inputs,
     made: Sequence[MadeFor] = (),
 ) -> int:
     """Write the files of a verified result and print its report; return the exit status.
 
-    ``made``: the machines that there are files for, and their jobs.
+    ``inputs`` are not replaced. ``made``: the machines that there are files for, and their jobs.
     """
     from foldcut.cli import report
     from foldcut.exporters.recipe_place import NO_PLACE
@@ -120,7 +123,7 @@ def write_and_report(
         {"path": str(p), "bytes": len(data), "replaced": p.exists(), "no_recipe": NO_PLACE.get(p.suffix.lower())}
         for p, data in contents.items()
     ]
-    write_files(contents, replace=force)
+    write_files(contents, replace=replace, inputs=inputs)
     if isinstance(result, Reopened):
         told = report.reopened_report(result, files, made)
         return console.verdict(told, report.reopened_lines(told), result.findings, NOT_VERIFIED)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from foldcut.cli.options import Machine
 from foldcut.core.errors import BadInputError
+from foldcut.core.files import read_bytes
 
 if TYPE_CHECKING:
     from foldcut.core.model import FoldedPattern, Sheet
@@ -49,6 +50,12 @@ class Outputs:
         """Return the machines that there may be files for, without jobs."""
         return [MadeFor(machine, []) for machine in (*self.usual.values(), self.machine) if machine.profile is not None]
 
+    def profile_files(self) -> list[Path]:
+        """Return the user's own profiles of these machines; there need be no such files."""
+        from foldcut.profiles import profile_file
+
+        return [profile_file(made.machine.name) for made in self.machines() if made.machine.name is not None]
+
     def check_formats(self, sheet: Sheet) -> None:
         """Raise what is wrong with the formats for this machine and sheet, before any long work."""
         from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
@@ -67,6 +74,9 @@ class Outputs:
                     material=job.material,
                     tile=job.tile,
                     registration=registration,
+                    layout=job.layout,
+                    tabs=job.tabs,
+                    framed=job.framed,
                 )
 
     def targets(self) -> list[Path]:
@@ -115,7 +125,7 @@ class Outputs:
         from foldcut.exporters.bundle import OURS, README
 
         about = path / README
-        if about.is_file() and not about.read_bytes().startswith(OURS.encode()):
+        if about.is_file() and not read_bytes(about, len(OURS)).startswith(OURS.encode()):
             raise BadInputError(f"{about} exists and was not written by foldcut; choose an empty folder, or a .zip")
         members = (name for member in self._members(path) for name in machine.job.targets(member, machine.profile))
         return [about, *(path / name for name in members)]

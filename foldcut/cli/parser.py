@@ -28,7 +28,7 @@ examples:
   foldcut check logo.fold                  does this pattern fold flat?
   foldcut COMMAND --help                   all options of a command, with examples
 
-exit status: 0 done and verified, 1 not foldable or not verified, 2 bad input
+exit status: 0 done and verified, 1 not foldable or not verified, 2 bad input, 3 not decided (check)
 """
 
 

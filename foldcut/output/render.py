@@ -9,9 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from foldcut.core.model import FoldedPattern
-from foldcut.exporters import DUPLEX, JOB_EXPORTERS, export, export_duplex, export_job
+from foldcut.exporters import DUPLEX, JOB_EXPORTERS, export, export_duplex, export_frame, export_job
+from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout
 from foldcut.jobs.bed import Side
 from foldcut.jobs.job import Job, JobStep, Registration, make_jobs
+from foldcut.jobs.tabs import Tabs
 from foldcut.output.recipe import Recipe
 from foldcut.profiles import Action, Profile, Treatment
 
@@ -28,6 +30,9 @@ class JobOptions:
     registration: Registration | None = None
     marks: tuple[str, ...] | None = None
     tile: bool = False
+    layout: BedLayout = IN_THE_CORNER
+    tabs: Tabs | None = None
+    framed: bool = False
 
     def sides(self, path: Path) -> dict[Side, Path]:
         """Return the files that ``path`` stands for: one, or one for the front and one for the back; a PDF has both."""
@@ -38,9 +43,10 @@ class JobOptions:
     def targets(self, path: Path, profile: Profile | None) -> list[Path]:
         """Return the files that may be written for ``path``: for each side, and each tool if these have files apart."""
         sides = list(self.sides(path).values())
+        frames = [frame_path(side) for side in sides] if self.framed and path.suffix.lower() in JOB_EXPORTERS else []
         if not tools_apart(path, profile):
-            return sides
-        return [tool_path(side, tool) for side in sides for tool in dict.fromkeys(TOOLS.values())]
+            return [*frames, *sides]
+        return [*frames, *(tool_path(side, tool) for side in sides for tool in dict.fromkeys(TOOLS.values()))]
 
 
 TOOLS: dict[Action, str] = {"mark": "mark", "score": "score", "draw": "score", "perforate": "cut", "cut": "cut"}
@@ -56,6 +62,11 @@ def tools_apart(path: Path, profile: Profile | None) -> bool:
 def tool_path(path: Path, tool: str) -> Path:
     """Return the file of a tool."""
     return path.with_stem(f"{path.stem}-{tool}")
+
+
+def frame_path(path: Path) -> Path:
+    """Return the file that goes round the job of another file, with the tool off."""
+    return path.with_stem(f"{path.stem}-frame")
 
 
 def job_files(job: Job, path: Path, profile: Profile) -> dict[Path, Job]:
@@ -104,14 +115,20 @@ class Maker:
                 registration=options.registration,
                 marks=options.marks,
                 tile=options.tile,
+                layout=options.layout,
+                tabs=options.tabs,
+                framed=options.framed,
             )
             self.jobs = {job.side: job for job in made}
         if options.two_sided and path.suffix.lower() == DUPLEX:
             front, back = self.jobs["front"], self.jobs["back"]
             self.jobs_of[path] = replace(front, side="both")
             return {path: export_duplex(front, back, profile)}
-        parts: dict[Path, Job] = {}
+        files: dict[Path, bytes] = {}
         for side, name in options.sides(path).items():
-            parts |= job_files(self.jobs[side], name, profile)
-        self.jobs_of |= parts
-        return {name: export_job(job, path.suffix, profile) for name, job in parts.items()}
+            if options.framed:
+                files[frame_path(name)] = export_frame(self.jobs[side], path.suffix, profile)
+            parts = job_files(self.jobs[side], name, profile)
+            files |= {part: export_job(job, path.suffix, profile) for part, job in parts.items()}
+            self.jobs_of |= parts
+        return files

@@ -183,7 +183,7 @@ BAD_INPUT = {
     "needs an ending": ["make", "box.json", "-o", "a"],
     "its folder does not exist": ["make", "box.json", "-o", "a.svg", "-o", "missing/a.fold"],
     "is named twice": ["make", "box.json", "-o", "a.svg", "-o", "./a.svg"],
-    "is the drawing itself": ["make", "own.svg", "-o", "own.svg"],
+    "own.svg: it is read, and would be lost": ["make", "own.svg", "-o", "own.svg"],
     "is not a sheet": ["make", "box.json", "--sheet", "a99"],
     "is not a length": ["make", "box.json", "--margin", "wide"],
     "is not a scale": ["make", "box.json", "--scale", "1:0"],
@@ -402,7 +402,7 @@ def test_check_finds_a_flipped_crease(folder: Path, capsys: pytest.CaptureFixtur
     status, report = run_json(capsys, "check", "pattern.fold")
     assert (status, report["ok"], report["verified"]) == (1, False, [])
     assert report["findings"]
-    assert report["error"]["message"].startswith("the pattern is not verified: ")
+    assert report["error"]["message"].startswith("the pattern does not fold flat: maekawa")
 
 
 def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -48,35 +48,40 @@ def coupon(args: Namespace) -> int:
     from foldcut.exporters import export_job
     from foldcut.exporters.bundle import README, card_readme, zipped
     from foldcut.jobs.coupon import make_coupon
+    from foldcut.jobs.duration import about, seconds_of_steps
     from foldcut.jobs.instructions import instructions
-    from foldcut.output.atomic import check_targets, write_files
+    from foldcut.output.atomic import Inputs, check_targets, write_files
     from foldcut.output.recipe import Recipe
     from foldcut.output.render import job_files
-    from foldcut.profiles import load_profile
+    from foldcut.profiles import load_profile, profile_file
 
     profile = load_profile(args.profile, args.set)
     path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
     if path.is_dir():
         raise BadInputError(f"{path} is a folder; give a file in it, or a .zip")
-    check_targets(targets(path, profile), replace=args.force)
+    inputs = Inputs([profile_file(args.profile)])
+    check_targets(targets(path, profile), replace=args.force, inputs=inputs)
     job, rows = make_coupon(profile, args.material)
-    following = instructions(profile, [job])
     recipe = Recipe(args.command).also(*options.words(args, add_card))
     card = path.with_suffix(f".{profile.format}") if is_bundle(path) else path
+    following = instructions(profile, [job], [card.suffix.lower()[1:]])
     contents = {
         name: recipe.put_into(export_job(part, name.suffix, profile), card.name, name.name)
         for name, part in job_files(job, card, profile).items()
     }
     if is_bundle(path):
         parts = {name.name: data for name, data in contents.items()}
-        about = card_readme(job.title, list(parts), rows, following, recipe.lines())
-        contents = {path: recipe.put_into(zipped({README: about} | parts), path.name, path.name)}
+        text = card_readme(job.title, list(parts), rows, following, recipe.lines())
+        contents = {path: recipe.put_into(zipped({README: text} | parts), path.name, path.name)}
     files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
-    write_files(contents, replace=args.force)
+    write_files(contents, replace=args.force, inputs=inputs)
     lines = [job.title, *(f"  {row}" for row in rows)]
+    seconds = seconds_of_steps(job, profile)
+    lines += [] if seconds is None else [f"  time      {about(sum(seconds))} on the machine"]
     lines += [f"  written   {file['path']} ({file['bytes']:,} bytes)" for file in files]
     lines += [f"  next      {line}" for line in following]
-    report = {"ok": True, "title": job.title, "rows": rows, "files": files, "next": following}
+    lasts = None if seconds is None else round(sum(seconds), 1)
+    report = {"ok": True, "title": job.title, "rows": rows, "seconds": lasts, "files": files, "next": following}
     options.console(args).report(report, lines)
     return DONE
 

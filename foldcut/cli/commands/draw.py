@@ -69,7 +69,7 @@ def draw(args: Namespace) -> int:
         svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages, ladder)
         return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
 
-    return fold_and_write(request, output, drawn, options.console(args), recipe, force=args.force)
+    return fold_and_write(request, output, drawn, options.console(args), recipe, replace=args.force)
 
 
 DRAW = Command(

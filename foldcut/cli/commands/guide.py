@@ -41,7 +41,7 @@ def guide(args: Namespace) -> int:
     def written(result: Result | Reopened) -> bytes:
         return GUIDES[output.suffix.lower()](result.folded_pattern)
 
-    return fold_and_write(request, output, written, options.console(args), recipe, force=args.force)
+    return fold_and_write(request, output, written, options.console(args), recipe, replace=args.force)
 
 
 GUIDE = Command(

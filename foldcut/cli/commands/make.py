@@ -43,6 +43,8 @@ examples:
   foldcut make fish -o fish.pdf -o fish.dxf -o fish.fold
   foldcut make fish --profile axidraw-a4 --marks outline,numbers,title
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
+  foldcut make star --sheet a6 --profile grbl-laser --copies 4 --tabs 4x0.5mm --frame -o stars.zip
+  foldcut make star --sheet a6 --profile xtool-s1 --at 30mm,2cm
   foldcut make fish-creases.svg --again
 
 Without -o it writes NAME-creases.svg and, unless SHAPE is a .fold, NAME-creases.fold into the current folder, or with
@@ -103,19 +105,21 @@ def make(args: Namespace) -> int:
     from foldcut.drawing.mend import preview
     from foldcut.foldfile.reopen import Reopened
     from foldcut.jobs.errors import TooLargeError
-    from foldcut.output.atomic import check_targets
+    from foldcut.output.atomic import Inputs, check_targets
 
     console, request = options.console(args), options.request(args)
     source = request.source
     usual = options.usual_machines(args, (Path(out).suffix for out in args.output or ()))
     machine = options.no_machine() if usual else options.machine(args)
     default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
-    outputs = Outputs(output_paths(args.output or default, source), source.stem, machine, usual)
+    outputs = Outputs(output_paths(args.output or default), source.stem, machine, usual)
+    inputs = Inputs([*source.files(), *outputs.profile_files()])
     outputs.check_formats(request_sheet(request))
     preview_path = None if not args.preview else Path(args.preview)
     if preview_path is not None and preview_path.suffix.lower() != ".svg":
         raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
-    check_targets([*outputs.targets(), *([preview_path] if preview_path else [])], replace=args.force)
+    targets = [*outputs.targets(), *([preview_path] if preview_path else [])]
+    check_targets(targets, replace=args.force, inputs=inputs)
 
     result = fold_or_open(request, console)
     contents: dict[Path, bytes] = {}
@@ -135,7 +139,7 @@ def make(args: Namespace) -> int:
                 before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
                 after = pattern.shape.loops
             contents[preview_path] = preview(before, after, _lost(result, before))
-    return write_and_report(result, contents, console, force=args.force, made=made)
+    return write_and_report(result, contents, console, replace=args.force, inputs=inputs, made=made)
 
 
 def request_sheet(request: Request) -> Sheet:
@@ -169,14 +173,11 @@ def default_names(source: Source, machine: Machine) -> list[str]:
     return [f"{source.stem}-{Path(machine.name).stem}.{machine.profile.format}"]
 
 
-def output_paths(names: list[str], source: Source) -> tuple[Path, ...]:
-    """Return the paths of the outputs; raises BadInputError for folders that do not exist, and for the source."""
+def output_paths(names: list[str]) -> tuple[Path, ...]:
+    """Return the paths of the outputs; raises BadInputError for folders that do not exist."""
     for name in names:
         if name.endswith(("/", os.sep)) and not Path(name).is_dir():
             raise BadInputError(f"cannot write into {name}: there is no such folder; create it first")
-    for path in map(Path, names):
-        if path.is_file() and source.path.is_file() and path.samefile(source.path):
-            raise BadInputError(f"{path} is the drawing itself; give the output another name")
     return tuple(map(Path, names))
 
 
