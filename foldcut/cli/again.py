@@ -84,7 +84,7 @@ def asked(args: Namespace) -> tuple[Path, str]:
     if not shape:
         raise BadInputError("--again makes a file again that foldcut wrote: foldcut make FILE --again [DRAWING]")
     given = given if args.shape else ""
-    groups = (options.add_source, options.add_folding, options.add_machine)
+    groups = (options.add_source, options.add_folding, options.add_machine, options.add_solid)
     wrong = [name for add in groups for name in options.given(args, add) if name not in ("--shape", "--progress")]
     wrong += ["--preview"] if args.preview else []
     if wrong:
