@@ -16,17 +16,20 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, wraps
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
+
+from foldcut.core.signals import signals_wait
 
 __all__ = [
     "COMPILED",
     "CompiledCode",
     "compiled_copy",
     "compiled_in",
+    "compiler",
     "copy_of",
     "expect_many_drawings",
     "forget_unreadable",
@@ -71,11 +74,9 @@ def compiled_in(module: str, *, inline: bool = False) -> Callable[[Function], Fu
     """
     if not module.endswith(COPY):
         return lambda function: function
-    from numba import njit
-
     # _nrt: without counting references, which took nine tenths of the time; so nothing may be allocated in there
     options = {"nogil": True, "error_model": "numpy", "forceinline": inline, "_nrt": False}
-    compile_later: Callable[[Function], Function] = njit(**options)
+    compile_later: Callable[[Function], Function] = compiler()(**options)
 
     def decorate(function: Function) -> Function:
         compiled: Any = compile_later(function)
@@ -85,6 +86,32 @@ def compiled_in(module: str, *, inline: bool = False) -> Callable[[Function], Fu
         return decorated
 
     return decorate
+
+
+@cache
+def compiler() -> Any:
+    """Return numba's ``njit``; from then on signals wait while machine code is made or loaded.
+
+    LLVM calls back into Python there, and an exception in such a call, as Ctrl-C raises it, ends the process with a
+    segmentation fault.
+    """
+    from numba import njit
+    from numba.core.codegen import JitEngine
+
+    for name in ("finalize_object", "get_function_address", "get_global_value_address"):
+        setattr(JitEngine, name, _undisturbed(getattr(JitEngine, name)))
+    return njit
+
+
+def _undisturbed(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the function so that signals wait while it runs."""
+
+    @wraps(function)
+    def run(*arguments: Any) -> Any:
+        with signals_wait():
+            return function(*arguments)
+
+    return run
 
 
 @cache

@@ -6,9 +6,12 @@ It imports numba, so it is imported only for many boxes.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from foldcut.core.compiled import compiler
 
 __all__ = ["search"]
+
+njit = compiler()
 
 SHIFT = 3
 """The same as ``box_tree.SHIFT``: each node joins 2 ** SHIFT of the level below."""

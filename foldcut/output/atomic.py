@@ -11,27 +11,46 @@ from __future__ import annotations
 import errno
 import os
 import secrets
-import signal
 import stat
-import threading
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from types import FrameType
 
 from foldcut.core.errors import FileFormatError
+from foldcut.core.files import identity, is_standard_input
+from foldcut.core.signals import signals_wait
 
 
 class OutputError(FileFormatError):
     """A file cannot be written to the place that was asked for."""
 
 
+class InputError(OutputError):
+    """A file is read, and would be replaced."""
+
+
+class Inputs:
+    """The files that a command reads. None of them is ever replaced, by whatever path: links, hard links, other case.
+
+    ``paths`` may have some that do not exist; the one of standard input is "-".
+    """
+
+    def __init__(self, paths: Iterable[Path] = ()) -> None:
+        self._paths = {found: path for path in paths if (found := identity(path)) is not None}
+
+    def refuse(self, target: Path) -> None:
+        """Raise InputError if ``target`` leads to one of them."""
+        path = self._paths.get(identity(target) or (-1, -1)) if self._paths else None
+        if path is None:
+            return
+        what = "standard input" if is_standard_input(path) else str(path)
+        same = f" (as {what})" if what != str(target) else ""
+        raise InputError(f"cannot write {target}: it is read{same}, and would be lost; write to another name or folder")
+
+
 STALE_S = 3600.0
 """A temporary file older than this, in seconds, was left behind by a process that was killed."""
-
-_HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name)]
-"""The signals that wait while files are moved."""
 
 _REMEDIES = {
     errno.ENOENT: "its folder does not exist; create it first",
@@ -46,11 +65,11 @@ _REMEDIES = {
 """What a message says about an error of the operating system: what is wrong, and what to do."""
 
 
-def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
+def check_targets(paths: Iterable[Path], *, replace: bool = False, inputs: Inputs | None = None) -> None:
     """Check, before any long work, that files can be written; a full disk is found out only later.
 
     Raises OutputError: a folder is missing or not writable, a path is a folder, two paths are the same, or, without
-    ``replace``, a file exists already.
+    ``replace``, a file exists already. Raises InputError: a file is one of the ``inputs``.
     """
     seen = set()
     for path in paths:
@@ -59,6 +78,8 @@ def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
             raise OutputError(f"{path} is named twice; give every output its own name")
         seen.add(target)
         with _explained(path):
+            if inputs is not None:
+                inputs.refuse(path)
             if target.exists() and not target.is_file():
                 what = "a folder" if target.is_dir() else "not a regular file"
                 raise OutputError(f"cannot write {path}: it is {what}; give a file name")
@@ -72,15 +93,16 @@ def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
                 raise OSError(errno.EACCES, "")
 
 
-def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> None:
+def write_files(contents: Mapping[Path, bytes], *, replace: bool = False, inputs: Inputs | None = None) -> None:
     """Write all files, or none if one cannot be written; ``replace`` allows existing files to be replaced.
 
-    A replaced file keeps its permissions, and links are followed. Only a failure while the finished files are moved
-    into place, one after the other, can leave some new and some old; even then each of them is whole.
+    The ``inputs`` never are. A replaced file keeps its permissions, and links are followed. Only a failure while the
+    finished files are moved into place, one after the other, can leave some new and some old; even then each of them is
+    whole.
 
     Raises OutputError: a file cannot be written; the message says which one, why, and what to do.
     """
-    check_targets(contents, replace=replace)
+    check_targets(contents, replace=replace, inputs=inputs)
     moves: list[tuple[Path, Path, Path]] = []
     try:
         for path, data in contents.items():
@@ -90,12 +112,12 @@ def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> Non
             moves.append((path, temporary, target))
             with _explained(path):
                 _write_flushed(temporary, data, like=target)
-        with _signals_wait():
+        with signals_wait():
             for path, temporary, target in moves:
                 with _explained(path):
                     os.replace(temporary, target)
     finally:
-        with _signals_wait():
+        with signals_wait():
             for _, temporary, _ in moves:
                 temporary.unlink(missing_ok=True)
     for folder in {target.parent for _, _, target in moves}:
@@ -108,27 +130,6 @@ def _remove_stale(folder: Path) -> None:
         with suppress(OSError):
             if time.time() - left.stat().st_mtime > STALE_S:
                 left.unlink()
-
-
-@contextmanager
-def _signals_wait() -> Iterator[None]:
-    """Let signals wait until the block is done, and then run their handlers; does nothing outside the main thread."""
-    came: list[int] = []
-
-    def remember(number: int, frame: FrameType | None) -> None:
-        came.append(number)
-
-    before = {}
-    try:
-        if threading.current_thread() is threading.main_thread():  # no other is interrupted by signals
-            for number in _HELD:
-                before[number] = signal.signal(number, remember)
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-        for number in came[:1]:
-            signal.raise_signal(number)
 
 
 def _write_flushed(path: Path, data: bytes, like: Path) -> None:

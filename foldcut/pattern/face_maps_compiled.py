@@ -8,9 +8,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
+
+from foldcut.core.compiled import compiler
 
 __all__ = ["fold", "tree_of_faces"]
+
+njit = compiler()
 
 FINENESS = 2.0
 """Faces whose distances differ by less than a factor of two to the power of 1 / FINENESS are reached in any order."""

@@ -293,6 +293,7 @@ class _Search:
     interrupted: bool = False
     error: UnfoldableError | None = None
     told: Level | None = None
+    latest: Level | None = None
     easier: dict[bytes, Easier | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -316,6 +317,7 @@ class _Search:
                 if level is not None:
                     self._keep(level)
             except KeyboardInterrupt:
+                self._keep_latest()
                 if not any(level.verified for level in self.levels):
                     raise
                 self.interrupted = True
@@ -347,14 +349,7 @@ class _Search:
                 look = self._folded(start, effort=Effort("fast"))
                 if look.folds is None or look.folds > PROMISING * self.bounds.folds:
                     return look
-                try:
-                    self._tell(look)
-                    return self._folded(start)
-                except KeyboardInterrupt:
-                    if not look.verified:
-                        raise
-                    self.interrupted = True
-                    return look
+                self._tell(look)
         return self._folded(start, only="" if alone else HANDS)
 
     def _corners_beside_axes(self) -> float:
@@ -401,10 +396,6 @@ class _Search:
                 progress=self._progress,
                 compiled=self._wait,
             )
-        except KeyboardInterrupt:
-            if best is None:
-                raise
-            self.interrupted = True
         finally:
             seconds = time.perf_counter() - started
             self.stages.seconds["outlines"] = self.stages.seconds.get("outlines", 0.0) + seconds
@@ -524,9 +515,18 @@ class _Search:
         self.levels.append(level)
         self._tell(level)
 
+    def _keep_latest(self) -> None:
+        """Keep the best pattern of a tolerance that the search has not done with."""
+        latest = self.latest
+        if latest is not None and all(level.tolerance_mm != latest.tolerance_mm for level in self.levels):
+            self.levels.append(latest)
+
     def _tell(self, level: Level) -> None:
         """Hand a pattern to whoever waits for one, if it is better than the one before."""
-        if self.on_pattern is None or not level.verified:
+        if not level.verified:
+            return
+        self.latest = level
+        if self.on_pattern is None:
             return
         same = self.told is not None and self.told.tolerance_mm == level.tolerance_mm
         if self.told is None or self._key(level, exact=not same) < self._key(self.told, exact=not same):

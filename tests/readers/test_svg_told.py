@@ -87,3 +87,19 @@ def test_wide_strokes_of_an_outline_are_told(tmp_path: Path) -> None:
 def test_there_are_two_ways_to_read_strokes() -> None:
     with pytest.raises(BadInputError, match="there is no way 'wide' to read strokes; give lines or outline"):
         ReadOptions(strokes="wide")
+
+
+DASHED = '<path d="M10 10h40v40h-40z" fill="none" stroke="black" {}/>'
+
+
+@pytest.mark.parametrize(
+    ("body", "told"),
+    [
+        (DASHED.format('stroke-dasharray="4 2"'), ("1 stroke-dasharray",)),
+        (f'<g style="stroke-dasharray: 5%">{DASHED.format("")}</g>', ("1 stroke-dasharray",)),
+        (DASHED.format('stroke-dasharray="none"'), ()),
+        ('<path d="M10 10h40v40h-40z" stroke-dasharray="4 2"/>', ()),
+    ],
+)
+def test_dashes_are_read_as_whole_lines_and_told(tmp_path: Path, body: str, told: tuple[str, ...]) -> None:
+    assert read(tmp_path, body).ignored == told

@@ -313,6 +313,19 @@ def test_ctrl_c_takes_the_pattern_of_the_short_look_at_the_drawing_as_it_is() ->
         climb(drawn(CIRCLES["circle"]), Impatient(lambda _: 999), Effort("normal"), level="exact")
 
 
+@pytest.mark.parametrize("tolerance", [0, 0.25, 1])
+def test_ctrl_c_takes_the_pattern_that_was_told_a_moment_ago(tolerance: float) -> None:
+    folds = iter([200, 150, 100, 90, 80, 70])
+
+    def interrupted(level: Level) -> None:
+        if level.tolerance_mm == tolerance:
+            raise KeyboardInterrupt
+
+    ladder = climb(drawn(CIRCLES["circle"]), Folder(lambda _: next(folds)), on_pattern=interrupted)
+    assert ladder.interrupted
+    assert ladder.level.tolerance_mm == tolerance
+
+
 def test_ctrl_c_ends_the_command_where_there_is_nothing_to_take() -> None:
     def folds(corners: int) -> int:
         raise KeyboardInterrupt

@@ -23,11 +23,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
 from foldcut.core.arrays import Floats, Ints
+from foldcut.core.compiled import compiler
 from foldcut.methods.disks.chains import TURN, StuckError
 
 try:  # parts of numba that it may change without notice
@@ -216,8 +216,8 @@ GROUPS = (
 TYPES = {"disks": DISK, "visits": VISIT, "entries": ENTRY, "gaps": GAP, "contacts": CONTACT, "bounds": np.float64}
 """The types of arrays that are not int32."""
 
-_compiled = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-_called = njit(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)
+_compiled = compiler()(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_called = compiler()(cache=True, error_model="numpy", nogil=True, no_cfunc_wrapper=True)
 
 
 def _build_uncounted(context, builder, signature, values):
