@@ -319,6 +319,20 @@ def profile_names() -> tuple[str, ...]:
     return tuple(sorted({*_names(resources.files(__package__).iterdir()), *users}))
 
 
+def known_profiles() -> tuple[dict[str, Profile], dict[str, str]]:
+    """Return all profiles by name, and of those that cannot be read, what is wrong with them."""
+    known: dict[str, Profile] = {}
+    broken: dict[str, str] = {}
+    for name in profile_names():
+        try:
+            known[name] = load_profile(name)
+        except FileFormatError as error:
+            broken[name] = str(error)
+        except OSError as error:
+            broken[name] = f"profile {name}: {error.strerror}"
+    return known, broken
+
+
 def user_folder() -> Path:
     """Return the folder of the user's own profiles: ``foldcut/profiles`` in the configuration folder."""
     # "~" stays where nobody knows the home: then there is no such folder
