@@ -110,7 +110,7 @@ def recipe_of(path: Path) -> Recipe:
     if not text:
         why = f"{NO_PLACE[suffix]}; give another file that was made with it" if suffix in NO_PLACE else ""
         raise FileFormatError(
-            f"{path} has no recipe: {why or 'foldcut did not write it, or a program has written it anew since'}"
+            f"{path} has no recipe: {why or 'foldcut did not write it, or it has several drawings, or a program has saved it since'}"
         )
     try:
         recipe = read_recipe(text)
