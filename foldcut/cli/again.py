@@ -108,10 +108,10 @@ def recipe_of(path: Path) -> Recipe:
     suffix = path.suffix.lower()
     text = recipe_in(path.read_bytes(), suffix)
     if not text:
-        why = f"{NO_PLACE[suffix]}; give another file that was made with it" if suffix in NO_PLACE else ""
-        raise FileFormatError(
-            f"{path} has no recipe: {why or 'foldcut did not write it, or it has several drawings, or a program has saved it since'}"
-        )
+        why = "foldcut did not write it, or it has several drawings, or a program has saved it since"
+        if suffix in NO_PLACE:
+            why = f"{NO_PLACE[suffix]}; give another file that was made with it"
+        raise FileFormatError(f"{path} has no recipe: {why}")
     try:
         recipe = read_recipe(text)
         check(recipe)
@@ -122,16 +122,21 @@ def recipe_of(path: Path) -> Recipe:
 
 def check(recipe: Recipe) -> None:
     """Raise FileFormatError unless a recipe, which anybody may have written, reads and writes only what it may."""
-    names = [recipe.drawing, recipe.output, recipe.file]
-    if recipe.command not in REPEATED or not recipe.output or any(Path(name).name != name for name in names if name):
+    names = [name for name in (recipe.drawing, recipe.output, recipe.file) if name]
+    if recipe.command not in REPEATED or not recipe.output or not all(map(is_name, names)):
         raise FileFormatError("its recipe is damaged")
     parser = Parser(add_help=False)
     load(recipe.command).add_options(parser)
     known = {*parser.option_strings()} - {*NEVER}  # whole names: argparse would take a part of one
     for word in recipe.options:
         name, _, value = word.partition("=")
-        if name not in known or (name in options.FILES_OF and Path(value).name != value):
+        if name not in known or (name in options.FILES_OF and not is_name(value)):
             raise FileFormatError(f"its recipe has {word!r}, which no recipe has")
+
+
+def is_name(text: str) -> bool:
+    """Whether a text is a name of a file, without a folder."""
+    return text.isprintable() and Path(text).name == text and text != ".."
 
 
 def found_drawing(recipe: Recipe, path: Path, given: str) -> Path:
