@@ -19,7 +19,7 @@ from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export_frame, export_job
 from foldcut.exporters.text import printable
-from foldcut.foldfile.read import read_fold
+from foldcut.foldfile.read import read_fold_apart
 from foldcut.foldfile.reopen import reopen
 from foldcut.jobs.arrange import APART_MM, arranged, check_bed, check_copies, from_zero, quarter_turned
 from foldcut.jobs.duration import about, seconds_of_steps
@@ -151,7 +151,7 @@ def pack(sizes: Sequence[tuple[float, float]], bed: Bed) -> list[Packed]:
 
 def opened(path: Path) -> FoldedPattern:
     """Return the pattern in a FOLD file of the batch, verified anew."""
-    made = reopen(read_fold(path))
+    made = reopen(read_fold_apart(path))
     if not made.verified:
         raise BadInputError(f"{path} is not as the batch wrote it ({made.findings[0]}); make it again with --force")
     return made.folded_pattern

@@ -26,7 +26,8 @@ from foldcut.exporters.pictures.contact_sheet import Thumbnail, thumbnail
 from foldcut.output.recipe import Recipe as FileRecipe
 from foldcut.output.render import JobOptions, Maker
 from foldcut.profiles import Profile
-from foldcut.readers import ReadOptions, read_shape
+from foldcut.readers import ReadOptions
+from foldcut.readers.apart import read_shape_apart
 
 MADE = "made"
 """The pattern is verified, and its files are there."""
@@ -122,7 +123,7 @@ def work(recipe: Recipe, task: Task) -> Outcome:
 
     started = time.perf_counter()
     try:
-        drawing = read_shape(task.name, recipe.reading, task.data)
+        drawing = read_shape_apart(task.name, recipe.reading, task.data)
         result = pipeline.fold(drawing, **recipe.fold)
         pattern = result.require_verified()
         level = None if result.ladder is None else result.ladder.level

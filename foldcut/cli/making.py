@@ -58,11 +58,11 @@ def one_by_one(source: Source) -> str:
 
 def opened(request: OpenRequest) -> Reopened:
     """Open a FOLD file that foldcut wrote, and verify it anew."""
-    from foldcut.foldfile.read import read_fold
+    from foldcut.foldfile.read import read_fold_apart
     from foldcut.foldfile.reopen import reopen
 
     try:
-        return reopen(read_fold(request.source.path))
+        return reopen(read_fold_apart(request.source.path))
     except FileFormatError:
         raise
     except BadInputError as error:

@@ -123,12 +123,14 @@ class Source:
     def read(self, options: ReadOptions) -> Drawing:
         """Return the drawing."""
         if self.text is None:
-            from foldcut.readers import read_shape
+            from foldcut.readers.apart import read_shape_apart
 
-            return read_shape(self.path, options)
+            return read_shape_apart(self.path, options)
+        from foldcut.readers.apart import apart
         from foldcut.readers.typed_text import draw_text
 
-        return draw_text(self.text, self.font, options, self.joined)
+        text = self.text
+        return apart(lambda: draw_text(text, self.font, options, self.joined), options.limits, self.font)
 
 
 def add_source(command: ArgumentParser) -> None:
@@ -234,7 +236,8 @@ def add_reading(command: ArgumentParser) -> None:
         action="append",
         default=[],
         help="allow larger drawings: bytes (default: 20 MiB), points (100000), loops (1000), "
-        "pixels (40 million), nesting (100); repeatable",
+        "pixels (40 million), nesting (100); and longer reading: seconds of the processor (10), megabytes (1024); "
+        "repeatable",
     )
 
 

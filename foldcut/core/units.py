@@ -29,7 +29,7 @@ MM_PER_UNIT = {
 LONGEST_MM = 1e6
 """Nobody means a longer length: a kilometre. A sheet is far smaller."""
 
-LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
+LENGTH = r"([+-]?(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:e[+-]?[0-9]++)?+)\s*+(mm|cm|in)?"
 """A regular expression for a length in lower case: its groups are the number and the unit, if there is one."""
 
 

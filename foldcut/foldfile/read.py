@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from pathlib import Path
 from typing import Any, NoReturn
@@ -25,14 +25,16 @@ from foldcut.core.files import is_standard_input, read_bytes
 from foldcut.core.model import CreasePattern, Placement
 from foldcut.core.text import as_title
 from foldcut.core.units import MM_PER_UNIT
+from foldcut.drawing.limits import Limits
 from foldcut.foldfile.claims import Claims, read_claims
 from foldcut.foldfile.frames import is_folded_form, with_pattern_first
 from foldcut.foldfile.parts import LARGEST, fail, indices, numbers, rows_of, shown
 from foldcut.geometry.planar_graph import edge_faces, signed_areas, trace_faces
 from foldcut.pattern.face_maps import fold_faces
+from foldcut.readers.apart import apart
 from foldcut.readers.base import decoded, why_not_json
 
-__all__ = ["FoldFile", "read_fold"]
+__all__ = ["FoldFile", "read_fold", "read_fold_apart"]
 
 LARGEST_FILE = 128 * 2**20
 """The size of the largest file, in bytes. 20,000 creases take 4 million, and two million face orders ten times that."""
@@ -94,6 +96,16 @@ def read_fold(path: Path | str) -> FoldFile:
         raise FileFormatError(f"{path}: {error}") from None
     except OSError as error:
         raise FileFormatError(f"{path}: {error.strerror}; check the path and its permissions") from None
+
+
+def read_fold_apart(path: Path | str) -> FoldFile:
+    """Do as ``read_fold``, in a process of its own with as much time and memory as a file of this size may take."""
+    path = Path(path)
+    usual = Limits()
+    size = path.stat().st_size if path.is_file() else LARGEST_FILE
+    share = max(1, math.ceil(size / usual.bytes))
+    limits = replace(usual, seconds=share * usual.seconds, megabytes=share * usual.megabytes)
+    return apart(lambda: read_fold(path), limits, str(path), option=False)
 
 
 def _load(path: Path) -> dict[str, Any]:

@@ -239,7 +239,7 @@ BAD_SVG = [
         "<svg><defs>"
         + "".join(f'<g id="l{n}">{clones(n + 1)}</g>' for n in range(9))
         + f'<g id="l9">{POLYGON}</g></defs><use href="#l0"/></svg>',
-        "more than 200,000 elements are shown; give a simpler drawing",
+        "more than 100,000 elements are shown; give a simpler drawing",
     ),
     (svg('<use href="file:///etc/passwd"/>'), "the file has no polygon"),
     (svg('<path d="M0 0H5"/><polyline points="1,1 2,2"/>'), "the outlines of the file enclose no area; draw"),
