@@ -38,7 +38,7 @@ MOST_MOVED = 0.02
 
 def add_options(command: ArgumentParser) -> None:
     """Add the FOLD file, the drawing that its cut must give, and how exact its coordinates have to be."""
-    command.add_argument("file", metavar="FILE.fold", help="the crease pattern")
+    command.add_argument("file", metavar="FILE.fold", help="the crease pattern, or - for standard input")
     command.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     command.add_argument(
         "--tolerance",
