@@ -49,7 +49,7 @@ def add_options(command: ArgumentParser) -> None:
 
 def add_pattern(command: ArgumentParser) -> None:
     """Add the crease pattern."""
-    command.add_argument("file", metavar="PATTERN", help="the crease pattern: .fold, .cp, .opx, or .svg with its lines")
+    command.add_argument("file", metavar="PATTERN", help=".fold, .cp, .opx, .svg with lines, or - for a .fold")
 
 
 def add_tolerance(command: ArgumentParser) -> None:

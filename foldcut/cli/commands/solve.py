@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,9 +14,11 @@ from foldcut.cli.commands import Command
 from foldcut.cli.commands.check import add_pattern, add_tolerance, tell, tolerance_of
 from foldcut.cli.outputs import Outputs, is_bundle
 from foldcut.core.errors import BadInputError, UnfoldableError
+from foldcut.core.files import is_standard_input
 
 if TYPE_CHECKING:
     from foldcut.foldfile.solved import Solved
+    from foldcut.output.recipe import Recipe
 
 EXAMPLES = """\
 examples:
@@ -40,12 +44,17 @@ def add_options(command: ArgumentParser) -> None:
         action="append",
         help="a file to write, in the format that its ending names (default: NAME-solved.fold; repeatable)",
     )
-    command.add_argument("--width", metavar="LENGTH", help="how wide the sheet is (default: as the file says)")
-    add_tolerance(command)
+    add_judging(command)
     options.add_force(command)
     options.add_timeout(command)
     options.add_machine(command)
     options.add_console(command)
+
+
+def add_judging(command: ArgumentParser) -> None:
+    """Add how large the sheet is, and how exact coordinates have to be."""
+    command.add_argument("--width", metavar="LENGTH", help="how wide the sheet is (default: as the file says)")
+    add_tolerance(command)
 
 
 def solve(args: Namespace) -> int:
@@ -55,20 +64,18 @@ def solve(args: Namespace) -> int:
     from foldcut.foldfile.patterns import read_pattern_apart
     from foldcut.foldfile.solved import solve as solve_file
     from foldcut.jobs.errors import TooLargeError
-    from foldcut.output.atomic import check_targets, write_files
-    from foldcut.output.recipe import Recipe
+    from foldcut.output.atomic import Inputs, check_targets, write_files
 
     console, path = options.console(args), Path(args.file)
     width_mm = None if args.width is None else parse_length(args.width)
-    names = [Path(name) for name in args.output or [f"{path.stem}-solved.fold"]]
-    if any(name.is_file() and path.is_file() and name.samefile(path) for name in names):
-        raise BadInputError(f"{path} is the pattern itself; give the output another name")
+    stem = "pattern" if is_standard_input(path) else path.stem
+    names = [Path(name) for name in args.output or [f"{stem}-solved.fold"]]
     args.sheet = None
     usual = options.usual_machines(args, (name.suffix for name in names))
     machine = options.no_machine() if usual else options.machine(args)
-    outputs = Outputs(tuple(names), path.stem, machine, usual)
-    targets = outputs.targets()
-    check_targets(targets, replace=args.force)
+    outputs = Outputs(tuple(names), stem, machine, usual)
+    inputs = Inputs([path, *outputs.profile_files()])
+    check_targets(outputs.targets(), replace=args.force, inputs=inputs)
     file = read_pattern_apart(path)
     solved, decision = solve_file(file, tolerance_of(args), width_mm)
     told = report.decision_report(decision, False, file.notes + decision.notes)
@@ -77,15 +84,25 @@ def solve(args: Namespace) -> int:
     check_kinds(names, solved)
     try:
         outputs.check_formats(solved.folded_pattern.sheet)
-        contents, made = outputs.contents(solved.folded_pattern, Recipe("solve", drawing=path.name))
+        contents, made = outputs.contents(solved.folded_pattern, recipe_of(args, path))
     except TooLargeError as error:
         raise BadInputError(f"{error.what}; make the sheet smaller with --width") from None
     if solved.in_a_circle:
         contents = without_lists(contents, solved)
     files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-    write_files(contents, replace=args.force)
+    write_files(contents, replace=args.force, inputs=inputs)
     console.report(*report.solved_report(told, files, made))
     return 0
+
+
+def recipe_of(args: Namespace, path: Path) -> Recipe:
+    """Return how the files are made, but for their machine."""
+    from foldcut.output.recipe import Recipe
+
+    made = Recipe("solve").also(*options.words(args, add_judging))
+    if is_standard_input(path):
+        return made
+    return replace(made, drawing=path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
 
 
 def check_kinds(names: Sequence[Path], solved: Solved) -> None:
