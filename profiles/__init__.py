@@ -55,7 +55,7 @@ MarkName = Literal["outline", "first-folds", "cut-line", "numbers", "title", "ru
 LARGEST = 2**20
 """A profile has no more bytes than this."""
 
-UNITS = {"_mm_s": "mm/s", "_mm": "mm", "_s": "s", "_g": "g", "_percent": "%", "_units": "units"}
+UNITS = {"_mm_s2": "mm/s2", "_mm_s": "mm/s", "_mm": "mm", "_s": "s", "_g": "g", "_percent": "%", "_units": "units"}
 """The units that the names of quantities end in."""
 
 DEEPEST = 8
@@ -251,9 +251,9 @@ class Motion(_Table):
     to put the tool down, and as long to lift it; 0 if it works without a stop.
     """
 
-    travel_mm_s: Millimetres
-    work_mm_s: Millimetres | None = None
-    acceleration_mm_s2: Millimetres
+    travel_mm_s: Speed
+    work_mm_s: Speed | None = None
+    acceleration_mm_s2: Annotated[float, Field(ge=1, le=1_000_000)]
     corner_mm: Annotated[float, Field(ge=0, lt=10)] = 0.01
     lift_s: Annotated[float, Field(ge=0, le=10)] = 0.0
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from foldcut.foldfile.decide import Decision
     from foldcut.foldfile.reopen import Reopened
     from foldcut.jobs.job import Job
+    from foldcut.layer_orders.count import States
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing
@@ -440,10 +441,21 @@ def decision_report(decision: Decision, with_shape: bool, notes: Sequence[str]) 
     }
 
 
+def states_report(states: States | None) -> Report:
+    """Return what is reported of the layer orders that were counted; None: they were too many."""
+    if states is None:
+        return {"states": None, "states_of_parts": []}
+    return {"states": states.number, "states_of_parts": list(states.parts)}
+
+
 def decision_lines(report: Report) -> list[str]:
     """Return the report of ``foldcut check`` as text."""
     notes = [("note", note) for note in report["notes"]]
     rows = [*_pattern_rows(report), *notes, ("verdict", report["verdict"])]
+    if "states" in report:
+        number, parts = report["states"], report["states_of_parts"]
+        product = f", {' x '.join(map(str, parts))} of parts that do not depend on each other" if len(parts) > 1 else ""
+        rows.append(("states", "too many to be counted" if number is None else f"{number:,}{product}"))
     return _aligned([*rows, *([] if report["folds"] is None else _verdict_rows(report))])
 
 

@@ -21,13 +21,14 @@ from foldcut.core.model import CreasePattern, Finding, Shape
 from foldcut.foldfile.judge import judge, judge_fields
 from foldcut.foldfile.read import FoldFile
 from foldcut.geometry.planar_graph import edge_faces
-from foldcut.layer_orders.orders import Found, find_order, with_folds
+from foldcut.layer_orders.count import States
+from foldcut.layer_orders.orders import Found, count_orders, find_order, with_folds
 from foldcut.pattern.face_maps import fold_faces, folded_edges
 from foldcut.pattern.repair import Repaired, nearest_foldable
 from foldcut.proof.tolerance import COINCIDENT
 from foldcut.proof.verify import PairOrder, verify
 
-__all__ = ["TOLERANCE", "Decision", "decide"]
+__all__ = ["TOLERANCE", "Decision", "decide", "states_of"]
 
 TOLERANCE = 3e-5
 """How far vertices may be moved, relative to the sheet's diagonal, unless the user says it.
@@ -88,6 +89,17 @@ def decide(file: FoldFile, shape: Shape | None = None, tolerance: float = TOLERA
         return decision
     flat = deciding.decide(with_folds(file.pattern, "F"))  # unassigned edges that cannot be folded may stay flat
     return flat if flat.folds else decision
+
+
+def states_of(file: FoldFile, decision: Decision) -> States | None:
+    """Return how many layer orders a pattern has of which it was decided that it folds; None: too many to be counted.
+
+    Edges that the file leaves unassigned count both ways.
+    """
+    free = (file.pattern.edges_assignment == "U") & folded_edges(decision.pattern)
+    letters = np.where(free, "U", decision.pattern.edges_assignment)
+    error = 0.0 if decision.moved is None else decision.moved.most
+    return count_orders(replace(decision.pattern, edges_assignment=letters), error)
 
 
 class _Deciding:

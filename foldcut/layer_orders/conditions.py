@@ -64,7 +64,7 @@ class Conditions:
         facts = self.numbers(*given.T)
         a, b, c, d = four.T
         even = np.stack([self.numbers(*pair) for pair in ((a, c), (b, c), (a, d), (b, d))], axis=1)
-        self._unite(first, second, facts, even)
+        self._begin(first, second, facts, even)
 
     def numbers(self, above: Numbers, below: Numbers) -> Indices:
         """Return the numbers of pairs, from 1, negative where the upper face is the greater one."""
@@ -88,27 +88,34 @@ class Conditions:
         """Return the literals of numbers of pairs."""
         return np.sign(numbers) * self.literal[np.abs(numbers)]
 
-    def _unite(self, first: Indices, second: Indices, facts: Indices, even: Indices) -> None:
-        """Make one unknown of all pairs that lie the same way, or opposite ways."""
-        n = len(self.pairs) + 1
-        self.literal: Indices = np.concatenate([[0], np.arange(2, n + 1)])
-        self.literal[0] = TRUE
-        one, other = np.concatenate([first, facts]), np.concatenate([second, np.zeros(len(facts), dtype=np.intp)])
-        one, other = self.of_numbers(one), np.where(other == 0, TRUE, self.of_numbers(other))
-        even = self.of_numbers(even)
-        self.contradictory = False
-        unknowns = n
-        while len(one):
-            renamed = _united(unknowns, one, other)
-            self.contradictory = self.contradictory or renamed is None
+    def _begin(self, first: Indices, second: Indices, facts: Indices, even: Indices) -> None:
+        """Make one unknown of all pairs that lie the same way, or opposite ways; all are numbers of pairs."""
+        self.unknowns = len(self.pairs) + 1
+        self.literal: Indices = np.arange(1, self.unknowns + 1)
+        self.even, self.contradictory = self.of_numbers(even), False
+        self._unite(
+            np.concatenate([self.of_numbers(first), self.of_numbers(facts)]),
+            np.concatenate([self.of_numbers(second), np.full(len(facts), TRUE)]),
+        )
+
+    def assume(self, literals: Indices) -> None:
+        """Take literals as true."""
+        self._unite(literals, np.full(len(literals), TRUE))
+
+    def _unite(self, one: Indices, other: Indices) -> None:
+        """Make one unknown of literals that are the same, and again of those that equations then make the same."""
+        while True:
+            renamed = _united(self.unknowns, one, other)
             if renamed is None:
-                break
-            unknowns = int(np.abs(renamed).max())
+                self.contradictory = True
+                return
+            self.unknowns = int(np.abs(renamed).max())
             self.literal = np.sign(self.literal) * renamed[np.abs(self.literal)]
-            even = np.sign(even) * renamed[np.abs(even)]
-            even, one, other, wrong = _simplified(even)
+            even = np.sign(self.even) * renamed[np.abs(self.even)]
+            self.even, one, other, wrong = _simplified(even)
             self.contradictory = self.contradictory or wrong
-        self.even, self.unknowns = even, unknowns
+            if not len(one):
+                return
 
 
 def _alike(sheet: FoldedSheet, only: Bools) -> tuple[Indices, Indices]:

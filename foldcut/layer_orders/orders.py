@@ -14,12 +14,13 @@ from foldcut.core.arrays import Chars, Indices, Numbers, sealed
 from foldcut.core.model import CreasePattern
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.layer_orders.conditions import Conditions, given_by_creases
+from foldcut.layer_orders.count import States, count_states
 from foldcut.layer_orders.folded_sheet import FoldedSheet, tolerance_of
 from foldcut.layer_orders.reasons import Reason, why_none
 from foldcut.layer_orders.search import OrderSearch
 from foldcut.pattern.face_maps import fold_faces
 
-__all__ = ["MOST_PAIRS", "Found", "find_order", "with_folds"]
+__all__ = ["MOST_PAIRS", "Found", "count_orders", "find_order", "with_folds"]
 
 MOST_PAIRS = 1_000_000
 """With more pairs of overlapping faces than this, no order is looked for."""
@@ -56,12 +57,8 @@ def find_order(pattern: CreasePattern, given: Numbers, error: float = 0.0) -> Fo
     coordinates are known to be off.
     """
     letters = pattern.edges_assignment
-    folding = with_folds(pattern)
-    faces_of_edges = edge_faces(pattern)
-    maps = fold_faces(folding, faces_of_edges)
-    tolerance, gap = tolerance_of(folding, faces_of_edges, maps, error)
-    sheet = FoldedSheet(folding, faces_of_edges, maps, tolerance)
-    share = tolerance / float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
+    sheet, gap = _folded(pattern, error)
+    share = sheet.tolerance / float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
     none = np.empty((0, 2), dtype=np.intp)
     if len(sheet.overlapping) > MOST_PAIRS:
         text = f"{len(sheet.overlapping):,} pairs of faces lie on each other; more than {MOST_PAIRS:,} are not ordered"
@@ -84,6 +81,33 @@ def find_order(pattern: CreasePattern, given: Numbers, error: float = 0.0) -> Fo
         text = f"its coordinates are too coarse to tell what lies on what when it is folded; as they are, {reason.text}"
         return Found(None, pattern, share, none, Reason(text, reason.place))
     return Found(False, pattern, share, none, reason)
+
+
+def count_orders(pattern: CreasePattern, error: float = 0.0) -> States | None:
+    """Return how many layer orders a pattern that folds flat has, or None if they are too many to be counted.
+
+    Edges assigned U may be folded either way. ``error`` as in ``find_order``.
+    """
+    sheet, _ = _folded(pattern, error)
+    if len(sheet.overlapping) > MOST_PAIRS:
+        return None
+    conditions = Conditions(sheet, given_by_creases(sheet, pattern.edges_assignment)[1])
+    search = OrderSearch(conditions)
+    try:
+        if search.find() is None:
+            return None if not search.decided else States((0,))
+        return count_states(conditions, search)
+    finally:
+        search.close()
+
+
+def _folded(pattern: CreasePattern, error: float) -> tuple[FoldedSheet, float]:
+    """Return the folded sheet, and how clear the gap between errors and features is."""
+    folding = with_folds(pattern)
+    faces_of_edges = edge_faces(pattern)
+    maps = fold_faces(folding, faces_of_edges)
+    tolerance, gap = tolerance_of(folding, faces_of_edges, maps, error)
+    return FoldedSheet(folding, faces_of_edges, maps, tolerance), gap
 
 
 def _read_off(sheet: FoldedSheet, letters: Chars, pairs: Indices) -> Chars:

@@ -23,7 +23,7 @@ __all__ = ["OrderSearch"]
 MOST_CONFLICTS = 2_000_000
 """How many conflicts the solver may run into, all together, before it gives up."""
 
-MOST_CIRCLES = 40_000
+MOST_CIRCLES = 4_000
 """How many circles are looked at in a round."""
 
 MOST_ROUNDS = 400
@@ -45,7 +45,7 @@ class OrderSearch:
         self._solver: Solver = Solver(name="minisat22")
         self._solver.add_clause([TRUE])
         self._solver.append_formula(parity_clauses(conditions.even))
-        self._apart: set[int] = set()
+        self._apart: Indices = np.empty(0, dtype=np.intp)
         self.triples: list[Indices] = []
 
     def close(self) -> None:
@@ -75,6 +75,11 @@ class OrderSearch:
             self.forbid_circles(circles)
         self.decided = False
         return None
+
+    def implied(self) -> Indices:
+        """Return the literals that follow without any search."""
+        found: Indices = np.array(self._solver.propagate()[1], dtype=np.intp)
+        return found
 
     def core(self) -> list[int]:
         """Return assumptions that cannot hold together, after ``find`` has found that they cannot."""
@@ -109,27 +114,28 @@ class OrderSearch:
             below, back = np.flatnonzero(above[a]), np.flatnonzero(on_circle[a])
             below, back = below[below > a], back[back > a]
             b, c = np.nonzero(above[np.ix_(below, back)])
-            triples = np.sort(np.stack([np.full(len(b), a), below[b], back[c]], axis=1), axis=1)
-            triples = self._sharing(triples)
-            found.append(triples)
-            number += len(triples)
+            b, c = below[b], back[c]
+            triples = np.stack([np.full(len(b), a), np.minimum(b, c), np.maximum(b, c)], axis=1)
+            triples = triples[~np.isin(self._keys(triples), self._apart)]
+            while len(triples):  # of those that would be forbidden by the same clause, one is enough
+                first = one_of_each(circle_literals(self.conditions, triples))
+                some = triples[first]
+                share = self.conditions.sheet.share_area(some)
+                self._apart = np.union1d(self._apart, self._keys(some[~share]))
+                found.append(some[share])
+                number += int(share.sum())
+                if share.any():
+                    break
+                triples = np.delete(triples, first, axis=0)
             if number >= MOST_CIRCLES:
                 break
         return np.concatenate(found) if found else np.empty((0, 3), dtype=np.intp)
 
-    def _sharing(self, triples: Indices) -> Indices:
-        """Return those triples that share a place; the others are remembered."""
+    def _keys(self, triples: Indices) -> Indices:
+        """Return one number for each triple of faces."""
         count = self.conditions.count
-        keys = ((triples[:, 0] * count + triples[:, 1]) * count + triples[:, 2]).tolist()
-        new = np.array([key not in self._apart for key in keys], dtype=np.bool_)
-        triples = triples[new]
-        if not len(triples):
-            return triples
-        share = self.conditions.sheet.share_area(triples)
-        apart = triples[~share]
-        self._apart.update(((apart[:, 0] * count + apart[:, 1]) * count + apart[:, 2]).tolist())
-        kept: Indices = triples[share]
-        return kept
+        keys: Indices = (triples[:, 0] * count + triples[:, 1]) * count + triples[:, 2]
+        return keys
 
 
 def parity_clauses(even: Indices) -> list[list[int]]:
@@ -144,10 +150,21 @@ def parity_clauses(even: Indices) -> list[list[int]]:
     return clauses
 
 
+def one_of_each(literals: Indices) -> Indices:
+    """Return the places of rows of literals, ``(n, k)``, that stand for all with the same literals."""
+    first: Indices = np.unique(np.sort(literals, axis=1), axis=0, return_index=True)[1]
+    return first
+
+
+def circle_literals(conditions: Conditions, triples: Numbers) -> Indices:
+    """Return for triples of faces, a, b and c, the literals for a above b, b above c, and c above a."""
+    a, b, c = triples.T
+    return np.stack([conditions.literals(*pair) for pair in ((a, b), (b, c), (c, a))], axis=1)
+
+
 def circle_clauses(conditions: Conditions, triples: Numbers) -> list[list[int]]:
     """Return clauses that keep triples of faces from lying on each other in a circle, either way around."""
-    a, b, c = triples.T
-    one = np.stack([conditions.literals(*pair) for pair in ((a, b), (b, c), (c, a))], axis=1)
+    one = circle_literals(conditions, triples)
     rows = np.concatenate([one, -one])
     rows = np.unique(np.sort(rows, axis=1), axis=0)
     true = (rows == TRUE).any(axis=1)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import io
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from pathlib import Path
 
 import ezdxf
 import numpy as np
 import pytest
+import shapely
 import svgelements
 from support.folded import folded_sample
 
@@ -17,7 +19,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.exporters import FRAME_EXPORTERS, JOB_EXPORTERS, export_frame, export_job
-from foldcut.jobs.arrange import APART_MM, BedLayout, laid_out
+from foldcut.jobs.arrange import APART_MM, BedLayout, laid_out, quarter_turned
 from foldcut.jobs.bed import tool_border
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.instructions import instructions
@@ -158,6 +160,25 @@ def test_copies_are_turned_where_only_that_has_room_for_them() -> None:
     profile = load_profile("laser-dxf", ["bed.width_mm=215", "bed.height_mm=101"])
     assert not make_jobs(star(), profile, layout=BedLayout(copies=2))[0].turned
     assert make_jobs(star(), profile, layout=BedLayout(copies=3))[0].turned
+
+
+def test_a_sheet_that_is_turned_is_not_mirrored() -> None:
+    pattern = folded_sample("bolt", SMALL)
+    (upright,) = make_jobs(pattern, load_profile("laser-dxf"))
+    (lying,) = make_jobs(pattern, load_profile("laser-dxf", ["bed.width_mm=75", "bed.height_mm=110"]))
+    assert (upright.turned, lying.turned) == (False, True)
+    turned = quarter_turned(upright)
+    assert (turned.size, turned.turned) == (lying.size, True)
+    for step, other in zip(turned.steps, lying.steps, strict=True):
+        assert lines_apart(step.strokes, other.strokes) < 1e-6
+    mirrored = [stroke * (-1, 1) + (lying.size[0], 0) for stroke in lying.steps[0].strokes]
+    assert lines_apart(turned.steps[0].strokes, mirrored) > 1, "the sample is not symmetric"
+    assert lines_apart(quarter_turned(quarter_turned(turned)).steps[0].strokes, turned.steps[0].strokes) > 1
+
+
+def lines_apart(some: Sequence[Floats], others: Sequence[Floats]) -> float:
+    one, other = (shapely.MultiLineString([*strokes]) for strokes in (some, others))
+    return float(shapely.hausdorff_distance(one, other, densify=0.1))
 
 
 @pytest.mark.parametrize("machine", [name for name in MACHINES if name not in WITH_BED])

@@ -29,6 +29,8 @@ Z_PEN = ("gcode.tool='z'",)
         ("grbl-laser", "gcode.most_power=1e9", "give at most 1e+06"),
         ("grbl-laser", "materials.card-160g.score.speed_mm_s=1e9", "give at most 10000 mm/s"),
         ("grbl-laser", "materials.card-160g.mountain.gap_mm=1e-9", "give at least 0.01 mm"),
+        ("grbl-laser", "motion.acceleration_mm_s2=0", "give at least 1 mm/s2"),
+        ("grbl-laser", "motion.travel_mm_s=inf", "give a finite number of mm/s"),
         ("grbl-laser", "kerf_mm=9", "kerf_mm = 9: give less than 5 mm"),
     ],
 )

@@ -62,3 +62,11 @@ def vertex(sectors: Sequence[float], letters: str, radius: float = 50.0) -> Docu
     edges = [(0, k + 1, letter) for k, letter in enumerate(letters)]
     edges += [(k + 1, (k + 1) % count + 1, "B") for k in range(count)]
     return document(points, edges)
+
+
+def stamps(columns: int, rows: int, letter: str = "U") -> Document:
+    """Return a sheet of unit squares with all lines between them creased."""
+    number = {(x, y): x * (rows + 1) + y for x in range(columns + 1) for y in range(rows + 1)}
+    along = [(number[x, y], number[x + 1, y], letter if 0 < y < rows else "B") for x, y in number if x < columns]
+    up = [(number[x, y], number[x, y + 1], letter if 0 < x < columns else "B") for x, y in number if y < rows]
+    return document([(float(x), float(y)) for x, y in number], along + up)

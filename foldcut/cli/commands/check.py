@@ -21,6 +21,7 @@ examples:
   foldcut check fish.fold
   foldcut check star.fold --shape star     also check that the cut gives this shape
   foldcut check crane.fold --tolerance 1e-3   of coordinates that are good to a thousandth of the sheet
+  foldcut check crane.fold --states        in how many layer orders does it fold flat?
   foldcut check fish.fold --json
 exit status: 0 it folds flat, 1 it does not, 2 the file cannot be read, 3 not decided
 """
@@ -47,6 +48,7 @@ def add_options(command: ArgumentParser) -> None:
             "(default: 3e-5, which accepts coordinates rounded to 1e-5 of the sheet)"
         ),
     )
+    command.add_argument("--states", action="store_true", help="also count the layer orders in which it folds flat")
     options.add_reading(command)
     options.add_timeout(command)
     options.add_console(command)
@@ -57,7 +59,7 @@ def check(args: Namespace) -> int:
     from foldcut.cli import report
     from foldcut.drawing.mend import Preparation, prepare
     from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.decide import TOLERANCE, decide
+    from foldcut.foldfile.decide import TOLERANCE, decide, states_of
     from foldcut.foldfile.read import read_fold_apart
 
     tolerance = TOLERANCE if args.tolerance is None else share(args.tolerance)
@@ -80,6 +82,8 @@ def check(args: Namespace) -> int:
         decision, more = judge_moved(read, shape.loops, decision, tolerance)
         notes += more
     checked = report.decision_report(decision, shape is not None, notes + decision.notes)
+    if args.states and decision.folds:
+        checked |= report.states_report(states_of(read, decision))
     return tell(options.console(args), checked, report.decision_lines(checked), decision, with_shape=bool(args.shape))
 
 
