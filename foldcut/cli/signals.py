@@ -96,6 +96,8 @@ def signals_raise() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = tell
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)  # before its handler goes: by itself it ends the process
         _waiting.clear()
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
