@@ -12,6 +12,7 @@ import errno
 import os
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
@@ -220,7 +221,10 @@ def _keep(
 
 def _check_own(path: Path, data: bytes) -> None:
     """Raise TakenError if there is a file that the batch cannot have written just before it was killed."""
-    if path.is_file() and (path.stat().st_size != len(data) or path.read_bytes() != data):
+    taken = False
+    with suppress(OSError):  # writing says what is wrong with the path
+        taken = path.is_file() and (path.stat().st_size != len(data) or path.read_bytes() != data)
+    if taken:
         raise TakenError(f"cannot write {path}: it is there already; move it away and try again with --retry")
 
 

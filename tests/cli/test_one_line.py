@@ -229,6 +229,11 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption() -> None:
         error.__cause__ = ended
         message, found = told(error)
         assert (message.startswith(says), found) == (True, status)
+    with pytest.raises(KeyboardInterrupt), signals_raise():
+        wait_after(lambda: signal.raise_signal(signal.SIGINT))
+    assert told(TypeError("Cannot compare structured arrays"))[1] == 130  # numpy names no cause
+    with signals_raise():
+        assert told(TypeError("Cannot compare structured arrays"))[1] == 1  # nothing came this time
     refused = BadInputError("the drawing is at fault")
     refused.__context__ = KeyboardInterrupt()
     assert told(refused) == ("the drawing is at fault", 2)
