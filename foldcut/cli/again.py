@@ -25,7 +25,7 @@ from foldcut.core.files import read_bytes
 if TYPE_CHECKING:
     from foldcut.output.recipe import Recipe
 
-REPEATED = ("make", "view", "draw", "guide", "coupon")
+REPEATED = ("make", "view", "draw", "guide", "coupon", "solve")
 """The commands that a recipe may have."""
 LARGEST = 2**29
 """A file that is made again has no more bytes than this."""

@@ -113,7 +113,7 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
     if profile.page is not None and profile.format == "pdf":
         edge = flip_edge(back.turned_over, next(tiles(front, profile)))
         lines = [
-            f"Print on both sides, flip on {edge} edge, as the file asks; or print the odd pages, turn the paper "
+            f"Print on both sides, flip on {edge} edge, as the file asks; or print the odd pages, turn the sheet "
             f"over {back.turned_over}, and print the even ones."
         ]
         marks = "Held against the light, the corner marks lie on one another."

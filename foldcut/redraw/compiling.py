@@ -30,7 +30,7 @@ COMPILING = "compiling the search for outlines: once, about a minute"
 ENTRIES = (
     (wavefront, ("run", "gather_faces")),
     (proxy_kernel, ("assess",)),
-    (ties_kernel, ("is_simple", "deviation", "solve")),
+    (ties_kernel, ("is_simple", "deviation", "solve", "tighten")),
     (pieces, ("fit_freely", "fit_directed", "straight_as_far_as")),
     (arcs_code, ("fit_arcs",)),
     (disks_code, ("fit_disks",)),
@@ -69,6 +69,7 @@ def compile_ahead() -> None:
     corners, sizes = loop[::5].copy(), (8,)
     engine.assess(corners, sizes)
     engine.deviation(corners, sizes)
+    engine.tighten(corners, sizes, [(0, 2, 4, 6)])
     engine.solve(corners, sizes, [(0, 2, 4, 6)], [Meeting((0, 2, 4), (0,), (0, 2, 6))])
     # a bent strip, which has every kind of outline
     strip = np.concatenate([_bend(50.0), _bend(40.0)[::-1]])

@@ -104,7 +104,7 @@ class Plan:
         own = self.target.shape if self.target.shape.corner_count <= MOST_OWN_CORNERS else None
         if own is not None and (corners := self._corners_beside_axes(own, tolerance)) is not None:
             yield corners
-        for start in all_starts(self.target.shape, tolerance, axes):
+        for start in all_starts(self.target.shape, tolerance, axes, loose=True):
             if len(start.axes) < len(axes):
                 return
             if (corners := self._corners_beside_axes(start.shape, tolerance)) is not None:

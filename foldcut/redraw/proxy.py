@@ -214,6 +214,10 @@ class Moving(NamedTuple):
     cell_first: Any
     cell_item: Any
     line: Any
+    row: Any
+    row_side: Any
+    kept_g: Any
+    kept_value: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -349,7 +353,7 @@ class _Place:
             i(4 * count + 60), i(60 * count + 2000), i(64, 4), f(40, 40), f(rows, 2 * count), f(rows),
             f(2 * count, 2 * count), f(2 * count), f(2 * count),
             np.ascontiguousarray(samples[:, 0]), np.ascontiguousarray(samples[:, 1]), grid, cell_first, cell_item,
-            lines,
+            lines, f(len(samples) + count, 5), i(len(samples) + count), f(rows, 2 * count), f(rows),
         )  # fmt: skip
         self.moving.sizes[:5] = engine.field.tolerance, EXACT * diagonal, FITS, width, height
         self.samples = len(samples)
@@ -373,6 +377,7 @@ class Engine:
         self.places: dict[tuple[int, ...], _Place] = {}
         self.assessed = 0
         self.solved = 0
+        self.tightened = 0
 
     def place(self, points: Floats, loop_sizes: tuple[int, ...]) -> _Place | None:
         """Return the tables for outlines of these sizes; None where these sides cross."""
@@ -440,13 +445,45 @@ class Engine:
 
         They are fitted to the drawing in the first ``fits`` steps: more are needed where corners were left out.
         """
+        at = self._constrained(points, loop_sizes, ties, meetings)
+        if at is None:
+            return None
+        self.solved += 1
+        at.moving.sizes[ties_kernel.FITS] = fits
+        if not self.ties.solve(at.moving, at.count, len(ties), len(meetings), at.samples):
+            return None
+        return np.stack([at.moving.x, at.moving.y], axis=1)
+
+    def tighten(
+        self, points: Floats, loop_sizes: tuple[int, ...], ties: Sequence[Tie], meetings: Sequence[Meeting] = ()
+    ) -> Floats | None:
+        """Return corners of an outline within the tolerance, so that ties and meetings hold, or None where that fails.
+
+        It takes ten times as long as ``solve``, and finds outlines where the best fit by least squares is too far off.
+        """
+        at = self._constrained(points, loop_sizes, ties, meetings)
+        if at is None:
+            return None
+        self.tightened += 1
+        if not self.ties.tighten(at.moving, at.count, len(ties), len(meetings), at.samples):
+            return None
+        found = np.stack([at.moving.x, at.moving.y], axis=1)
+        if ties or meetings:
+            exact = self.solve(found, loop_sizes, ties, meetings, fits=0)
+            if exact is None:
+                return None
+            found = exact
+        return found if self.is_good(found, loop_sizes) else None
+
+    def _constrained(
+        self, points: Floats, loop_sizes: tuple[int, ...], ties: Sequence[Tie], meetings: Sequence[Meeting]
+    ) -> _Place | None:
+        """Put corners, ties and meetings into the tables, and return these; None where there is no room."""
         at = self.place(points, loop_sizes)
         if at is None or len(meetings) > len(at.moving.meeting) or len(ties) >= len(at.moving.tie_first):
             return None
-        self.solved += 1
         self.load(at, points)
         moving, filled = at.moving, 0
-        moving.sizes[ties_kernel.FITS] = fits
         for k, tie in enumerate(ties):
             moving.tie_first[k] = filled
             moving.member[filled : filled + len(tie)] = tie
@@ -460,9 +497,7 @@ class Engine:
             moving.meeting[k] = filled, a, b, filled + len(sides)
             moving.member[filled : filled + len(sides)] = sides
             filled += len(sides)
-        if not self.ties.solve(moving, at.count, len(ties), len(meetings), at.samples):
-            return None
-        return np.stack([moving.x, moving.y], axis=1)
+        return at
 
 
 class Details:

@@ -23,8 +23,8 @@ from foldcut.redraw.plans import Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search
 
-MOST_FOLDED = 12
-"""How many outlines of one plan are folded at most."""
+MOST_FOLDED = 12, 36
+"""How many outlines of one plan are folded at most, and how many are tried at most."""
 
 TRIES = 8, 200
 """How many sets of perpendiculars are tried for each: so many, or more if there are few corners."""
@@ -114,7 +114,7 @@ class _Redrawing:
         self.plan = plan
         self.tolerance = tolerance
         self.keep = keep
-        self.folded = 0
+        self.folded = self.tried = 0
         self.refused: Counter[object] = Counter()
         self.engine = Engine(plan.field(tolerance))
 
@@ -123,25 +123,31 @@ class _Redrawing:
         starts = list(self.plan.starts(self.tolerance))
         if not starts:
             return
-        search = Search(self.engine, work, believe=self.believe, ends=ends)
-        search.run(starts)
+        for tightens in (True, False):  # outlines that fit less tightly may have an order of layers where none else has
+            self.tried = 0
+            engine = Engine(self.engine.field)
+            Search(engine, work, believe=self.believe, ends=ends, tightens=tightens).run(starts)
+            if self.folded:
+                break
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""
         skeleton = one.lines, one.loop_sizes, frozenset(one.details.sides.values())
-        if self.folded >= MOST_FOLDED or self.refused[skeleton] >= MOST_REFUSED:
+        most, most_tried = MOST_FOLDED
+        if self.folded >= most or self.tried >= most_tried or self.refused[skeleton] >= MOST_REFUSED:
             return REFUSED
         try:
             shape, half = self.plan.outline(one.points, one.loop_sizes)
             off, _ = self.plan.target.off_by(shape.loops)
             if off > self.tolerance * (1 + 1e-6):
                 return REFUSED
-            self.folded += 1
+            self.tried += 1
             sheet = self.plan.frame.sheet if half is None else half.sheet
             outline = shape if half is None else half.outline
             tries = max(TRIES[0], TRIES[1] // outline.corner_count)
             made = fold_outline(outline, sheet, tries=tries, part=half, most_folds=MOST_FOLDS)
             redrawn = self._on_sheet(shape, made, off)
+            self.folded += 1
         except FoldcutError:
             self.refused[skeleton] += 1
             return REFUSED

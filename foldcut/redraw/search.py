@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from foldcut.core.arrays import Floats
-from foldcut.redraw.proxy import Assessment, Engine, Meeting, Tie
+from foldcut.redraw.proxy import FITS, Assessment, Engine, Meeting, Tie
 
 REACH = 10.0, 10.0
 """Ridges up to so many tolerances, and so many mm more, are tried to be shrunk to nothing."""
@@ -24,14 +24,11 @@ REACH = 10.0, 10.0
 LEAST_GAIN = 0.05
 """A change that saves less than this is not made."""
 
-LOOK = 0.35
-"""The part of the work for a short look at each of the outlines to begin with."""
+LOOKS = (0.3, 1000), (0.25, 12), (0.35, 4)
+"""The part of the work that is left for a look at outlines to begin with, and how many of the best get it."""
 
-LONG_LOOK = 0.35
-"""The part of the rest for a longer look at the best of them."""
-
-FINALISTS = 4
-"""How many get a longer look."""
+MORE_KEPT = 8
+"""So many more may be the best so far, where those that look the best turn out to cost more."""
 
 FAR_MISS = 0.6
 """Perpendiculars are moved to nodes that they miss by up to this part of the reach."""
@@ -42,8 +39,14 @@ MOST_TIES = 400
 TIES_AFTER_A_CHANGE = 12
 """The same after a random change."""
 
+FAR_OFF = 2.5
+"""Outlines that are farther off than so many tolerances are not tightened."""
+
+WORK_OF_A_SOLUTION, WORK_OF_A_TIGHTENED_ONE = 6, 10
+"""How much work it is to move the corners, in assessments; and how much to tighten an outline."""
+
 HOPEFUL = 15
-"""After a change that costs more than this, no ties are tried."""
+"""A change that costs more than this is given up."""
 
 MORE_FITS = 8
 """How many steps corners are fitted to the drawing after a change of their number."""
@@ -70,7 +73,8 @@ class Search:
     """A search in the field of an engine; ``best`` is the best outline so far.
 
     ``most``: how much work may be done. ``believe`` is asked for each outline that seems to be the best: it returns
-    what has to be added to its cost. ``ends`` is told the part done now and then, and says whether to stop.
+    what has to be added to its cost. ``ends`` is told the part done now and then, and says whether to stop. Outlines
+    that are too far off are tightened, unless ``tightens`` is false: then they are dropped.
     """
 
     def __init__(
@@ -80,12 +84,15 @@ class Search:
         seed: int = 0,
         believe: Callable[[Assessment], float] | None = None,
         ends: Callable[[float], bool] = lambda _: False,
+        *,
+        tightens: bool = True,
     ) -> None:
         self.engine = engine
         self.most = most
         self.random = Random(seed)
         self.believe = believe
         self.ends = ends
+        self.far_off = FAR_OFF * engine.field.tolerance if tightens else engine.field.tolerance
         self.all = most
         self.best: Assessment | None = None
         self.last_gain = 0
@@ -94,8 +101,9 @@ class Search:
 
     @property
     def spent(self) -> int:
-        """How much of the search is done: assessments, and solutions, which take about ten times as long."""
-        return self.engine.assessed + 6 * self.engine.solved
+        """How much of the search is done, in assessments."""
+        engine = self.engine
+        return engine.assessed + WORK_OF_A_SOLUTION * engine.solved + WORK_OF_A_TIGHTENED_ONE * engine.tightened
 
     @property
     def is_over(self) -> bool:
@@ -126,27 +134,42 @@ class Search:
 
     def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]]) -> Assessment | None:
         """Search from some outlines; returns the best one."""
-        begun = [one for points, sizes in starts if (one := self.assess(points, sizes)) is not None]
+        begun = [one for points, sizes in starts if (one := self._begun(points, sizes)) is not None]
         if not begun:
             return None
         begun.sort(key=lambda one: one.cost + 0.7 * len(one.points))
         end, first = self.most, self.spent
-        # all get a short look, and the best of them a longer one
-        for share, few in ((LOOK, len(begun)), (LONG_LOOK, FINALISTS)):
-            begun = sorted(begun, key=lambda one: one.key)[:few]
+        others: list[Assessment] = []
+        for share, few in LOOKS:
+            begun.sort(key=lambda one: one.key)
+            others, begun = begun[few:] + others, begun[:few]
             for number, one in enumerate(begun):
                 self.most = first + int(share * (end - first) * (number + 1) / len(begun))
                 begun[number] = self.greedy(one, MOST_TIES)
                 if self.ends(min(1.0, self.spent / self.all)):
                     break
             first = self.spent
+            self.keep(min(begun, key=lambda one: one.key))  # so that there soon is a first pattern
             self.last_gain = first
         self.most = end
-        for one in sorted(begun, key=lambda one: one.key):
+        begun.sort(key=lambda one: one.key)
+        for one in begun + others[:MORE_KEPT]:  # the latter where the former cannot be folded
             self.keep(one)
         self.last_gain = self.spent
-        self.anneal(sorted(begun, key=lambda one: one.key))
+        self.anneal(begun)
         return self.best
+
+    def _begun(self, points: Floats, sizes: tuple[int, ...]) -> Assessment | None:
+        """Return an outline to begin with, tightened if it is farther off than the tolerance."""
+        one = self.assess(points, sizes)
+        if one is None or self.engine.is_good(points, sizes):
+            return one
+        if self.engine.deviation(points, sizes, self.far_off) > self.far_off:
+            return None
+        tight = self.engine.tighten(points, sizes, one.details.ties())
+        if tight is None:
+            tight = self.engine.tighten(points, sizes, [])
+        return None if tight is None else self.assess(tight, sizes)
 
     def greedy(self, here: Assessment, tries: int) -> Assessment:
         """Add ties and meetings one after the other as long as that makes an outline cheaper."""
@@ -177,16 +200,37 @@ class Search:
         if new.tie is not None:
             tie = set(new.tie)
             ties = [one for one in ties if not tie.issuperset(one)] + [new.tie]
+        most = here.cost - LEAST_GAIN
         for kept in (meetings, ()) if meetings else ((),):
             wanted = [*kept, new.meeting] if new.meeting is not None else kept
-            points = self.engine.solve(here.points, here.loop_sizes, ties, wanted)
-            if points is None or not self.engine.is_good(points, here.loop_sizes):
-                continue
-            found = self.assess(points, here.loop_sizes)
-            if found is not None and found.cost < here.cost - LEAST_GAIN:
+            found, is_near = self._moved(Outline(here.points, here.loop_sizes, ties, FITS), wanted, most)
+            if found is not None:
                 return found
-            break
+            if is_near:
+                break
         return None
+
+    def _moved(
+        self, outline: Outline, meetings: Sequence[Meeting] = (), most: float = math.inf
+    ) -> tuple[Assessment | None, bool]:
+        """Return the outline moved so that ties and meetings hold, and whether that left it within the tolerance.
+
+        It is None where that fails, or costs ``most`` or more. One that is too far off is tightened if it would cost
+        less.
+        """
+        engine, (points, sizes, ties, fits) = self.engine, outline
+        moved = engine.solve(points, sizes, ties, meetings, fits)
+        if moved is None:
+            return None, False
+        tolerance = engine.field.tolerance
+        off = engine.deviation(moved, sizes, self.far_off)
+        if off > self.far_off:
+            return None, False
+        found = self.assess(moved, sizes)
+        if off > tolerance and found is not None and found.cost < most:
+            tight = engine.tighten(moved, sizes, ties, meetings)
+            found = None if tight is None else self.assess(tight, sizes)
+        return found if found is not None and found.cost < most else None, off <= tolerance
 
     def anneal(self, starts: Sequence[Assessment]) -> None:
         """Leave out, put in and move corners at random, and tie again."""
@@ -206,25 +250,24 @@ class Search:
                 here = others.pop(0)
             outline = move(here)
             before = self.spent
-            found = self._realised(outline) if outline is not None else None
+            found = self._realised(outline, here.cost + HOPEFUL) if outline is not None else None
             if found is None:
                 if self.spent == before:
                     self.engine.assessed += 1  # a move that finds nothing is not for free
                 continue
-            if found.cost < here.cost + HOPEFUL:
-                found = self.greedy(found, TIES_AFTER_A_CHANGE)
+            found = self.greedy(found, TIES_AFTER_A_CHANGE)
             warmth = 1.5 * left
             gain = here.cost - found.cost
             if gain > 1e-9 or self.random.random() < math.exp((gain - 1e-9) / max(warmth, 1e-3)):
                 here = found
                 self.keep(here)
 
-    def _realised(self, outline: Outline) -> Assessment | None:
-        """Return a changed outline with as many of its ties as can be had."""
+    def _realised(self, outline: Outline, most: float = math.inf) -> Assessment | None:
+        """Return a changed outline with as many of its ties as can be had; None where it costs ``most`` or more."""
         for ties in (outline.ties, [])[: 1 + bool(outline.ties)]:
-            points = self.engine.solve(outline.points, outline.loop_sizes, ties, fits=outline.fits)
-            if points is not None and self.engine.is_good(points, outline.loop_sizes):
-                return self.assess(points, outline.loop_sizes)
+            found, _ = self._moved(outline._replace(ties=ties), most=most)
+            if found is not None:
+                return found
         return None
 
     # changes: each returns an outline, or None

@@ -1,7 +1,8 @@
 """Move the corners of an outline so that skeleton nodes become one, and as near to the drawing as that leaves them.
 
 Corners, ties and meetings, points of the drawing -> corners, by Newton's method with constraints: each step takes the
-best fit to the drawing, in the sense of weighted least squares, among those that satisfy the linear constraints.
+best fit to the drawing, in the sense of weighted least squares, among those that satisfy the linear constraints. Where
+that leaves a point too far off, the weights are changed until the largest distance is the least (``tighten``).
 
 A *tie* is a set of sides that are to be equally far from one point. For its m sides there are m distances and three
 unknowns, the point and its height; what is left when these are eliminated are m - 3 constraints on the corners. A
@@ -33,6 +34,27 @@ SINGULAR = 1e-10
 
 DIFFERENCE = 1e-5
 """How far corners are moved, in mm, to find the derivatives of a meeting."""
+
+MOST_TIGHTENED = 12
+"""How many steps the corners are moved to make the largest distance from the drawing smaller."""
+
+REWEIGHTED = 4
+"""How often the weights are changed for each of them."""
+
+HOPELESS_AFTER, HOPELESS = 4, 1.35
+"""After so many steps an outline is given up that is farther from the drawing than so many tolerances."""
+
+TIGHT = 0.97
+"""An outline is tight enough that is nowhere farther from the drawing than this part of the tolerance."""
+
+LEAST_SHARE = 0.02
+"""What is added to each distance, in parts of the largest, where it changes a weight."""
+
+LONGEST_STEP = 3.0
+"""How far a corner is moved at most in one of these steps, in tolerances."""
+
+NEARLY = 0.05
+"""A tie that fails by less than this, in mm, is made exact at last."""
 
 # what a function returns
 SOLVED, FAILED = 1, 0
@@ -451,8 +473,11 @@ def deviation_of_samples(t, n, samples):
 
 
 @compiled
-def distance_to_drawing(t, px, py):
-    """Return how far a point is from the drawing; infinite where that is much more than the tolerance."""
+def foot_on_drawing(t, px, py, out):
+    """Return how far a point is from the drawing; infinite where that is much more than the tolerance.
+
+    ``out`` gets the nearest point of the drawing.
+    """
     column = int((px - t.grid[0]) / t.grid[2])
     row = int((py - t.grid[1]) / t.grid[2])
     columns, rows = int(t.grid[3]), int(t.grid[4])
@@ -466,7 +491,10 @@ def distance_to_drawing(t, px, py):
         u = ((px - x) * dx + (py - y) * dy) / (dx * dx + dy * dy)
         u = min(1.0, max(0.0, u))
         away_x, away_y = px - x - u * dx, py - y - u * dy
-        best = min(best, away_x * away_x + away_y * away_y)
+        distance = away_x * away_x + away_y * away_y
+        if distance < best:
+            best = distance
+            out[0], out[1] = x + u * dx, y + u * dy
     return sqrt(best)
 
 
@@ -486,11 +514,145 @@ def deviation(t, n, samples, most):
             part = p / pieces
             x, y = t.x[k] + part * (t.x[f] - t.x[k]), t.y[k] + part * (t.y[f] - t.y[k])
             if 0 <= x <= width and 0 <= y <= height:
-                away = distance_to_drawing(t, x, y)
+                away = foot_on_drawing(t, x, y, t.node)
                 if away > most:
                     return inf
                 worst = max(worst, away)
     return worst
+
+
+@compiled
+def set_distances(t, n, samples):
+    """Set how far the drawing's points are from the outline, and its corners from the drawing; returns the largest.
+
+    ``t.row`` gets a row for each: the distance, the part of the side where the outline is nearest, and the direction in
+    which the distance grows; ``t.row_side`` the side. Infinite where a corner is much farther off than the tolerance.
+    """
+    width, height = t.sizes[WIDTH], t.sizes[HEIGHT]
+    worst = 0.0
+    for s in range(samples + n):
+        if s < samples:
+            px, py = t.sample_x[s], t.sample_y[s]
+            k = nearest_side(t, n, px, py, t.node)
+            off, part = t.node[0], t.node[1]
+            x, y = -t.dy[k], t.dx[k]
+            if (part == 0.0 or part == 1.0) and off > 1e-9:
+                corner = k if part == 0.0 else t.following[k]
+                x, y = (t.x[corner] - px) / off, (t.y[corner] - py) / off
+            elif (t.x[k] - px) * x + (t.y[k] - py) * y < 0:
+                x, y = -x, -y
+        else:
+            k = s - samples
+            x, y, off, part = 0.0, 0.0, 0.0, 0.0
+            if 0 <= t.x[k] <= width and 0 <= t.y[k] <= height:
+                off = foot_on_drawing(t, t.x[k], t.y[k], t.node)
+                if off == inf:
+                    return inf
+                if off > 1e-9:
+                    x, y = (t.x[k] - t.node[0]) / off, (t.y[k] - t.node[1]) / off
+        t.row_side[s] = k
+        t.row[s, 0], t.row[s, 1], t.row[s, 2], t.row[s, 3] = off, part, x, y
+        worst = max(worst, off)
+    return worst
+
+
+@inlined
+def reweigh(t, count, worst):
+    """Give points that are far off after ``t.change`` more weight, and the others less; the mean weight is 1."""
+    total = 0.0
+    for s in range(count):
+        i, j = 2 * t.row_side[s], 2 * t.following[t.row_side[s]]
+        part, x, y = t.row[s, 1], t.row[s, 2], t.row[s, 3]
+        off = t.row[s, 0] + (1 - part) * (x * t.change[i] + y * t.change[i + 1])
+        off += part * (x * t.change[j] + y * t.change[j + 1])
+        t.row[s, 4] *= abs(off) + LEAST_SHARE * worst
+        total += t.row[s, 4]
+    for s in range(count):
+        t.row[s, 4] *= count / total
+
+
+@inlined
+def add_distances(t, n, count):
+    """Set up the least squares of the weighted distances: matrix ``t.h`` and slope ``t.slope``."""
+    size = 2 * n
+    for i in range(size):
+        for j in range(size):
+            t.h[i, j] = 0.0
+        t.h[i, i] = FREE
+        t.slope[i] = 0.0
+    for s in range(count):
+        i, j = 2 * t.row_side[s], 2 * t.following[t.row_side[s]]
+        off, part, weight = t.row[s, 0], t.row[s, 1], t.row[s, 4]
+        one = 1 - part
+        for c in range(2):
+            a = weight * t.row[s, 2 + c]
+            t.slope[i + c] += off * one * a
+            t.slope[j + c] += off * part * a
+            for d in range(2):
+                b = t.row[s, 2 + d]
+                t.h[i + c, i + d] += one * one * a * b
+                t.h[i + c, j + d] += one * part * a * b
+                t.h[j + c, i + d] += part * one * a * b
+                t.h[j + c, j + d] += part * part * a * b
+
+
+@compiled
+def tighten(t, n, ties, meetings, samples):
+    """Move the corners so that the largest distance from the drawing gets less, while ties and meetings hold nearly.
+
+    Returns whether it is within the tolerance then. The weights of the least squares are multiplied by the distances,
+    so that what is farthest off counts more and more (C. L. Lawson, "Contributions to the theory of linear least
+    maximum approximation", 1961).
+    """
+    size, count = 2 * n, samples + n
+    tolerance = t.sizes[TOLERANCE]
+    for s in range(count):
+        t.row[s, 4] = 1.0
+    for turn in range(MOST_TIGHTENED):
+        if not set_sides(t, n):
+            return FAILED
+        worst = set_distances(t, n, samples)
+        if worst == inf or (turn >= HOPELESS_AFTER and worst > HOPELESS * tolerance):
+            return FAILED
+        rows = 0
+        for k in range(ties):
+            rows = add_tie(t, n, t.tie_first[k], t.tie_first[k + 1], rows)
+            if rows < 0:
+                return FAILED
+        for k in range(meetings):
+            rows = add_meeting(t, n, k, rows)
+            if rows < 0:
+                return FAILED
+        failing = 0.0
+        for r in range(rows):
+            failing = max(failing, abs(t.value[r]))
+            t.kept_value[r] = t.value[r]
+            for i in range(size):
+                t.kept_g[r, i] = t.g[r, i]
+        if worst <= TIGHT * tolerance and failing <= NEARLY:
+            return SOLVED
+        for i in range(size):
+            t.change[i] = 0.0
+        for _ in range(REWEIGHTED):
+            reweigh(t, count, worst)
+            add_distances(t, n, count)
+            if not factor(t, size):
+                return FAILED
+            for r in range(rows):
+                t.value[r] = t.kept_value[r]
+                for i in range(size):
+                    t.g[r, i] = t.kept_g[r, i]
+            step(t, n, rows)
+        longest = 0.0
+        for i in range(size):
+            longest = max(longest, abs(t.change[i]))
+        if not isfinite(longest):
+            return FAILED
+        part = min(1.0, LONGEST_STEP * tolerance / max(longest, 1e-9))
+        for k in range(n):
+            t.x[k] += part * t.change[2 * k]
+            t.y[k] += part * t.change[2 * k + 1]
+    return FAILED
 
 
 @compiled

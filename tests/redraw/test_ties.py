@@ -11,7 +11,7 @@ import shapely
 from support.outlines import A4, corners_of, engine_for, on_a4, random_outline
 
 from foldcut.core.arrays import Floats
-from foldcut.core.model import Shape
+from foldcut.core.model import Shape, Sheet
 from foldcut.redraw.proxy import Assessment, Engine, Field, Meeting, Tie
 from foldcut.redraw.search import candidates
 
@@ -131,6 +131,38 @@ def test_without_ties_corners_go_to_the_drawing() -> None:
     assert engine.deviation(fitted, sizes) < 0.5 * engine.deviation(shaken, sizes)
 
 
+def test_tightened_outlines_are_within_a_tolerance_that_the_best_fit_does_not_keep_to() -> None:
+    """A polygon of eight sides about a circle of 80 mm can be 3.2 mm off, uneven ones by least squares are farther."""
+    turns = math.tau * np.arange(300) / 300
+    circle = Shape((np.stack([150 + 80 * np.cos(turns), 150 + 80 * np.sin(turns)], axis=1),), (-1,))
+    engine = engine_for(circle, Sheet(300.0, 300.0), tolerance=3.3)
+    uneven = math.tau * (np.arange(8) + np.random.default_rng(2).uniform(-0.15, 0.15, 8)) / 8
+    points = 150 + 80 * np.stack([np.cos(uneven), np.sin(uneven)], axis=1)
+    fitted, tight = engine.solve(points, (8,), []), engine.tighten(points, (8,), [])
+    assert fitted is not None
+    assert tight is not None
+    assert engine.deviation(fitted, (8,)) > 3.3
+    assert engine.deviation(tight, (8,)) <= 3.3
+    assert engine_for(circle, Sheet(300.0, 300.0), tolerance=3.1).tighten(points, (8,), []) is None
+
+
+def test_tightened_outlines_keep_their_ties() -> None:
+    """Ties that the best fit can only hold beyond the tolerance are held within it, exactly."""
+    made = 0
+    for seed in range(8):
+        engine, one = start("star", seed, tolerance=2.0)
+        for tie, meeting, points in solved(engine, one, 20):
+            off = engine.deviation(points, one.loop_sizes, 5.0)
+            if tie is None or not 2.0 < off < math.inf:
+                continue
+            tight = engine.tighten(points, one.loop_sizes, [tie], [meeting] if meeting else [])
+            if tight is not None:
+                made += 1
+                assert spread(tight, one.loop_sizes, tie) < EXACT_MM
+                assert engine.is_good(tight, one.loop_sizes)
+    assert made >= 5
+
+
 @pytest.mark.parametrize(
     ("points", "tie"),
     [
@@ -187,6 +219,11 @@ def test_compiled_and_plain_kernels_move_corners_alike() -> None:
             assert (plain is None) == (compiled is None)
             if plain is not None and compiled is not None:
                 assert plain == pytest.approx(compiled, abs=1e-9)
+            if seed == 0 and candidate == candidates(one, REACH)[0]:
+                plain, compiled = (engine.tighten(points, sizes, ties, meetings) for engine in engines)
+                assert (plain is None) == (compiled is None)
+                if plain is not None and compiled is not None:
+                    assert plain == pytest.approx(compiled, abs=1e-6)
         shaken = points + np.random.default_rng(seed).normal(0, 1, points.shape)
         plain_off, compiled_off = (engine.deviation(shaken, sizes) for engine in engines)
         assert plain_off == pytest.approx(compiled_off, abs=1e-9)

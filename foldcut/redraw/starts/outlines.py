@@ -33,6 +33,10 @@ FOLLOWED = 0.75
 """A side of the leading edge is so short that the other edge is this straight beside it, in parts of the tolerance."""
 
 
+FARTHEST = 2.5
+"""How far off a loose outline is at most, in tolerances."""
+
+
 LEAST_ROOM = 0.4
 """The least part of the tolerance that is left where images of a drawing are off from it."""
 
@@ -63,6 +67,7 @@ class Kind(NamedTuple):
     exact: bool = False
     regular: str = ""
     weight: float = 0.3
+    loose: float = 1.0
 
     def __str__(self) -> str:
         words = [self.edges or "sides", f"{self.step:g}" if self.step else "any", f"{self.part:g}", self.regular]
@@ -74,6 +79,7 @@ class Kind(NamedTuple):
             + [f"lead {self.lead}"] * (self.lead > 0)
         )
         words += [f"weight {self.weight:g}"] * (self.weight != 0.3)
+        words += [f"loose {self.loose:g}"] * (self.loose > 1)
         return " ".join(word for word in words if word)
 
 
@@ -124,6 +130,27 @@ KINDS = (
 )
 """The kinds of outlines: those first that were the best, or nearly, for most letters."""
 
+LOOSE_KINDS = tuple(
+    kind._replace(loose=loose)
+    for loose in (1.4, 1.15)
+    for kind in (
+        Kind("in", 0.0, 0.95, best=True),
+        Kind("in", 0.0, 0.95, arcs=True, lead=3),
+        Kind("in", 0.0, 0.8, arcs=True, lead=3),
+        Kind("in", 0.0, 0.95, lead=1),
+        Kind("in", 0.0, 0.95, arcs=True, lead=2),
+        Kind("in", 0.0, 0.95, disks=True),
+        Kind("in", 0.0, 0.95, disks=True, weight=1.5),
+        Kind("", 0.0, 0.95, exact=True),
+        Kind("", 0.0, 0.95),
+        Kind("", 0.0, 0.95, arcs=True),
+        Kind("", 15.0, 0.95),
+        Kind("", 22.5, 0.95),
+        Kind("", 30.0, 0.95),
+    )
+)
+"""The kinds that are fitted within a larger tolerance: the corners may come nearer together, or become fewer."""
+
 
 def starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterator[Shape]:
     """Yield outlines within ``tolerance`` mm of a drawing's dense loops, the most promising first.
@@ -135,8 +162,11 @@ def starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterato
         yield start.shape
 
 
-def all_starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterator[Start]:
-    """Yield outlines as ``starts`` does, with how they were made."""
+def all_starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = (), *, loose: bool = False) -> Iterator[Start]:
+    """Yield outlines as ``starts`` does, with how they were made.
+
+    ``loose``: also such as are farther off than the tolerance, from which outlines within it may be made.
+    """
     near = Near(drawn)
     seen: list[Floats] = []
     for some in [tuple(axes), ()] if axes else [()]:
@@ -144,11 +174,11 @@ def all_starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Ite
         if chains is None:
             continue
         fitter = _Fitter(drawn, chains, max(LEAST_ROOM * tolerance, tolerance - near.asymmetry(some)))
-        for kind in fitter.kinds():
+        for kind in fitter.kinds(loose=loose):
             lines = fitter.lines(kind)
             if lines is None:
                 continue
-            shape = fitter.shape(near, lines, tolerance)
+            shape = fitter.shape(near, lines, tolerance * (FARTHEST if kind.loose > 1 else 1.0))
             if shape is None or _is_known(shape, seen, 0.05 * tolerance):
                 continue
             yield Start(shape, kind, some)
@@ -186,9 +216,9 @@ class _Fitter:
         self._fitted: dict[tuple[object, ...], Fitted] = {}
         self._straight = straight_directions(drawn.loops, max(12.0, 3 * tolerance), chains.axes)
 
-    def kinds(self) -> Iterator[Kind]:
-        """Yield the kinds of outlines, those with regular polygons for circles first."""
-        for kind in KINDS:
+    def kinds(self, *, loose: bool) -> Iterator[Kind]:
+        """Yield the kinds of outlines, those with regular polygons for circles first, those that are loose last."""
+        for kind in (*KINDS, *(LOOSE_KINDS if loose else ())):
             if self._circles:
                 for regular in ("side", "corner"):
                     yield kind._replace(regular=regular)
@@ -220,7 +250,7 @@ class _Fitter:
         directions = None
         if kind.step:
             directions = direction_set(self._straight, math.radians(kind.step))
-        tolerance = kind.part * self.tolerance
+        tolerance = kind.part * kind.loose * self.tolerance
         lines: list[list[Line]] = [[] for _ in self.chains.chains]
         circles = self._circles if kind.regular else []
         regular = {circle.chain for circle in circles}
@@ -233,7 +263,7 @@ class _Fitter:
             some = self._lines_of(strip, kind)
             matched |= bool(some)
             if kind.lead and not some:
-                some = self._lines_of(strip, BEST[-1])
+                some = self._lines_of(strip, BEST[-1]._replace(loose=kind.loose))
             for number, more in some:
                 lines[number] += more
         if strips and not matched:
@@ -263,9 +293,9 @@ class _Fitter:
     def _lines_of(self, strip: Strip, kind: Kind) -> Fitted:
         """Return the lines of both edges of a strip, with the numbers of their chains; nothing if there are none."""
         if kind.best:
-            every = [some for one in BEST if (some := self._lines_of(strip, one))]
+            every = [some for one in BEST if (some := self._lines_of(strip, one._replace(loose=kind.loose)))]
             return min(every, key=_price, default=[])
-        key = (id(strip), kind.arcs, kind.disks, kind.lead, kind.part, kind.weight)
+        key = (id(strip), kind.arcs, kind.disks, kind.lead, kind.part, kind.weight, kind.loose)
         if key not in self._fitted:
             self._fitted[key] = self._fitted_strip(strip, kind)
         return self._fitted[key]
@@ -273,7 +303,7 @@ class _Fitter:
     def _fitted_strip(self, strip: Strip, kind: Kind) -> Fitted:
         """Fit both edges of a strip as a kind says."""
         chains = [self.chains.chains[number] for number in strip.chains]
-        rows, tolerance = strip.rows(self.chains.chains), kind.part * self.tolerance
+        rows, tolerance = strip.rows(self.chains.chains), kind.part * kind.loose * self.tolerance
         first = last = ANY
         (a0, b0), (a1, b1) = strip.places[0], strip.places[-1]
         if a0 == 0 and b0 == len(chains[1].points) - 1 and chains[0].ends[0] is not None:
@@ -301,18 +331,20 @@ class _Fitter:
     ) -> Sides | None:
         """Return the lines of a strip of which one edge leads."""
         if kind.lead == 3:
-            known = lead_in_bends(rows, tolerance, FOLLOWED * self.tolerance, kind.weight, first=first, last=last)
+            known = lead_in_bends(
+                rows, tolerance, FOLLOWED * kind.loose * self.tolerance, kind.weight, first=first, last=last
+            )
             if known is None:
                 return None
-            return follow(rows, along, known, FOLLOWING * self.tolerance, first=first, last=last)
+            return follow(rows, along, known, FOLLOWING * kind.loose * self.tolerance, first=first, last=last)
         longer = np.hypot(*np.diff(rows, axis=1).transpose(2, 0, 1)).sum(axis=1)
         edge = int(bool(longer[1] < longer[0]) == (kind.lead == 1))
         fitted = fit_bends if kind.arcs else fit
-        reach = straight_as_far_as(rows[1 - edge], FOLLOWED * self.tolerance)
+        reach = straight_as_far_as(rows[1 - edge], FOLLOWED * kind.loose * self.tolerance)
         lead = fitted(rows[edge], tolerance, kind.weight, reach=reach, first=first, last=last)
         if lead is None:
             return None
-        return follow(rows, along, lead_of(lead, edge), FOLLOWING * self.tolerance, first=first, last=last)
+        return follow(rows, along, lead_of(lead, edge), FOLLOWING * kind.loose * self.tolerance, first=first, last=last)
 
 
 def _price(fitted: Fitted) -> float:
