@@ -97,6 +97,8 @@ def signals_raise() -> Iterator[None]:
     finally:
         sys.unraisablehook = tell
         _waiting.clear()
+        if hasattr(signal, "setitimer"):  # else the timer ends the process once nobody answers it
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
