@@ -11,7 +11,7 @@ import pytest
 
 from foldcut.batch.drawings import find_drawings
 from foldcut.batch.journal import JOURNAL, Journal
-from foldcut.batch.results import RESULTS
+from foldcut.batch.results import COLUMNS, RESULTS, parquet_table
 from foldcut.batch.run import run_batch
 from foldcut.batch.worker import Outcome, Process, Recipe, Task, work
 from foldcut.core.errors import BadInputError
@@ -66,6 +66,15 @@ def test_a_journal_of_an_earlier_version_with_such_names_is_read(tmp_path: Path)
     (tmp_path / JOURNAL).write_bytes(head + b'{"stem": "caf\xe9"}\n[]\n7\n{"stem": 7}\n{"stem": "b"}\n')
     with Journal(tmp_path / JOURNAL, "r", replace=False) as journal:
         assert [*journal.rows] == ["caf\udce9", "b"]
+
+
+def test_a_table_of_such_names_is_parquet_too(tmp_path: Path) -> None:
+    arrow = pytest.importorskip("pyarrow")
+    row: dict[str, object] = dict.fromkeys(COLUMNS)
+    table = parquet_table(arrow, [row | {"file": "caf\udce9.svg", "outputs": {"caf\udce9.fold": 1}, "error": "\ud800"}])
+    read = pytest.importorskip("pyarrow.parquet").read_table(arrow.BufferReader(table)).to_pylist()[0]
+    assert (read["file"], read["error"]) == ("caf\\udce9.svg", "\\ud800")
+    assert read["outputs"] == ["caf\\udce9.fold"]
 
 
 @pytest.mark.parametrize("text", [b"notes of mine\n", b"notes of mine", b"[]\n", b'{"a": 1}\n', b"\xff\n"])

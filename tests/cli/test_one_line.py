@@ -77,7 +77,7 @@ def test_files_of_every_format_are_made_whatever_the_title_is(folder: Path, caps
 def test_names_of_files_do_nothing_to_the_terminal(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("a\x1b[31m.json", "line\nbreak.json", os.fsdecode(b"caf\xe9\xff.json"), "x\u202e.json"):
         (folder / name).write_text(json.dumps(TRIANGLE))
-        assert main(["make", name, *FAST, "-o", f"{name}.svg"]) == 0
+        assert main(["make", name, *FAST, "-o", f"{name}.svg", "-o", f"{name}.zip"]) == 0
         assert main(["make", f"no{name}"]) == 2
         assert main(["make", name, *FAST, "-o", f"{name}.svg", "--force", "--json"]) == 0
         out, error = capsys.readouterr()
