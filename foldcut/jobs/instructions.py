@@ -128,8 +128,13 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
             f"Print on both sides, flip on {edge} edge, as the file asks; or print the odd pages, turn the sheet "
             f"over {back.turned_over}, and print the even ones."
         ]
-        marks = "Held against the light, the corner marks lie on one another."
-        return [*lines, marks] if back.registration == "corners" else lines
+        if back.registration == "corners":
+            return [*lines, "Held against the light, the corner marks lie on one another."]
+        return [
+            *lines,
+            holes_at(profile, front, back),
+            "Where the page lies right the crosses of the back are on them.",
+        ]
     turn = f"Do the front first, then turn the sheet over {back.turned_over}"
     corner = _zero(profile)
     if back.registration == "jig":
@@ -142,16 +147,22 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
             f"{turn}: fix two strips of card along its left and its {corner.split()[0]} edge before the front, and "
             "push it against them again; the corner marks lie on one another."
         ]
-    assert front.holes is not None
-    assert back.holes is not None
     size = HOLES_MM["pins" if back.registration == "pins" else "holes"]
     pegs = "needles" if back.registration == "pins" else "pegs"
     return [
-        f"Holes of {size:g} mm, in mm from the {corner} corner of the bed: on the front {_places(front, profile)}; "
-        f"with the sheet turned over they are at {_places(back, profile)}.",
+        holes_at(profile, front, back),
         f"{turn}: put {pegs} of {size:g} mm into a board at these places, fix it on the bed, and lay the holes over "
         "them. Where the sheet lies right the crosses of the back are on the holes.",
     ]
+
+
+def holes_at(profile: Profile, front: Job, back: Job) -> str:
+    """Return where the registration holes are on both sides."""
+    size = HOLES_MM["pins" if back.registration == "pins" else "holes"]
+    return (
+        f"Holes of {size:g} mm, in mm from the {_zero(profile)} corner of the bed: on the front "
+        f"{_places(front, profile)}; with the sheet turned over they are at {_places(back, profile)}."
+    )
 
 
 def notes(profile: Profile, jobs: Sequence[Job]) -> list[str]:
