@@ -18,10 +18,11 @@ import numpy as np
 
 from foldcut.core.arrays import Indices, Ints
 from foldcut.core.model import CreasePattern, Finding, Shape
-from foldcut.foldfile.judge import judge, judge_fields
+from foldcut.foldfile.judge import FIELDS, judge, judge_fields
 from foldcut.foldfile.read import FoldFile
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.layer_orders.count import States
+from foldcut.layer_orders.folded_sheet import CLEAR, tolerances_of
 from foldcut.layer_orders.orders import Found, count_orders, find_order, with_folds
 from foldcut.pattern.face_maps import fold_faces, folded_edges
 from foldcut.pattern.repair import Repaired, nearest_foldable
@@ -48,6 +49,9 @@ EXACT = 1e-12
 ERRORS = (100.0, 30.0, 10.0)
 """How many times as far as a vertex was moved points may be apart that should coincide when the sheet is folded."""
 
+FORM = 3.0
+"""How many tolerances the vertices of a folded form may be from where the creases put them."""
+
 LOOSEST = 3e-4
 """Overlaps that are deeper than this, relative to the sheet's diagonal, always count."""
 
@@ -61,6 +65,7 @@ class Decision:
 
     ``pattern`` is what was judged: with vertices moved, where ``moved`` says so, and a mountain or valley for each U.
     ``pairs`` ``(n, 2)``: the order that was found, the upper face first; None if the file's own was judged.
+    ``tolerance``, relative to the sheet's diagonal, is what it was found with.
     """
 
     folds: bool | None
@@ -70,6 +75,7 @@ class Decision:
     pairs: Indices | None = None
     moved: Repaired | None = None
     notes: tuple[str, ...] = ()
+    tolerance: float | None = None
 
 
 def decide(file: FoldFile, shape: Shape | None = None, tolerance: float = TOLERANCE) -> Decision:
@@ -82,6 +88,11 @@ def decide(file: FoldFile, shape: Shape | None = None, tolerance: float = TOLERA
     findings = judge(file, shape)
     if not findings:
         return Decision(True, "folds flat as the file says", file.pattern)
+    near_mm = FORM * tolerance * _diagonal(file.pattern)
+    if {finding.check for finding in findings} == {FIELDS} and not judge_fields(file, near_mm):
+        off = max(finding.size for finding in findings)
+        note = f"the folded form in the file is up to {off:.3g} mm from where the creases put it"
+        return Decision(True, "folds flat as the file says", file.pattern, notes=(note,))
     deciding = _Deciding(file, shape, tolerance, findings)
     decision = deciding.decide(file.pattern)
     letters, wrong = file.pattern.edges_assignment, {finding.check for finding in decision.findings}
@@ -98,8 +109,12 @@ def states_of(file: FoldFile, decision: Decision) -> States | None:
     """
     free = (file.pattern.edges_assignment == "U") & folded_edges(decision.pattern)
     letters = np.where(free, "U", decision.pattern.edges_assignment)
-    error = 0.0 if decision.moved is None else decision.moved.most
-    return count_orders(replace(decision.pattern, edges_assignment=letters), error)
+    pattern = replace(decision.pattern, edges_assignment=letters)
+    tolerance = decision.tolerance
+    if tolerance is None:
+        error = 0.0 if decision.moved is None else decision.moved.most
+        tolerance = find_order(pattern, NO_PAIRS, error).tolerance
+    return count_orders(pattern, tolerance)
 
 
 class _Deciding:
@@ -149,12 +164,12 @@ class _Deciding:
 
     def _as_it_says(self, pattern: CreasePattern, found: list[Finding], moved: Repaired | None) -> Decision:
         """Judge the order of all layers that the file has, with vertices where they were moved to."""
-        if moved is not None:
-            share = moved.most / _diagonal(pattern)
-            loose = [min(times * share, LOOSEST) for times in ERRORS]
-            found = verify(with_folds(pattern), self.file.layers, self.shape, (*loose, *COINCIDENT))
-            if not found:
-                return self._folds("folds flat as the file says", pattern, None, moved)
+        loose = _loose(pattern) if moved is None else [times * moved.most / _diagonal(pattern) for times in ERRORS]
+        tolerances = sorted({*(min(share, LOOSEST) for share in loose), *COINCIDENT}, reverse=True)
+        within = verify(with_folds(pattern), self.file.layers, self.shape, tolerances)
+        if not within:
+            return self._folds("folds flat as the file says", pattern, None, moved)
+        found = found if moved is None else within
         if {finding.check for finding in found} == {"cut"}:
             return _refused(pattern, f"folds flat, but the cut is not the drawing's: {found[0]}", found)
         return _refused(pattern, f"does not fold flat as the file says: {found[0]}", found)
@@ -186,7 +201,7 @@ class _Deciding:
             told = "folds flat; the file orders some of the layers, and the others were found"
             if not len(_missing(answer.pairs, given)):
                 told = "folds flat as the file says"
-        return self._folds(told, answer.pattern, answer.pairs, moved)
+        return replace(self._folds(told, answer.pattern, answer.pairs, moved), tolerance=answer.tolerance)
 
     def _refused_order(self, pattern: CreasePattern, answer: Found, given: Ints, error: float) -> Decision:
         """Return the decision where there is no order, and whether that is the fault of what the file gives of one."""
@@ -224,11 +239,10 @@ class _Deciding:
         layers = None if with_order else file.layers
         return replace(file, pattern=pattern, layers=layers, claims=replace(claims, letters=letters, angles=angles))
 
-    def _near(self, pattern: CreasePattern, moved: Repaired | None) -> float | None:
-        """Return how far folded vertices may be from the file's, in mm, if the vertices were moved."""
-        if moved is None:
-            return None
-        return ERRORS[0] * max(moved.most, self.tolerance * _diagonal(pattern))
+    def _near(self, pattern: CreasePattern, moved: Repaired | None) -> float:
+        """Return how far the vertices of a folded form may be from where the creases put them, in mm."""
+        near_mm = FORM * self.tolerance * _diagonal(pattern)
+        return near_mm if moved is None else max(near_mm, ERRORS[0] * moved.most)
 
 
 def given_orders(file: FoldFile) -> Ints:
@@ -248,6 +262,13 @@ def _missing(pairs: Indices, given: Ints) -> Indices:
     """Return the pairs that are not among those given."""
     known = set(map(tuple, given.tolist()))
     return pairs[[pair not in known for pair in map(tuple, pairs.tolist())]]
+
+
+def _loose(pattern: CreasePattern) -> list[float]:
+    """Return the tolerances, relative to the diagonal, that distances in the folded pattern suggest."""
+    folding, faces = with_folds(pattern), edge_faces(pattern)
+    found = tolerances_of(folding, faces, fold_faces(folding, faces))
+    return [tolerance / _diagonal(pattern) for tolerance, gap in found if gap >= CLEAR]
 
 
 def _diagonal(pattern: CreasePattern) -> float:

@@ -101,8 +101,8 @@ def _with_list(file: FoldFile, decision: Decision) -> tuple[CreasePattern, Ints 
     if layers is None:
         free = file.pattern.edges_assignment == "U"
         letters = np.where(free & (pattern.edges_assignment != "F"), "U", pattern.edges_assignment)
-        error = 0.0 if decision.moved is None else decision.moved.most
-        found = find_list(replace(pattern, edges_assignment=letters), error)
+        assert decision.tolerance is not None
+        found = find_list(replace(pattern, edges_assignment=letters), decision.tolerance)
         if found is None:
             return pattern, None
         pattern, layers = found

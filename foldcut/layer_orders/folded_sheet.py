@@ -2,7 +2,7 @@
 
 Crease pattern and its face maps -> a ``FoldedSheet``, which answers with pairs and rows of face numbers. All answers
 depend on one tolerance. Coordinates of patterns are rounded, so points that should coincide when folded do not quite;
-``tolerance_of`` looks how far apart points and lines are, and takes the widest gap between errors and real features.
+``tolerances_of`` looks how far apart points and lines are, and takes wide gaps between errors and real features.
 """
 
 from __future__ import annotations
@@ -17,10 +17,13 @@ from foldcut.core.model import CreasePattern
 from foldcut.geometry.segments import collinear_overlap
 from foldcut.pattern.face_maps import FaceMaps, folded_edges
 
-__all__ = ["FoldedSheet", "tolerance_of"]
+__all__ = ["CLEAR", "FoldedSheet", "tolerances_of"]
 
 FINEST, COARSEST = 1e-12, 1e-3
 """Distances below the first are errors, distances above the second are features, relative to the diagonal."""
+
+CLEAR, MOST_GAPS = 20.0, 3
+"""A gap is clear if its ends are at this ratio; and how many of the widest gaps are taken."""
 
 LONG = 6
 """Edges coincide if they overlap by at least this many tolerances; with less, they only end at the same point."""
@@ -121,14 +124,14 @@ class FoldedSheet:
         return x, y
 
 
-def tolerance_of(
+def tolerances_of(
     pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, error: float = 0.0
-) -> tuple[float, float]:
-    """Return the tolerance for a folded sheet, in mm, and how wide the gap is that it lies in: largest to smallest.
+) -> list[tuple[float, float]]:
+    """Return tolerances for a folded sheet, in mm, each with the ratio of the ends of the gap that it lies in.
 
-    Distances between folded vertices and edges are either errors of coordinates or features of the pattern. The
-    tolerance is the middle, in ratios, of the widest gap between any two of them that follow each other, above the
-    ``error`` that the coordinates are known to have, in mm.
+    Distances between folded vertices and edges are either errors of coordinates or features of the pattern, and errors
+    are much alike. A tolerance is the middle, in ratios, of a gap between two of them that follow each other, above the
+    ``error`` that the coordinates are known to have, in mm. The widest gap comes first, then others that are ``CLEAR``.
     """
     coords, edges = pattern.vertices_coords, pattern.edges_vertices
     diagonal = float(np.hypot(*np.ptp(coords, axis=0)))
@@ -143,5 +146,6 @@ def tolerance_of(
     finest = max(FINEST, error / diagonal)
     steps = np.concatenate([[finest], np.sort(away[away > finest]), [max(COARSEST, 2 * finest)]])
     ratio = steps[1:] / steps[:-1]
-    at = int(ratio.argmax())
-    return float(np.sqrt(steps[at] * steps[at + 1])) * diagonal, float(ratio[at])
+    best, *others = np.argsort(-ratio, kind="stable")[:MOST_GAPS].tolist()
+    gaps = [best, *(at for at in others if ratio[at] >= CLEAR)]
+    return [(float(np.sqrt(steps[at] * steps[at + 1])) * diagonal, float(ratio[at])) for at in gaps]

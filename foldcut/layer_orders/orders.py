@@ -16,7 +16,7 @@ from foldcut.core.model import CreasePattern
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.layer_orders.conditions import Conditions, given_by_creases
 from foldcut.layer_orders.count import States, count_states
-from foldcut.layer_orders.folded_sheet import FoldedSheet, tolerance_of
+from foldcut.layer_orders.folded_sheet import CLEAR, FoldedSheet, tolerances_of
 from foldcut.layer_orders.reasons import Reason, why_none
 from foldcut.layer_orders.search import OrderSearch
 from foldcut.pattern.face_maps import fold_faces
@@ -28,9 +28,6 @@ MOST_PAIRS = 1_000_000
 
 MOST_LISTS, MOST_CIRCLES = 60, 200
 """How many orders are tried for one that is a list, and how many circles are forbidden at a time."""
-
-CLEAR = 20.0
-"""A gap between errors and features that is narrower than this says nothing about what has no order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +55,22 @@ def find_order(pattern: CreasePattern, given: Numbers, error: float = 0.0) -> Fo
     """Return an order of the faces of a pattern, the faces of which tile a sheet and meet when they are folded.
 
     ``given`` ``(n, 2)``: pairs of faces, the first of which has to be above the second. ``error``: by how many mm the
-    coordinates are known to be off.
+    coordinates are known to be off. A pattern that folds with one of the tolerances that its distances suggest, folds.
     """
+    folding, faces_of_edges = with_folds(pattern), edge_faces(pattern)
+    maps = fold_faces(folding, faces_of_edges)
+    answers = []
+    for tolerance, gap in tolerances_of(folding, faces_of_edges, maps, error):
+        answers.append(_find_within(FoldedSheet(folding, faces_of_edges, maps, tolerance), pattern, given, gap))
+        if answers[-1].folds:
+            return answers[-1]
+    return next((answer for answer in answers if answer.folds is None), answers[0])
+
+
+def _find_within(sheet: FoldedSheet, pattern: CreasePattern, given: Numbers, gap: float) -> Found:
+    """Return an order with the tolerance of ``sheet``, which lies in a gap of this ratio."""
     letters = pattern.edges_assignment
-    sheet, gap = _folded(pattern, error)
-    share = sheet.tolerance / float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
+    share = sheet.tolerance / _diagonal(pattern)
     none = np.empty((0, 2), dtype=np.intp)
     if len(sheet.overlapping) > MOST_PAIRS:
         text = f"{len(sheet.overlapping):,} pairs of faces lie on each other; more than {MOST_PAIRS:,} are not ordered"
@@ -103,13 +111,13 @@ def layers_of(pairs: Numbers, count: int) -> Ints | None:
         return None
 
 
-def find_list(pattern: CreasePattern, error: float = 0.0) -> tuple[CreasePattern, Ints] | None:
+def find_list(pattern: CreasePattern, tolerance: float) -> tuple[CreasePattern, Ints] | None:
     """Return the layers of a pattern that folds flat from bottom to top, with its mountains and valleys.
 
-    None if no list is found: then its faces lie on each other in circles in every order that was tried. Arguments as
-    in ``find_order``.
+    None if no list is found: then its faces lie on each other in circles in every order that was tried. ``tolerance``
+    is that of ``Found``.
     """
-    sheet, _ = _folded(pattern, error)
+    sheet = _folded(pattern, tolerance)
     letters = pattern.edges_assignment
     conditions = Conditions(sheet, given_by_creases(sheet, letters)[1])
     search = OrderSearch(conditions)
@@ -154,12 +162,12 @@ def _way(before: Numbers, start: int, end: int) -> list[int]:
     return way[::-1]
 
 
-def count_orders(pattern: CreasePattern, error: float = 0.0) -> States | None:
+def count_orders(pattern: CreasePattern, tolerance: float) -> States | None:
     """Return how many layer orders a pattern that folds flat has, or None if they are too many to be counted.
 
-    Edges assigned U may be folded either way. ``error`` as in ``find_order``.
+    Edges assigned U may be folded either way. ``tolerance`` is that of ``Found``.
     """
-    sheet, _ = _folded(pattern, error)
+    sheet = _folded(pattern, tolerance)
     if len(sheet.overlapping) > MOST_PAIRS:
         return None
     conditions = Conditions(sheet, given_by_creases(sheet, pattern.edges_assignment)[1])
@@ -172,13 +180,15 @@ def count_orders(pattern: CreasePattern, error: float = 0.0) -> States | None:
         search.close()
 
 
-def _folded(pattern: CreasePattern, error: float) -> tuple[FoldedSheet, float]:
-    """Return the folded sheet, and how clear the gap between errors and features is."""
-    folding = with_folds(pattern)
-    faces_of_edges = edge_faces(pattern)
+def _folded(pattern: CreasePattern, tolerance: float) -> FoldedSheet:
+    """Return the folded sheet with a tolerance that is relative to its diagonal."""
+    folding, faces_of_edges = with_folds(pattern), edge_faces(pattern)
     maps = fold_faces(folding, faces_of_edges)
-    tolerance, gap = tolerance_of(folding, faces_of_edges, maps, error)
-    return FoldedSheet(folding, faces_of_edges, maps, tolerance), gap
+    return FoldedSheet(folding, faces_of_edges, maps, tolerance * _diagonal(pattern))
+
+
+def _diagonal(pattern: CreasePattern) -> float:
+    return float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
 
 
 def _read_off(sheet: FoldedSheet, letters: Chars, pairs: Indices) -> Chars:

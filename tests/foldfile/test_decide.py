@@ -213,3 +213,17 @@ def test_unassigned_lines_that_cannot_be_folded_stay_flat(tmp_path: Path) -> Non
     decision = decided(pattern, tmp_path)
     assert decision.folds is True
     assert decision.pattern.edges_assignment.tolist().count("F") == 1
+
+
+@pytest.mark.parametrize("sample", ["star", "plus"])
+def test_a_pattern_whose_angles_are_exact_and_whose_coordinates_are_not_is_accepted(
+    sample: str, tmp_path: Path
+) -> None:
+    document = json.loads(export(folded_sample(sample), ".fold"))
+    document["vertices_coords"] = np.round(document["vertices_coords"], 4).tolist()
+    for left_out in ({}, {"foldcut:layers": None, "faceOrders": None}):
+        again = decided({key: value for key, value in (document | left_out).items() if value is not None}, tmp_path)
+        assert again.folds is True
+        assert again.moved is None
+    document["file_frames"][0]["vertices_coords"][0][0] += 0.1
+    assert decided(document, tmp_path).folds is False
