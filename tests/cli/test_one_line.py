@@ -87,6 +87,15 @@ def test_names_of_files_do_nothing_to_the_terminal(folder: Path, capsys: pytest.
         assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_a_pattern_is_solved_whatever_its_name_is(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name = os.fsdecode(b"caf\xe9\x1b.cp")
+    (folder / name).write_text("1 0 0 40 0\n1 40 0 40 40\n1 40 40 0 40\n1 0 40 0 0\n2 0 0 40 40\n")
+    assert main(["solve", name, "--width", "100mm", "-o", "o.html", "-o", "o.fold"]) == 0
+    out, error = capsys.readouterr()
+    assert error == ""
+    assert all(line.isprintable() for line in out.splitlines())
+
+
 def test_control_characters_are_shown_as_their_escapes() -> None:
     assert shown("a\x1b\x9b\u2028\ud800é") == r"a\x1b\x9b\u2028\ud800é"
 
