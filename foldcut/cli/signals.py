@@ -100,6 +100,8 @@ def signals_raise() -> Iterator[None]:
         if hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)  # before its handler goes: by itself it ends the process
         _waiting.clear()
+        if hasattr(signal, "setitimer"):  # else the timer ends the process once nobody answers it
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 

@@ -17,6 +17,7 @@ from types import FrameType, SimpleNamespace
 import pytest
 
 from foldcut.cli import main as main_module
+from foldcut.cli import signals as signals_module
 from foldcut.cli import start
 from foldcut.cli.console import LONGEST, Console, print_error
 from foldcut.cli.main import main, told
@@ -261,6 +262,13 @@ def test_ctrl_c_before_the_command_begins_is_one_line_and_json(
     out, error = capsys.readouterr()
     assert error == "foldcut: error: interrupted; no file is half-written\n"
     assert json.loads(out)["error"]["message"] == "interrupted; no file is half-written"
+
+
+def test_no_signal_that_waits_outlives_the_command() -> None:
+    with signals_raise():
+        signals_module._come_again(signal.SIGTERM)
+        assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] > 0
+    assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] == 0
 
 
 def test_signals_have_the_handlers_that_they_had_before() -> None:

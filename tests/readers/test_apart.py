@@ -99,7 +99,7 @@ def test_a_time_limit_holds_while_compiled_code_reads(tmp_path: Path) -> None:
     )
     assert "timed out after 2 s, no file is half-written" in done.stderr
     assert done.returncode == 1
-    assert time.monotonic() - started < 9  # two, and the imports of a busy machine
+    assert time.monotonic() - started < 30  # two, and the imports of a busy machine
     assert not list(tmp_path.iterdir())
 
 
