@@ -271,6 +271,30 @@ def test_no_signal_that_waits_outlives_the_command() -> None:
     assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] == 0
 
 
+@pytest.mark.parametrize("call", [50, 2000, 5000])
+def test_ctrl_c_at_any_call_of_the_first_imports_is_one_line(call: int, folder: Path) -> None:
+    script = """
+import signal, sys
+from foldcut.cli.start import main
+
+left = int(sys.argv.pop(1))
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell may have ignored
+
+def count(frame, event, arg):
+    global left
+    left -= 1
+    if not left:
+        signal.raise_signal(signal.SIGINT)
+
+sys.settrace(count)
+sys.exit(main())
+"""
+    words = [sys.executable, "-c", script, str(call), "make", "t.json", *FAST, "--json", "-o", "o.svg"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder)
+    assert (done.returncode, done.stderr) == (130, "foldcut: error: interrupted; no file is half-written\n")
+    assert json.loads(done.stdout)["error"]["type"] == "KeyboardInterrupt"
+
+
 def test_signals_have_the_handlers_that_they_had_before() -> None:
     def of_the_caller(number: int, frame: FrameType | None) -> None:
         """Do nothing."""
