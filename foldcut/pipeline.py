@@ -31,6 +31,7 @@ from foldcut.core.errors import (
     VerificationError,
 )
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
+from foldcut.core.text import as_title
 from foldcut.drawing.curved import curves_of
 from foldcut.drawing.laying import Laying
 from foldcut.drawing.limits import Limits
@@ -250,7 +251,8 @@ def fold(
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
         may_turn = rotation is None and offset is None
-        drawn = Drawn(read.whole or read.outline, laying, title or read.title, read.curves(mirrored=mirrored), may_turn)
+        title = as_title(title or read.title)
+        drawn = Drawn(read.whole or read.outline, laying, title, read.curves(mirrored=mirrored), may_turn)
         laying.lay()
     stages.up_to(READ)
 

@@ -100,8 +100,6 @@ def signals_raise() -> Iterator[None]:
         if hasattr(signal, "setitimer"):
             signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)  # before its handler goes: by itself it ends the process
         _waiting.clear()
-        if hasattr(signal, "setitimer"):  # else the timer ends the process once nobody answers it
-            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
@@ -142,6 +140,7 @@ def last_raised() -> BaseException | None:
 
 
 _raised: list[BaseException] = []
+"""What a signal last raised."""
 _waiting: set[int] = set()
 """The signals that came at a bad moment. Handlers have no other place to keep them."""
 

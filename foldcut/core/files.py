@@ -38,7 +38,10 @@ def read_bytes(path: Path, most: int) -> bytes:
     with open(path, "rb", opener=_open_at_once) as file:
         if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
             raise FileFormatError(NOT_ORDINARY)
-        return file.read(most + 1)
+        data: bytes | None = file.read(most + 1)
+    if data is None:  # it calls itself ordinary, and would wait, as /proc/kmsg does
+        raise FileFormatError(NOT_ORDINARY)
+    return data
 
 
 def _open_at_once(path: str, flags: int) -> int:

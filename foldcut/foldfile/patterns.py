@@ -17,6 +17,7 @@ import numpy as np
 from foldcut.core.arrays import Chars, Floats
 from foldcut.core.errors import FileFormatError
 from foldcut.core.files import read_bytes
+from foldcut.core.text import as_title
 from foldcut.drawing.limits import Limits
 from foldcut.foldfile.lines import pattern_of_lines
 from foldcut.foldfile.read import LARGEST_FILE, FoldFile, read_apart, read_fold
@@ -68,7 +69,7 @@ def read_pattern(path: Path) -> FoldFile:
         raise FileFormatError(f"{path}: {error.strerror}; check the path and its permissions") from None
     if lines.unit_mm is None:
         notes = ("no unit of length is given; one unit is taken as 1 mm", *notes)
-    return FoldFile(pattern, None, None, unit_mm, notes, path.stem)
+    return FoldFile(pattern, None, None, unit_mm, notes, as_title(path.stem))
 
 
 def read_pattern_apart(path: Path) -> FoldFile:

@@ -88,6 +88,15 @@ def test_names_of_files_do_nothing_to_the_terminal(folder: Path, capsys: pytest.
         assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_a_pattern_is_solved_whatever_its_name_is(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    name = os.fsdecode(b"caf\xe9\x1b.cp")
+    (folder / name).write_text("1 0 0 40 0\n1 40 0 40 40\n1 40 40 0 40\n1 0 40 0 0\n2 0 0 40 40\n")
+    assert main(["solve", name, "--width", "100mm", "-o", "o.html", "-o", "o.fold"]) == 0
+    out, error = capsys.readouterr()
+    assert error == ""
+    assert all(line.isprintable() for line in out.splitlines())
+
+
 def test_control_characters_are_shown_as_their_escapes() -> None:
     assert shown("a\x1b\x9b\u2028\ud800é") == r"a\x1b\x9b\u2028\ud800é"
 
@@ -260,6 +269,30 @@ def test_no_signal_that_waits_outlives_the_command() -> None:
         signals_module._come_again(signal.SIGTERM)
         assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] > 0
     assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] == 0
+
+
+@pytest.mark.parametrize("call", [50, 2000, 5000])
+def test_ctrl_c_at_any_call_of_the_first_imports_is_one_line(call: int, folder: Path) -> None:
+    script = """
+import signal, sys
+from foldcut.cli.start import main
+
+left = int(sys.argv.pop(1))
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which a shell may have ignored
+
+def count(frame, event, arg):
+    global left
+    left -= 1
+    if not left:
+        signal.raise_signal(signal.SIGINT)
+
+sys.settrace(count)
+sys.exit(main())
+"""
+    words = [sys.executable, "-c", script, str(call), "make", "t.json", *FAST, "--json", "-o", "o.svg"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=folder)
+    assert (done.returncode, done.stderr) == (130, "foldcut: error: interrupted; no file is half-written\n")
+    assert json.loads(done.stdout)["error"]["type"] == "KeyboardInterrupt"
 
 
 def test_signals_have_the_handlers_that_they_had_before() -> None:

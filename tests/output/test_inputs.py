@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 from pathlib import Path
 
@@ -79,6 +80,21 @@ def test_what_is_no_ordinary_file_is_not_read(kind: str, tmp_path: Path) -> None
         os.mkfifo(path)
     with pytest.raises(ValueError, match="is not an ordinary file; give one, or - for standard input"):
         read_bytes(path, 10)
+
+
+def test_what_calls_itself_ordinary_and_would_wait_is_not_read(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "kmsg").write_bytes(b"")
+
+    class Waits(io.BytesIO):
+        def fileno(self) -> int:
+            return os.open(tmp_path / "kmsg", os.O_RDONLY)
+
+        def read(self, size: int | None = -1, /) -> bytes:
+            return None  # type: ignore[return-value]  # as Python does where nothing is there yet
+
+    monkeypatch.setattr("builtins.open", lambda *_, **__: Waits())
+    with pytest.raises(ValueError, match="is not an ordinary file"):
+        read_bytes(tmp_path / "kmsg", 10)
 
 
 def test_no_more_is_read_than_is_allowed(tmp_path: Path) -> None:
