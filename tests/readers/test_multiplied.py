@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import struct
 import time
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -185,3 +187,15 @@ def test_findings_of_a_fold_file_are_bounded(text: str, tmp_path: Path, capsys: 
     assert len(findings) <= 4000
     assert main(["check", str(path)]) in (1, 2, 3)
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(("width", "height"), [(30_000, 30_000), (2_000_000, 1_000), (1, 400_000_000)])
+def test_a_picture_that_is_too_large_is_refused_by_its_size(width: int, height: int, tmp_path: Path) -> None:
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    path = tmp_path / "a.png"
+    head = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))
+    with pytest.raises(FileFormatError, match=r"the picture has .*pixels.*; give a smaller one"):
+        read_shape(path)
