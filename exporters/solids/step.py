@@ -54,7 +54,7 @@ def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
     points, triangles = corners_and_triangles(mesh)
     solid = _valid_solid(points, triangles, np.arange(len(triangles)))  # a single triangle is always plane
     if solid is None:
-        raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
+        raise FileFormatError("the sheet is no valid solid for STEP; try .stl, or other grooves")
     return solid
 
 

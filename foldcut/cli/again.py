@@ -87,7 +87,7 @@ def asked(args: Namespace) -> tuple[Path, str]:
     if not shape:
         raise BadInputError("--again makes a file again that foldcut wrote: foldcut make FILE --again [DRAWING]")
     given = given if args.shape else ""
-    groups = (options.add_source, options.add_folding, options.add_machine)
+    groups = (options.add_source, options.add_folding, options.add_machine, options.add_solid)
     wrong = [name for add in groups for name in options.given(args, add) if name not in ("--shape", "--progress")]
     wrong += ["--preview"] if args.preview else []
     if wrong:
@@ -114,10 +114,10 @@ def recipe_of(path: Path) -> Recipe:
         raise FileFormatError(f"{path} has more than {LARGEST / 2**20:g} MiB; give a file that foldcut wrote")
     text = recipe_in(data, suffix)
     if not text:
-        why = f"{NO_PLACE[suffix]}; give another file that was made with it" if suffix in NO_PLACE else ""
-        raise FileFormatError(
-            f"{path} has no recipe: {why or 'foldcut did not write it, or a program has written it anew since'}"
-        )
+        why = "foldcut did not write it, or it has several drawings, or a program has saved it since"
+        if suffix in NO_PLACE:
+            why = f"{NO_PLACE[suffix]}; give another file that was made with it"
+        raise FileFormatError(f"{path} has no recipe: {why}")
     try:
         recipe = read_recipe(text)
         check(recipe)

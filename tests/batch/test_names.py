@@ -114,6 +114,22 @@ def test_no_drawing_of_a_batch_is_replaced(tmp_path: Path) -> None:
     assert all((icons / name).read_bytes() == SQUARE for name in ("a.json", "b.json", "c.json"))
 
 
+def test_a_file_of_somebody_elses_that_came_later_is_not_replaced(tmp_path: Path) -> None:
+    icons, out = draw(tmp_path / "icons", b"a.json"), tmp_path / "out"
+    run_batch([icons], out, FOLD, jobs=1)
+    for name in ("b.json", "c.json", "d.json"):
+        (icons / name).write_bytes(SQUARE)
+    (out / "b.json").write_bytes(b"mine")
+    (out / "c.json").write_bytes(b"made")  # as if the batch had been killed before it said so
+    (icons / "a.json").write_bytes(SQUARE + b" ")  # it has changed, and its file is the batch's own
+    run_batch([icons], out, FOLD, jobs=1)
+    assert statuses(out) == {"a.json": "made", "b.json": "bad-input", "c.json": "made", "d.json": "made"}
+    assert (out / "b.json").read_bytes() == b"mine"
+    (out / "b.json").rename(out / "mine")
+    run_batch([icons], out, FOLD, jobs=1, retry=True)
+    assert statuses(out)["b.json"] == "made"
+
+
 @pytest.mark.parametrize("name", [JOURNAL, RESULTS, "contact-sheet.svg"])
 def test_no_drawing_is_replaced_by_the_table_the_journal_or_the_contact_sheet(name: str, tmp_path: Path) -> None:
     icons, out = draw(tmp_path / "icons", b"a.json"), tmp_path / "out"

@@ -192,6 +192,25 @@ def test_ctrl_c_while_a_module_is_imported_waits_until_it_is_there(
     assert sys.modules.pop("slowly").there
 
 
+def test_a_signal_that_waits_as_the_command_ends_does_not_end_the_process(folder: Path) -> None:
+    (folder / "last.py").write_text(
+        "import os, signal\nos.kill(os.getpid(), signal.SIGTERM)\nfor n in range(1000): pass\n"
+    )
+    script = """
+import time
+from foldcut.cli.signals import signals_raise
+
+with signals_raise():
+    import last
+started = time.process_time()
+while time.process_time() < started + 0.1:  # longer than a signal waits
+    pass
+print("done")
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, cwd=folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "done\n", "")
+
+
 def test_ctrl_c_in_a_finaliser_is_not_lost(capsys: pytest.CaptureFixture[str]) -> None:
     class Owner:
         def __del__(self) -> None:
@@ -211,6 +230,11 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption() -> None:
         error.__cause__ = ended
         message, found = told(error)
         assert (message.startswith(says), found) == (True, status)
+    with pytest.raises(KeyboardInterrupt), signals_raise():
+        wait_after(lambda: signal.raise_signal(signal.SIGINT))
+    assert told(TypeError("Cannot compare structured arrays"))[1] == 130  # numpy names no cause
+    with signals_raise():
+        assert told(TypeError("Cannot compare structured arrays"))[1] == 1  # nothing came this time
     refused = BadInputError("the drawing is at fault")
     refused.__context__ = KeyboardInterrupt()
     assert told(refused) == ("the drawing is at fault", 2)
