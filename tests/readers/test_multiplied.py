@@ -54,8 +54,9 @@ SQUARE = b"5 5 40 30 re f "
         pdf(b"/F Do " * 10, *[b"/F Do " * 10] * 9, SQUARE),
         pdf(b"/F Do " * 3000, b"\n/F\n Do" * 3000, SQUARE),
         pdf(b"/F Do " * 30_000, SQUARE * 3000),
+        pdf(b"/F Do", b"/F Do /F Do").replace(b"/F 6 0 R", b"/F 5 0 R"),
     ],
-    ids=["deep", "wide", "long"],
+    ids=["deep", "wide", "long", "itself"],
 )
 def test_a_pdf_whose_forms_multiply_is_refused_before_it_is_drawn(data: bytes, tmp_path: Path) -> None:
     pytest.importorskip("pikepdf")
@@ -65,6 +66,13 @@ def test_a_pdf_whose_forms_multiply_is_refused_before_it_is_drawn(data: bytes, t
     with pytest.raises(FileFormatError, match="the page draws more than .* counted as often as they are drawn"):
         read_shape(path)
     assert time.process_time() - started < LONGEST_S
+
+
+def test_a_form_that_draws_itself_once_is_read(tmp_path: Path) -> None:
+    pytest.importorskip("pikepdf")
+    path = tmp_path / "a.pdf"
+    path.write_bytes(pdf(b"/F Do", SQUARE + b"/F Do").replace(b"/F 6 0 R", b"/F 5 0 R"))
+    assert len(read_shape(path).loops) == 1
 
 
 def test_forms_that_are_drawn_a_few_times_are_read(tmp_path: Path) -> None:
