@@ -75,7 +75,10 @@ def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes
             f"{path}: its numbers are too large to compute with ({about}); keep them below 1e100"
         ) from None
     except MemoryError:
-        raise FileFormatError(f"{path}: the drawing takes more memory than there is; give a simpler one") from None
+        raise FileFormatError(
+            f"{path}: the drawing takes more memory than there is; give a simpler one, or allow "
+            "more with --limit megabytes=NUMBER"
+        ) from None
     return replace(drawing, sha256=hashlib.sha256(source.data).hexdigest())
 
 

@@ -47,6 +47,10 @@ def read(source: Source, options: ReadOptions) -> Drawing:
             mask = _silhouette(turned, options.threshold)
     except FileFormatError:
         raise
+    except Image.DecompressionBombError:  # before its size is known here
+        raise FileFormatError(
+            f"the picture has more than {Image.MAX_IMAGE_PIXELS:,} pixels; give a smaller one"
+        ) from None
     except UnidentifiedImageError:  # its message is about a Python object
         raise FileFormatError("not a PNG or JPEG that can be read: it is neither; save the picture again") from None
     except Exception as error:  # Pillow raises all kinds of errors where a picture is broken

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import re
+from collections import Counter
 from typing import Any, NamedTuple
 
 import pikepdf
@@ -61,32 +62,37 @@ def require_few_forms(data: bytes) -> None:
     with pikepdf.open(io.BytesIO(data)) as document:
         page = document.pages[0].obj
         pikepdf.Page(page).contents_coalesce()
-        forms, size = _drawn(page.get("/Contents"), page.get("/Resources", {}), {}, 0)
+        forms, size = _Uses().of(page.get("/Contents"), page.get("/Resources", {}), 0)
     if forms > MOST_FORMS or size > MOST_DRAWN:
         what = f"more than {MOST_FORMS:,} forms" if forms > MOST_FORMS else f"more than {MOST_DRAWN / 1e6:,.0f} MB"
         raise FileFormatError(f"the page draws {what}, counted as often as they are drawn; give a simpler drawing")
 
 
-def _drawn(content: Any, resources: Any, known: dict[tuple[int, int], tuple[int, int]], depth: int) -> tuple[int, int]:
-    """Return how many forms a content draws, and how many bytes all that comes to; ``known``: of forms so far."""
-    if not isinstance(content, pikepdf.Stream):
-        return 0, 0
-    text = content.read_bytes()
-    forms, size = 0, len(text)
-    named = resources.get("/XObject", {})
-    for name in _DRAWS.findall(text):
-        form = named.get("/" + name.decode("latin-1"))
-        if not isinstance(form, pikepdf.Stream) or form.get("/Subtype") != "/Form":
-            continue
-        if form.objgen not in known:
-            known[form.objgen] = (0, 0)  # for a form that draws itself
-            if depth < _DEEPEST:
-                known[form.objgen] = _drawn(form, form.get("/Resources", resources), known, depth + 1)
-        inner = known[form.objgen]
-        forms, size = forms + 1 + inner[0], size + inner[1]
-        if forms > MOST_FORMS or size > MOST_DRAWN:
-            break
-    return forms, size
+class _Uses:
+    """How many forms contents draw, and how many bytes all that comes to; each form is read once."""
+
+    def __init__(self) -> None:
+        self.read: dict[tuple[int, int], tuple[int, Counter[bytes]]] = {}
+        self.known: dict[tuple[int, int, int], tuple[int, int]] = {}
+
+    def of(self, content: Any, resources: Any, depth: int) -> tuple[int, int]:
+        """Return the forms and the bytes of a content; one that draws itself ends at ``_DEEPEST``, as in PDFium."""
+        if not isinstance(content, pikepdf.Stream):
+            return 0, 0
+        key = (*content.objgen, depth)
+        if key not in self.known:
+            if content.objgen not in self.read:
+                text = content.read_bytes()
+                self.read[content.objgen] = len(text), Counter(_DRAWS.findall(text))
+            size, names = self.read[content.objgen]
+            forms, named = 0, resources.get("/XObject", {})
+            for name, times in names.items():
+                form = named.get("/" + name.decode("latin-1"))
+                if isinstance(form, pikepdf.Stream) and form.get("/Subtype") == "/Form":
+                    inner = self.of(form, form.get("/Resources", resources), depth + 1) if depth < _DEEPEST else (0, 0)
+                    forms, size = forms + times * (1 + inner[0]), size + times * inner[1]
+            self.known[key] = forms, size
+        return self.known[key]
 
 
 class _Layers:

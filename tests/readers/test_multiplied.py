@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import io
 import json
+import struct
 import time
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -52,8 +54,9 @@ SQUARE = b"5 5 40 30 re f "
         pdf(b"/F Do " * 10, *[b"/F Do " * 10] * 9, SQUARE),
         pdf(b"/F Do " * 3000, b"\n/F\n Do" * 3000, SQUARE),
         pdf(b"/F Do " * 30_000, SQUARE * 3000),
+        pdf(b"/F Do", b"/F Do /F Do").replace(b"/F 6 0 R", b"/F 5 0 R"),
     ],
-    ids=["deep", "wide", "long"],
+    ids=["deep", "wide", "long", "itself"],
 )
 def test_a_pdf_whose_forms_multiply_is_refused_before_it_is_drawn(data: bytes, tmp_path: Path) -> None:
     pytest.importorskip("pikepdf")
@@ -63,6 +66,13 @@ def test_a_pdf_whose_forms_multiply_is_refused_before_it_is_drawn(data: bytes, t
     with pytest.raises(FileFormatError, match="the page draws more than .* counted as often as they are drawn"):
         read_shape(path)
     assert time.process_time() - started < LONGEST_S
+
+
+def test_a_form_that_draws_itself_once_is_read(tmp_path: Path) -> None:
+    pytest.importorskip("pikepdf")
+    path = tmp_path / "a.pdf"
+    path.write_bytes(pdf(b"/F Do", SQUARE + b"/F Do").replace(b"/F 6 0 R", b"/F 5 0 R"))
+    assert len(read_shape(path).loops) == 1
 
 
 def test_forms_that_are_drawn_a_few_times_are_read(tmp_path: Path) -> None:
@@ -185,3 +195,15 @@ def test_findings_of_a_fold_file_are_bounded(text: str, tmp_path: Path, capsys: 
     assert len(findings) <= 4000
     assert main(["check", str(path)]) in (1, 2, 3)
     assert capsys.readouterr().err.count("\n") == 1
+
+
+@pytest.mark.parametrize(("width", "height"), [(30_000, 30_000), (2_000_000, 1_000), (1, 400_000_000)])
+def test_a_picture_that_is_too_large_is_refused_by_its_size(width: int, height: int, tmp_path: Path) -> None:
+    def chunk(name: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    path = tmp_path / "a.png"
+    head = chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + head + chunk(b"IDAT", zlib.compress(bytes(1000))) + chunk(b"IEND", b""))
+    with pytest.raises(FileFormatError, match=r"the picture has .*pixels.*; give a smaller one"):
+        read_shape(path)
