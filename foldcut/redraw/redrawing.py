@@ -41,6 +41,9 @@ MOST_REFUSED = 2
 NEAR_MISS = 1.1
 """Where the best pattern has more folds than two hands can make, but no more than this many times, more is searched."""
 
+DEAR = 20.0, 20.0
+"""What a short crease costs, as ``SHORT_COST``, where the best pattern has few folds, but one crease is too short."""
+
 MORE_STARTS = 1.1, 0.9
 """Then outlines are begun with that are made for so many times the tolerance."""
 
@@ -125,6 +128,7 @@ class _Redrawing:
         self.tolerance = tolerance
         self.keep = keep
         self.folded = self.tried = 0
+        self.short_cost = SHORT_COST
         self.best: Redrawn | None = None
         self.refused: Counter[object] = Counter()
         self.field = plan.field(tolerance)
@@ -137,15 +141,26 @@ class _Redrawing:
         self.search(starts, work, ends)
         if not self.folded:  # outlines that fit less tightly may have an order of layers where none else has
             self.search(starts, work, lambda _: ends(1.0), tightens=False)
+        if self.best is not None and self.best.shortest < LEAST_CREASE_MM and self.best.folds < HANDS_FOLDS:
+            self.search(starts, work, lambda _: ends(1.0), short_cost=DEAR)
         for part in MORE_STARTS:
             if ends(1.0) or self.best is None or self.best.is_for_hands or self.best.folds > NEAR_MISS * HANDS_FOLDS:
                 break
             self.search(list(self.plan.starts(part * self.tolerance)), work, lambda _: ends(1.0))
 
-    def search(self, starts: list[Corners], work: int, ends: Callable[[float], bool], *, tightens: bool = True) -> None:
+    def search(
+        self,
+        starts: list[Corners],
+        work: int,
+        ends: Callable[[float], bool],
+        *,
+        tightens: bool = True,
+        short_cost: tuple[float, float] = SHORT_COST,
+    ) -> None:
         """Search from some outlines to begin with."""
         self.folded = self.tried = 0
-        engine = Engine(self.field)
+        self.short_cost = short_cost
+        engine = Engine(self.field, short_cost=short_cost)
         Search(engine, work, believe=self.believe, ends=ends, tightens=tightens).run(starts)
 
     def believe(self, one: Assessment) -> float:
@@ -172,8 +187,8 @@ class _Redrawing:
         self.keep(redrawn)
         if self.best is None or redrawn.key < self.best.key:
             self.best = redrawn
-        true = redrawn.folds - len(self.plan.axes) + _cost_of_shortest(redrawn.shortest)
-        return true - one.lines - _cost_of_shortest(one.shortest)
+        true = redrawn.folds - len(self.plan.axes) + _cost_of_shortest(redrawn.shortest, self.short_cost)
+        return true - one.lines - _cost_of_shortest(one.shortest, self.short_cost)
 
     def _on_sheet(self, shape: Shape, found: Skeletal, off: float) -> Redrawn:
         plan, frame = self.plan, self.plan.frame
@@ -189,8 +204,8 @@ class _Redrawing:
         return Redrawn(plan, shape, made, made.actions, shortest_crease(creases) / frame.scale, off)
 
 
-def _cost_of_shortest(length: float) -> float:
+def _cost_of_shortest(length: float, short_cost: tuple[float, float]) -> float:
     """Return what the shortest crease costs, in lines."""
     if length >= LEAST_CREASE_MM:
         return 0.0
-    return SHORT_COST[0] + SHORT_COST[1] * (1 - length / LEAST_CREASE_MM)
+    return short_cost[0] + short_cost[1] * (1 - length / LEAST_CREASE_MM)

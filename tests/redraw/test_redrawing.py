@@ -24,7 +24,7 @@ from foldcut.pattern.foldability import crease_numbers
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 from foldcut.redraw.plans import Drawing, Plan, plans
-from foldcut.redraw.redrawing import Redrawn, _Redrawing, redraw
+from foldcut.redraw.redrawing import DEAR, Redrawn, _Redrawing, redraw
 from foldcut.redraw.starts.outlines import FARTHEST
 
 pytestmark = pytest.mark.usefixtures("kernels_are_loaded")
@@ -325,26 +325,36 @@ def test_the_comparison_can_fail() -> None:
 
 
 @pytest.mark.parametrize(
-    ("folded", "folds", "tightened"),
-    [(1, 66, [True, True, True]), (1, 67, [True]), (1, 60, [True]), (0, 0, [True, False])],
+    ("folded", "folds", "shortest", "tightened", "dear"),
+    [
+        (1, 66, 3.0, [True, True, True], 0),
+        (1, 67, 3.0, [True], 0),
+        (1, 60, 3.0, [True], 0),
+        (1, 59, 2.9, [True, True, True, True], 1),
+        (0, 0, 0.0, [True, False], 0),
+    ],
 )
 def test_near_misses_and_what_has_no_pattern_are_searched_once_more(
-    folded: int, folds: int, tightened: list[bool], monkeypatch: pytest.MonkeyPatch
+    folded: int, folds: int, shortest: float, tightened: list[bool], dear: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """From other outlines where it has up to a tenth too many folds, and without tightening where it has no pattern."""
+    """From other outlines where it has up to a tenth too many folds, and without tightening where it has no pattern.
+
+    Where a crease is too short, short creases cost more.
+    """
     one = _Redrawing(first_plan("heart"), 2.0, lambda _: None)
     searched: list[bool] = []
-    begun: list[int] = []
+    costs: list[Any] = []
 
-    def search(starts: list[Any], _work: int, _ends: object, *, tightens: bool = True) -> None:
+    def search(starts: list[Any], _work: int, _ends: object, *, tightens: bool = True, short_cost: Any = None) -> None:
+        assert starts
         searched.append(tightens)
-        begun.append(len(starts))
+        costs.append(short_cost)
         one.folded = folded
         if folded:
-            best = SimpleNamespace(folds=folds, is_for_hands=folds <= 60)
+            best = SimpleNamespace(folds=folds, is_for_hands=folds <= 60 and shortest >= 3, shortest=shortest)
             monkeypatch.setattr(one, "best", best)
 
     monkeypatch.setattr(one, "search", search)
     one.run(100, lambda _: False)
     assert searched == tightened
-    assert all(begun)
+    assert costs.count(DEAR) == dear
