@@ -79,8 +79,9 @@ bench-outlines: $(VENV)/installed-test
 bench-dihedral: $(VENV)/installed-test
 	$(BIN)/python tests/bench/dihedral.py
 
-## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz.
-READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold
+## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz, and the
+## inputs that reached something new, from which the next run goes on.
+READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold values
 SECONDS ?= 300
 fuzz: $(VENV)/installed-fuzz
 	@found=0; for reader in $(READERS); do \

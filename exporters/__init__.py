@@ -60,18 +60,23 @@ DUPLEX = ".pdf"
 """The format that has both sides in one file."""
 
 
-def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile | None = None) -> None:
+def check_suffix(
+    suffix: str, machine: Profile | None = None, profile: Profile | None = None, sheet: Sheet | None = None
+) -> None:
     """Raise FileFormatError unless a file with this ending, such as ``".svg"``, can be written.
 
     Without a ``machine``, only files of the pattern can be written. ``profile``: the one that they are made with, by
-    default "plain". Raises JobError: the profile makes no solid.
+    default "plain"; ``sheet``: what is scored. Raises JobError: the profile makes no solid, or not of this sheet.
     """
     known = {**PATTERN_EXPORTERS, **(JOB_EXPORTERS if machine else {})}
     if suffix.lower() in known:
         if suffix.lower() in SOLIDS:
-            from .solids.scored_sheet import check_solid, needs
+            from .solids.scored_sheet import check_bed, check_solid, needs
 
-            check_solid(profile or load_profile())
+            profile = profile or load_profile()
+            check_solid(profile)
+            if sheet is not None and profile.solid is not None and not profile.solid.folded:
+                check_bed(sheet.width, sheet.height, profile, "the sheet")
             if suffix.lower() == ".step":
                 needs("build123d")
         return

@@ -13,6 +13,7 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
+from foldcut.core.text import shown
 from foldcut.jobs.duration import about, seconds_of_steps
 from foldcut.jobs.instructions import instructions
 from foldcut.jobs.job import Job
@@ -88,7 +89,7 @@ def readme(
         "outline.",
         *(["", *made] if made else []),
     ]
-    return ("\r\n".join(lines) + "\r\n").encode()
+    return text_file(lines)
 
 
 def card_readme(
@@ -99,7 +100,12 @@ def card_readme(
     lines += [f"  {place}. {name}" for place, name in enumerate(files, start=1)]
     lines += ["", "Rows; the ticks beside each are its number:", *(f"  {row}" for row in rows)]
     lines += ["", *following, "", *made]
-    return ("\r\n".join(lines) + "\r\n").encode()
+    return text_file(lines)
+
+
+def text_file(lines: Sequence[str]) -> bytes:
+    """Return lines as a text file that any program shows line by line, whatever is in names of files."""
+    return ("\r\n".join(map(shown, lines)) + "\r\n").encode()
 
 
 def _operations(job: Job, profile: Profile | None) -> list[str]:
@@ -132,7 +138,7 @@ def zipped(parts: Mapping[str, bytes]) -> bytes:
     out = io.BytesIO()
     with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, data in parts.items():
-            entry = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+            entry = zipfile.ZipInfo(shown(name), (1980, 1, 1, 0, 0, 0))
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, data)

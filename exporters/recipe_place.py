@@ -47,6 +47,10 @@ NO_PLACE = {
 """The formats without a place, and why."""
 
 
+BROKEN_ARCHIVE = (zipfile.BadZipFile, zlib.error, KeyError, ValueError, EOFError, NotImplementedError, RuntimeError)
+"""What ``zipfile`` raises where an archive is broken, or needs what it cannot do."""
+
+
 class Place(NamedTuple):
     """How a recipe is put into the bytes of a format, and how it is found there, "" if it is not."""
 
@@ -177,7 +181,7 @@ def _find_3mf(data: bytes) -> str:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as package, package.open(MODEL) as model:
             start = model.read(100_000)
-    except (zipfile.BadZipFile, KeyError):
+    except BROKEN_ARCHIVE:
         return ""
     return unescape(_first(rb'<metadata name="Description">' + MARK.encode() + rb"(.*?)</metadata>", start))
 
@@ -192,7 +196,7 @@ def _find_zip(data: bytes) -> str:
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             comment = archive.comment.decode("ascii", "replace")
-    except zipfile.BadZipFile:
+    except BROKEN_ARCHIVE:
         return ""
     return comment.removeprefix(MARK) if comment.startswith(MARK) else ""
 

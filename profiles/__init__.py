@@ -201,11 +201,27 @@ class Blade(_Table):
 
 
 class Solid(_Table):
-    """The scored sheet as a solid: its thickness, and the width and depth of its grooves."""
+    """The scored sheet as a solid: its thickness, and the width and depth of its grooves.
+
+    ``groove``: what they look like, "v" or "u"; ``groove_angle_deg``: the angle of a V, which makes it as wide as it
+    has to be. ``one_sided``: valleys have their grooves on top, too. ``folded``: not the flat sheet but the stack of
+    its layers when it is folded, without grooves.
+    """
 
     thickness_mm: Millimetres
     groove_width_mm: Millimetres
     groove_depth_mm: Millimetres
+    groove: Literal["v", "u"] = "v"
+    groove_angle_deg: Annotated[float, Field(ge=10, le=170)] | None = None
+    one_sided: bool = False
+    folded: bool = False
+
+    @property
+    def width_mm(self) -> float:
+        """How wide the grooves are at the surface."""
+        if self.groove == "u" or self.groove_angle_deg is None:
+            return self.groove_width_mm
+        return 2 * self.groove_depth_mm * math.tan(math.radians(self.groove_angle_deg) / 2)
 
 
 class Page(_Table):

@@ -1,4 +1,4 @@
-"""STEP: the scored sheet as one solid with plane faces, for CAD.
+"""STEP: the scored sheet, or the folded one, as one solid with plane faces, for CAD.
 
 Input: a ``FoldedPattern`` and a ``Profile`` with ``solid``; output: STEP AP214, mm. The mesh of
 ``scored_sheet`` has the geometry already, exact to rounding; its triangles in one plane become one face, and faces
@@ -18,7 +18,8 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern
 from foldcut.profiles import Profile
 
-from .scored_sheet import corners_and_triangles, needs, sheet_solid
+from .folded_stack import solid_of
+from .scored_sheet import corners_and_triangles, needs
 
 FLAT_MM = (1e-6, 1e-8)
 """Triangles whose corners are this near to a plane lie in it; the second is tried if the first gives no valid solid."""
@@ -31,7 +32,7 @@ Half = tuple[int, int]
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
-    """Return the scored sheet as a STEP file; errors as for ``sheet_solid``."""
+    """Return the sheet as a STEP file; errors as for ``solid_of``."""
     needs("build123d")
     from build123d import export_step
 
@@ -43,8 +44,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
 
 
 def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
-    """Return the scored sheet as a ``build123d.Solid``; errors as for ``sheet_solid``."""
-    scored = sheet_solid(pattern, profile)
+    """Return the sheet as a ``build123d.Solid``; errors as for ``solid_of``."""
+    scored = solid_of(pattern, profile)
     for flat in FLAT_MM:
         mesh = scored.simplify(flat).to_mesh64()
         solid = _valid_solid(*corners_and_triangles(mesh), np.asarray(mesh.face_id))
@@ -53,7 +54,7 @@ def step_solid(pattern: FoldedPattern, profile: Profile) -> Any:
     points, triangles = corners_and_triangles(mesh)
     solid = _valid_solid(points, triangles, np.arange(len(triangles)))  # a single triangle is always plane
     if solid is None:
-        raise FileFormatError("the scored sheet is no valid solid for STEP; try .stl, or other grooves")
+        raise FileFormatError("the sheet is no valid solid for STEP; try .stl, or other grooves")
     return solid
 
 

@@ -1,4 +1,4 @@
-"""3MF: the scored sheet as triangles that share their corners, for 3D printers.
+"""3MF: the scored sheet, or the folded one, as triangles that share their corners, for 3D printers.
 
 Input: a ``FoldedPattern`` and a ``Profile`` with ``solid``; output: a 3MF package, mm. Source: 3MF core specification
 1.3, chapters 2 (package) and 4 (mesh). Needs the extra ``solids``.
@@ -13,7 +13,8 @@ from foldcut.profiles import Profile
 
 from ..bundle import zipped
 from ..text import number, printable
-from .scored_sheet import corners_and_triangles, sheet_solid
+from .folded_stack import solid_of
+from .scored_sheet import corners_and_triangles
 
 CONTENT_TYPES = (
     '<Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">'
@@ -33,8 +34,8 @@ DECIMALS = 6
 
 
 def export(pattern: FoldedPattern, profile: Profile) -> bytes:
-    """Return the scored sheet as a 3MF file; errors as for ``sheet_solid``."""
-    points, triangles = corners_and_triangles(sheet_solid(pattern, profile).to_mesh64())
+    """Return the sheet as a 3MF file; errors as for ``solid_of``."""
+    points, triangles = corners_and_triangles(solid_of(pattern, profile).to_mesh64())
     corners = "".join(
         f'<vertex x="{number(x, DECIMALS)}" y="{number(y, DECIMALS)}" z="{number(z, DECIMALS)}"/>'
         for x, y, z in points.tolist()

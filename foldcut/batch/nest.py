@@ -17,7 +17,8 @@ from typing import Any
 from foldcut.batch.worker import MADE
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
-from foldcut.exporters import export_frame, export_job
+from foldcut.exporters import JOB_EXPORTERS, export_frame, export_job
+from foldcut.exporters.bundle import OURS
 from foldcut.exporters.text import printable
 from foldcut.foldfile.read import read_fold_apart
 from foldcut.foldfile.reopen import reopen
@@ -33,8 +34,8 @@ from foldcut.profiles import Bed, Profile
 BEDS = "beds.txt"
 """The name of the file that says which sheet lies where, and what the operator does."""
 
-BED_FILE = re.compile(r"bed-([1-9][0-9]*)(?:-[a-z]+)?[.][a-z0-9]+")
-"""What the files of a bed are called; the group is its number."""
+BED_FILE = re.compile(rf"bed-[1-9][0-9]*(-[a-z]+)?({'|'.join(map(re.escape, JOB_EXPORTERS))})")
+"""What the files of beds are called."""
 
 MICRONS = 1000
 """The packer counts in whole numbers: thousandths of a mm."""
@@ -121,12 +122,16 @@ def nested_files(
         raise BadInputError(
             f"{folder / name} is of a drawing, and --nest gives a bed that name; call the drawing otherwise"
         )
-    stale = [
-        path
-        for path in sorted(folder.glob("bed-*"))
-        if (found := BED_FILE.fullmatch(path.name)) and int(found[1]) > len(beds) and path.name not in others
-    ]
+    stale = [path for path in _of_before(folder) if path.name not in files and path.name not in others]
     return beds, {folder / name: data for name, data in files.items()}, stale
+
+
+def _of_before(folder: Path) -> list[Path]:
+    """Return the files of beds that an earlier run wrote; none unless its list of them is there."""
+    about = folder / BEDS
+    if not about.is_file() or not about.read_bytes().startswith(OURS.encode()):
+        return []
+    return [path for path in sorted(folder.glob("bed-*")) if BED_FILE.fullmatch(path.name)]
 
 
 def nest(
@@ -223,7 +228,7 @@ def _bed(
 
 def beds_text(beds: Sequence[NestedBed], endings: Sequence[str], profile: Profile) -> bytes:
     """Return what is on every bed, and what the operator does with its files."""
-    lines = [f"foldcut: {sum(len(bed.sheets) for bed in beds)} sheets on {len(beds)} bed{'s' * (len(beds) > 1)}", ""]
+    lines = [f"{OURS}: {sum(len(bed.sheets) for bed in beds)} sheets on {len(beds)} bed{'s' * (len(beds) > 1)}", ""]
     for number, bed in enumerate(beds, 1):
         lasts = "" if bed.seconds is None else f", {about(bed.seconds)} on the machine"
         lines.append(f"Bed {number}: {', '.join(bed.files)}{lasts}")

@@ -60,10 +60,19 @@ def parquet_table(arrow: ModuleType, rows: Sequence[Row]) -> bytes:
     kinds |= dict.fromkeys(("shortest_crease_mm", "off_by_mm", "seconds"), arrow.float64())
     kinds |= {"for_hands": arrow.bool_()}
     schema = arrow.schema([(name, kinds.get(name, arrow.string())) for name in COLUMNS])
-    table = arrow.Table.from_pylist([row | {"outputs": list(row["outputs"])} for row in rows], schema=schema)
+    table = arrow.Table.from_pylist([_encodable(row) for row in rows], schema=schema)
     out = io.BytesIO()
     pyarrow.parquet.write_table(table, out)
     return out.getvalue()
+
+
+def _encodable(row: Row) -> Row:
+    """Return a row with the escapes of what cannot be encoded in its texts, as the CSV has them."""
+
+    def text(value: Any) -> Any:
+        return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
+
+    return {name: text(value) for name, value in row.items()} | {"outputs": [text(name) for name in row["outputs"]]}
 
 
 def contact_sheet_file(pictures: Sequence[tuple[str, Thumbnail]], ending: str) -> bytes:

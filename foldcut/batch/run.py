@@ -11,7 +11,8 @@ from __future__ import annotations
 import errno
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from types import ModuleType
@@ -41,6 +42,10 @@ TIMEOUT_S = 300.0
 """A drawing that takes longer is given up, unless the caller gives another time."""
 
 Progress = Callable[[str, float], None]
+
+
+class TakenError(OutputError):
+    """A file of somebody else's is where one of the batch's would be."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +125,7 @@ def run_batch(
     with Journal(out / JOURNAL, recipe.fingerprint, replace=replace) as journal:
         left = [item for item in items if not _is_done(journal.rows.get(item.stem), item, out, recipe, retry=retry)]
         undone = {item.stem for item in left}
+        made = {name for record in journal.rows.values() for name in record.get("outputs", ())}
         before = {item.stem: journal.rows[item.stem] for item in items if item.stem not in undone}
         done = resumed = len(before)
         failed = sum(record["status"] != MADE for record in before.values())
@@ -129,7 +135,7 @@ def run_batch(
             outcomes = work_on_cores(left, recipe, timeout, min(jobs or os.cpu_count() or 1, len(left)))
         try:
             for item, digest, outcome in outcomes:
-                record = _keep(item, digest, outcome, out, read)
+                record = _keep(item, digest, outcome, out, read, known=None if replace else made)
                 journal.add(item.stem, record)
                 done += 1
                 failed += record["status"] != MADE
@@ -175,18 +181,25 @@ def _is_done(record: Mapping[str, Any] | None, item: Item, out: Path, recipe: Re
     return bool(record["sha256"] == item.read(recipe.reading.limits.bytes)[1])
 
 
-def _keep(item: Item, digest: str, outcome: Outcome, out: Path, inputs: Inputs) -> Record:
-    """Write the files of a drawing, but not over ``inputs``, and return its record."""
+def _keep(
+    item: Item, digest: str, outcome: Outcome, out: Path, inputs: Inputs, *, known: Collection[str] | None
+) -> Record:
+    """Write the files of a drawing, but not over ``inputs``, and return its record.
+
+    ``known``: the names of files that the batch has made, which it may replace; None: it may replace any.
+    """
     status, error, files = outcome.status, outcome.error, dict(outcome.files)
     try:
-        for name in files:
+        for name, data in files.items():
+            if known is not None and name not in known:
+                _check_own(out / name, data)
             (out / name).parent.mkdir(parents=True, exist_ok=True)
         write_files({out / name: data for name, data in files.items()}, replace=True, inputs=inputs)
     except (OutputError, OSError) as problem:
         cause = problem if isinstance(problem, OSError) else problem.__cause__
         of_this_drawing = (errno.ENAMETOOLONG, errno.ENOTDIR, errno.EEXIST)
         at_fault = isinstance(cause, OSError) and cause.errno in of_this_drawing
-        if not at_fault and not isinstance(problem, InputError):
+        if not at_fault and not isinstance(problem, InputError | TakenError):
             raise  # the next drawing would meet it as well: a full disk, for example
         status, error, files = BAD_INPUT, str(problem), {}
     made = status == MADE
@@ -204,6 +217,15 @@ def _keep(item: Item, digest: str, outcome: Outcome, out: Path, inputs: Inputs) 
         "sha256": digest,
         "thumbnail": asdict(outcome.thumbnail) if made and outcome.thumbnail is not None else None,
     }
+
+
+def _check_own(path: Path, data: bytes) -> None:
+    """Raise TakenError if there is a file that the batch cannot have written just before it was killed."""
+    taken = False
+    with suppress(OSError):  # writing says what is wrong with the path
+        taken = path.is_file() and (path.stat().st_size != len(data) or path.read_bytes() != data)
+    if taken:
+        raise TakenError(f"cannot write {path}: it is there already; move it away and try again with --retry")
 
 
 def _check_free(out: Path, items: Sequence[Item], recipe: Recipe, names: Sequence[str], *, replace: bool) -> None:

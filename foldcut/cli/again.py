@@ -20,12 +20,15 @@ from foldcut.cli.commands import load
 from foldcut.cli.console import DONE
 from foldcut.cli.parser import Parser, parse
 from foldcut.core.errors import BadInputError, FileFormatError
+from foldcut.core.files import read_bytes
 
 if TYPE_CHECKING:
     from foldcut.output.recipe import Recipe
 
-REPEATED = ("make", "view", "draw", "guide", "coupon")
+REPEATED = ("make", "view", "draw", "guide", "coupon", "solve")
 """The commands that a recipe may have."""
+LARGEST = 2**29
+"""A file that is made again has no more bytes than this."""
 NEVER = ("-o", "--output", "--force", "--preview", "--again", "--timeout", "--json", "--quiet")
 """Options that no recipe has: they say where files go, or how to report."""
 
@@ -62,7 +65,7 @@ def make_again(args: Namespace) -> int:
             "replace it with --force"
         )
     files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
-    inputs = Inputs([] if drawing is None else [drawing])
+    inputs = Inputs([*([] if drawing is None else [drawing]), *files_beside(recipe, path)])
     write_files(contents, replace=args.force, inputs=inputs)
     report = {"ok": True, "again": str(path), "same": same, "foldcut": recipe.version, "files": files}
     lines = [
@@ -84,7 +87,7 @@ def asked(args: Namespace) -> tuple[Path, str]:
     if not shape:
         raise BadInputError("--again makes a file again that foldcut wrote: foldcut make FILE --again [DRAWING]")
     given = given if args.shape else ""
-    groups = (options.add_source, options.add_folding, options.add_machine)
+    groups = (options.add_source, options.add_folding, options.add_machine, options.add_solid)
     wrong = [name for add in groups for name in options.given(args, add) if name not in ("--shape", "--progress")]
     wrong += ["--preview"] if args.preview else []
     if wrong:
@@ -106,12 +109,15 @@ def recipe_of(path: Path) -> Recipe:
     from foldcut.output.recipe import read_recipe
 
     suffix = path.suffix.lower()
-    text = recipe_in(path.read_bytes(), suffix)
+    data = read_bytes(path, LARGEST)
+    if len(data) > LARGEST:
+        raise FileFormatError(f"{path} has more than {LARGEST / 2**20:g} MiB; give a file that foldcut wrote")
+    text = recipe_in(data, suffix)
     if not text:
-        why = f"{NO_PLACE[suffix]}; give another file that was made with it" if suffix in NO_PLACE else ""
-        raise FileFormatError(
-            f"{path} has no recipe: {why or 'foldcut did not write it, or a program has written it anew since'}"
-        )
+        why = "foldcut did not write it, or it has several drawings, or a program has saved it since"
+        if suffix in NO_PLACE:
+            why = f"{NO_PLACE[suffix]}; give another file that was made with it"
+        raise FileFormatError(f"{path} has no recipe: {why}")
     try:
         recipe = read_recipe(text)
         check(recipe)
@@ -123,15 +129,20 @@ def recipe_of(path: Path) -> Recipe:
 def check(recipe: Recipe) -> None:
     """Raise FileFormatError unless a recipe, which anybody may have written, reads and writes only what it may."""
     names = [recipe.drawing, recipe.output, recipe.file]
-    if recipe.command not in REPEATED or not recipe.output or any(Path(name).name != name for name in names if name):
+    if recipe.command not in REPEATED or not recipe.output or not all(map(is_name, filter(None, names))):
         raise FileFormatError("its recipe is damaged")
     parser = Parser(add_help=False)
     load(recipe.command).add_options(parser)
     known = {*parser.option_strings()} - {*NEVER}  # whole names: argparse would take a part of one
     for word in recipe.options:
         name, _, value = word.partition("=")
-        if name not in known or (name in options.FILES_OF and Path(value).name != value):
+        if name not in known or (name in options.FILES_OF and not is_name(value)) or "\0" in word:
             raise FileFormatError(f"its recipe has {word!r}, which no recipe has")
+
+
+def is_name(text: str) -> bool:
+    """Whether a text is the name of a file, without a folder."""
+    return Path(text).name == text and text != ".." and "\0" not in text
 
 
 def found_drawing(recipe: Recipe, path: Path, given: str) -> Path:
@@ -175,6 +186,12 @@ def hashed(path: Path) -> str:
     """Return the hash of a file."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def files_beside(recipe: Recipe, path: Path) -> list[Path]:
+    """Return the other files that a recipe names, which have to be beside its file: a profile, a font."""
+    parted = (word.partition("=") for word in recipe.options)
+    return [path.parent / value for name, _, value in parted if name in recipe.hashes and name in options.FILES_OF]
 
 
 def run(recipe: Recipe, drawing: Path | None, path: Path, folder: Path) -> dict[str, bytes] | None:

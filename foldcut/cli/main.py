@@ -25,7 +25,7 @@ from foldcut.cli.console import (
     print_json,
 )
 from foldcut.cli.parser import parse
-from foldcut.cli.signals import Terminated, TimedOut, deaf, signals_raise, time_limit
+from foldcut.cli.signals import Terminated, TimedOut, deaf, last_raised, signals_raise, time_limit
 from foldcut.core.errors import FoldcutError, UnfoldableError
 
 TRACEBACK = "FOLDCUT_TRACEBACK"
@@ -97,7 +97,7 @@ def ended_by(error: BaseException) -> BaseException | None:
         if isinstance(found, KeyboardInterrupt | Terminated | TimedOut):
             return found
         found, seen = found.__cause__ or found.__context__, seen + 1
-    return None
+    return None if isinstance(error, FoldcutError | OSError) else last_raised()
 
 
 def _start_fast() -> None:

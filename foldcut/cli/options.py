@@ -47,6 +47,8 @@ NOT_REPEATED = ("shape", "progress")
 """What has no part in what files are made of, or is not an option."""
 LARGEST_SCALE = 1e12
 """Nobody means a larger scale, nor a smaller one than 1 in this."""
+USUAL_SOLID = "scored-sheet"
+"""The profile for solids when the one that is named has none."""
 USUAL_SHEET = "a4"
 """The sheet if neither the user nor a machine has another."""
 USUAL_MARGIN_MM = 10.0
@@ -787,6 +789,71 @@ def usual_machines(args: Namespace, endings: Iterable[str]) -> dict[str, Machine
         return {}
     known = {ending.lower() for ending in endings} & USUAL_MACHINES.keys()
     return {ending: machine(args, default=_usual_machine(args, ending)) for ending in sorted(known)}
+
+
+# ---- solids ----
+
+
+def add_solid(command: ArgumentParser) -> None:
+    """Add what the solids look like."""
+    solid = command.add_argument_group("solids (STL, 3MF, STEP)")
+    solid.add_argument(
+        "--groove",
+        metavar="FORM",
+        help="v: as wide and as deep as the profile says; v90, or another angle in degrees: as wide as that makes it; "
+        "u: with a round bottom (default: v)",
+    )
+    solid.add_argument(
+        "--one-sided", action="store_true", help="all grooves on top, those of valleys too (default: these are below)"
+    )
+    solid.add_argument(
+        "--folded",
+        action="store_true",
+        help="not the flat sheet but the folded one, as a stack of its layers in the order that was proven, to see how "
+        "thick it gets",
+    )
+
+
+def solid_machines(args: Namespace, endings: Iterable[str]) -> dict[str, Machine]:
+    """Return whom files with the endings of solids are made for, if the user asks for another solid than usual.
+
+    Raises BadInputError: there is no solid among the files, or the groove has no such form.
+    """
+    from foldcut.exporters import SOLIDS
+    from foldcut.output.render import JobOptions
+    from foldcut.profiles import load_profile
+
+    asked = given(args, add_solid)
+    if not asked:
+        return {}
+    known = sorted({ending.lower() for ending in endings} & {*SOLIDS})
+    if not known:
+        verb = "is" if len(asked) == 1 else "are"
+        raise BadInputError(f"{', '.join(asked)} {verb} for solids: give an -o that ends in {', '.join(SOLIDS)}")
+    named = None if args.profile is None else load_profile(args.profile, args.set)
+    own = named is not None and named.solid is not None
+    name = args.profile if own else USUAL_SOLID
+    changes = [*(args.set if own else ()), *_groove(args.groove)]
+    changes += [f"solid.{key}=true" for key in ("one_sided", "folded") if getattr(args, key)]
+    profile = load_profile(name, changes)
+    said, more = (
+        words(args, add_solid),
+        words(args, add_machine, profile=name) if own else Words((f"--profile={name}",)),
+    )
+    made = Machine(name, profile, JobOptions(), Words(more.options + said.options, more.hashes))
+    return dict.fromkeys(known, made)
+
+
+def _groove(form: str | None) -> list[str]:
+    """Return what a form of groove changes in the profile."""
+    if form is None or form == "v":
+        return []
+    if form == "u":
+        return ["solid.groove=u"]
+    angle = form.removeprefix("v").removesuffix("deg")
+    if form[0:1] != "v" or not angle.replace(".", "", 1).isdecimal() or not 10 <= float(angle) <= 170:
+        raise BadInputError(f"--groove {form} is no form; give v, u, or v and an angle from 10 to 170 such as v90")
+    return [f"solid.groove_angle_deg={float(angle)!r}"]
 
 
 def no_machine() -> Machine:

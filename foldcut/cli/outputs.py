@@ -63,7 +63,7 @@ class Outputs:
         in_bundles = [member for path in self.paths if is_bundle(path) for member in self._members(path)]
         for path in [*in_bundles, *(path for path in self.paths if not is_bundle(path))]:
             machine = self.machine_for(path)
-            check_suffix(path.suffix, machine.with_jobs, machine.profile)
+            check_suffix(path.suffix, machine.with_jobs, machine.profile, sheet)
             if machine.with_jobs is not None and path.suffix.lower() in JOB_EXPORTERS:
                 job = machine.job
                 registration = (job.registration or machine.with_jobs.registration) if job.two_sided else None
@@ -88,13 +88,13 @@ class Outputs:
         from foldcut.exporters.bundle import README, readme, zipped
         from foldcut.output.render import Maker
 
-        makers: dict[str | None, tuple[Machine, Maker]] = {}
+        makers: dict[tuple[object, ...], tuple[Machine, Maker]] = {}
         contents: dict[Path, bytes] = {}
         for path in self.paths:
             machine = self.machine_for(path)
             of_it = recipe.also(*machine.words)
             made = Maker(pattern, machine.profile, machine.job, of_it)
-            _, maker = makers.setdefault(machine.name, (machine, made))
+            _, maker = makers.setdefault((machine.name, machine.words.options), (machine, made))
             if not is_bundle(path):
                 contents |= maker.files(path)
                 continue

@@ -448,6 +448,12 @@ def states_report(states: States | None) -> Report:
     return {"states": states.number, "states_of_parts": list(states.parts)}
 
 
+def solved_report(decided: Report, files: Sequence[Report], made: Sequence[MadeFor]) -> tuple[Report, list[str]]:
+    """Return the report of ``foldcut solve``, and the same as text; ``decided`` is that of the decision."""
+    report = {**decided, **_machine_report(files, made), "files": list(files)}
+    return report, [*decision_lines(decided), *_aligned([*_job_rows(report), *_file_rows(report)])]
+
+
 def decision_lines(report: Report) -> list[str]:
     """Return the report of ``foldcut check`` as text."""
     notes = [("note", note) for note in report["notes"]]

@@ -85,6 +85,7 @@ def signals_raise() -> Iterator[None]:
     if hasattr(signal, "setitimer"):
         handlers[signal.SIGVTALRM] = _follow_waiting
     before: dict[signal.Signals, Any] = {}
+    _raised.clear()
     try:
         for number, handler in handlers.items():
             before[number] = signal.signal(number, handler)
@@ -96,7 +97,11 @@ def signals_raise() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = tell
+        if hasattr(signal, "setitimer"):
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)  # before its handler goes: by itself it ends the process
         _waiting.clear()
+        if hasattr(signal, "setitimer"):  # else the timer ends the process once nobody answers it
+            signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
         for number, handler in before.items():
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
@@ -107,8 +112,12 @@ def after_imports(handler: Handler) -> Handler:
     def handle(number: int, frame: FrameType | None) -> None:
         if hasattr(signal, "setitimer") and _is_importing(frame):
             _come_again(number)
-        else:
+            return
+        try:
             handler(number, frame)
+        except BaseException as error:
+            _raised[:] = [error]
+            raise
 
     return handle
 
@@ -127,6 +136,12 @@ def deaf() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
+def last_raised() -> BaseException | None:
+    """Return what a signal last raised, if anything: compiled libraries make other errors of it, without its cause."""
+    return _raised[0] if _raised else None
+
+
+_raised: list[BaseException] = []
 _waiting: set[int] = set()
 """The signals that came at a bad moment. Handlers have no other place to keep them."""
 

@@ -13,14 +13,16 @@ INTERRUPTED = "interrupted; no file is half-written"
 def main() -> int:
     """Run the command that ``sys.argv`` asks for, in a process of its own, and return the exit status."""
     try:
+        import logging
         import signal
 
         from foldcut.cli.main import main as run
 
+        logging.lastResort = None  # libraries warn about what foldcut checks itself
         if not sys.warnoptions:
             import warnings
 
-            warnings.simplefilter("ignore")  # libraries warn about what foldcut checks itself
+            warnings.simplefilter("ignore")
         status = run()
         signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done and told
     except KeyboardInterrupt:

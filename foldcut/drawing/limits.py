@@ -96,8 +96,10 @@ def parse_limits(texts: Sequence[str]) -> Limits:
     for text in texts:
         name, _, number = text.partition("=")
         if name not in names or not re.fullmatch("[0-9]{1,15}", number) or int(number) == 0:
+            said = " ".join(text.split())
             raise BadInputError(
-                f"--limit {text} is not a limit; give NAME=NUMBER, where NAME is {', '.join(names[:-1])} or {names[-1]}"
+                f"--limit {said:.60} is not a limit; give NAME=NUMBER, where NAME is {', '.join(names[:-1])} or "
+                f"{names[-1]}"
             )
         limits = replace(limits, **{name: int(number)})
     return limits

@@ -38,7 +38,7 @@ LARGEST_MM = 1e9
 MANY = 1_000
 """With more corners than this, the algorithm of Douglas and Peucker first leaves out what is hardly seen, for speed."""
 
-MANY_CROSSINGS = 1_000
+MANY_CROSSINGS = 300
 """With more crossings than this, a loop is divided into its faces: making it valid takes their square in time."""
 
 _MITRE = {"join_style": "mitre", "mitre_limit": 20.0}
@@ -81,10 +81,6 @@ class Prepared:
     whole: tuple[Floats, ...] | None = None
 
 
-class _TangledError(Exception):
-    """Outlines cross so often that dividing the plane by them would take long; ``make_shape`` says where they do."""
-
-
 def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
     """Return ``loops``, in mm, mended and simplified; ``make_shape`` says whether they then are a shape.
 
@@ -96,11 +92,10 @@ def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
         return Prepared(drawn, drawn, ())  # not a drawing at all: make_shape says why
     try:
         valid = _shape(drawn) is not None
-        if not valid and (any(are_tangled([loop]) for loop in drawn) or not any(map(_ring_areas, drawn))):
+        distinct = [] if valid else list({_walk(loop): loop for loop in drawn if len(loop) > 2}.values())
+        if not valid and (not distinct or are_tangled(distinct) or not any(map(_ring_areas, distinct))):
             return Prepared(drawn, drawn, ())  # make_shape says why here, too
         return _prepared(drawn, preparation, valid=valid)
-    except _TangledError:
-        return Prepared(drawn, drawn, ())
     except shapely.errors.GEOSException as error:
         raise ShapeError(f"the drawing is too tangled to be mended: {error}; draw it simpler") from error
 
@@ -166,10 +161,7 @@ def _shape(loops: Sequence[Floats]) -> Shape | None:
 
 
 def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
-    """Return loops that neither cross nor overlap nor repeat, and the changes that this took.
-
-    Raises ``_TangledError`` if they cross too often.
-    """
+    """Return loops that neither cross nor overlap nor repeat, and the changes that this took."""
     changes: list[str] = []
     kept: list[Floats] = []
     seen: dict[bytes, int] = {}
@@ -184,8 +176,6 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
         kept.append(loop)
     if _shape(kept) is not None:
         return tuple(kept), changes
-    if are_tangled(kept):
-        raise _TangledError
     area = _area(kept)
     parts = _areas(area)
     solid = [part for part in parts if not _thin(part)]

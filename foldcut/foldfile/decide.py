@@ -184,6 +184,8 @@ class _Deciding:
         told = "folds flat; the file leaves the layer order open, and one was found"
         if len(given):
             told = "folds flat; the file orders some of the layers, and the others were found"
+            if not len(_missing(answer.pairs, given)):
+                told = "folds flat as the file says"
         return self._folds(told, answer.pattern, answer.pairs, moved)
 
     def _refused_order(self, pattern: CreasePattern, answer: Found, given: Ints, error: float) -> Decision:
@@ -240,6 +242,12 @@ def given_orders(file: FoldFile) -> Ints:
     over = (side > 0) == up[g]
     pairs: Ints = np.stack([np.where(over, f, g), np.where(over, g, f)], axis=1)
     return np.unique(pairs, axis=0)
+
+
+def _missing(pairs: Indices, given: Ints) -> Indices:
+    """Return the pairs that are not among those given."""
+    known = set(map(tuple, given.tolist()))
+    return pairs[[pair not in known for pair in map(tuple, pairs.tolist())]]
 
 
 def _diagonal(pattern: CreasePattern) -> float:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from pathlib import Path
@@ -100,12 +100,16 @@ def read_fold(path: Path | str) -> FoldFile:
 
 def read_fold_apart(path: Path | str) -> FoldFile:
     """Do as ``read_fold``, in a process of its own with as much time and memory as a file of this size may take."""
-    path = Path(path)
+    return read_apart(read_fold, Path(path))
+
+
+def read_apart(read: Callable[[Path], FoldFile], path: Path) -> FoldFile:
+    """Read a pattern by a function, in a process of its own, as ``read_fold_apart`` does."""
     usual = Limits()
     size = path.stat().st_size if path.is_file() else LARGEST_FILE
     share = max(1, math.ceil(size / usual.bytes))
     limits = replace(usual, seconds=share * usual.seconds, megabytes=share * usual.megabytes)
-    return apart(lambda: read_fold(path), limits, str(path), option=False)
+    return apart(lambda: read(path), limits, str(path), option=False)
 
 
 def _load(path: Path) -> dict[str, Any]:

@@ -55,14 +55,14 @@ def reopen(file: FoldFile) -> Reopened:
     missing = {
         "foldcut:layers or faceOrders, which face lies on which": file.layers,
         "foldedForm frame, where the vertices land": file.folded,
-        "foldcut:shape, what the cut cuts out": file.loops,
+        "foldcut:shape, what the cut cuts out": file.loops or None,
         "foldcut:placement, where the drawing lies on the sheet": file.placement,
     }
     absent = [what for what, value in missing.items() if value is None]
-    if file.layers is None or file.folded is None or file.loops is None or file.placement is None:
+    if file.layers is None or file.folded is None or not file.loops or file.placement is None:
         raise BadInputError(
             f"the file has no {'; no '.join(absent)}. Only FOLD files that foldcut wrote have these and can be "
-            "reopened; `foldcut check` verifies any FOLD file"
+            "reopened; `foldcut check` judges any crease pattern, and `foldcut solve` writes it"
         )
     sheet, shape = _sheet(creases), make_shape(file.loops)
     findings = judge(file, shape) or _check_folded(creases, file.folded, shape, sheet)

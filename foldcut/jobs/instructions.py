@@ -14,7 +14,7 @@ from foldcut.core.arrays import Floats
 from foldcut.jobs.job import Job, JobStep
 from foldcut.jobs.marks import HOLES_MM
 from foldcut.jobs.pages import flip_edge, tiles
-from foldcut.profiles import Profile, Setting
+from foldcut.profiles import Profile, Setting, Solid
 
 COLOURS = {
     "#000000": "black",
@@ -48,7 +48,7 @@ def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str]
     formats = formats or (profile.format,)
     load = list(profile.instructions) if profile.format in formats else []
     if not jobs:
-        return load
+        return load if profile.solid is None or not load else solid_words(profile.solid, load)
     lines = load[:1]
     for job in jobs:
         side = "" if job.side == "both" else f"{job.side.capitalize()}: "
@@ -57,6 +57,18 @@ def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str]
     if len(jobs) > 1:
         lines += turning_over(profile, jobs)
     return [*lines, *notes(profile, jobs)]
+
+
+def solid_words(solid: Solid, load: Sequence[str]) -> list[str]:
+    """Return what to know of a solid: ``load``, as for a sheet with grooves on both sides, or what differs from it."""
+    if solid.folded:
+        return [
+            load[0],
+            "The plates are the layers in the order that was proven, as thick as the sheet; creases are not rounded.",
+        ]
+    if solid.one_sided:
+        return [load[0], "All grooves are on top: fold mountains away from them, and valleys shut.", *load[2:]]
+    return [*load]
 
 
 def step_words(step: JobStep, profile: Profile, side: str = "both", formats: Collection[str] = ()) -> str:
@@ -113,7 +125,7 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
     if profile.page is not None and profile.format == "pdf":
         edge = flip_edge(back.turned_over, next(tiles(front, profile)))
         lines = [
-            f"Print on both sides, flip on {edge} edge, as the file asks; or print the odd pages, turn the paper "
+            f"Print on both sides, flip on {edge} edge, as the file asks; or print the odd pages, turn the sheet "
             f"over {back.turned_over}, and print the even ones."
         ]
         marks = "Held against the light, the corner marks lie on one another."

@@ -25,7 +25,7 @@ MOST_TRIPLES = 20_000_000
 MOST_LISTED = 4_000
 """The orders of a part are listed as long as they are not more than this."""
 
-MOST_NODES = 40_000
+MOST_NODES = 10_000
 """How many times an unknown is tried both ways before the count is given up."""
 
 BLOCK = 2000

@@ -7,10 +7,11 @@ may be folded either way; what they become is read off the order.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from graphlib import CycleError, TopologicalSorter
 
 import numpy as np
 
-from foldcut.core.arrays import Chars, Indices, Numbers, sealed
+from foldcut.core.arrays import Chars, Indices, Ints, Numbers, index_array, sealed
 from foldcut.core.model import CreasePattern
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.layer_orders.conditions import Conditions, given_by_creases
@@ -20,10 +21,13 @@ from foldcut.layer_orders.reasons import Reason, why_none
 from foldcut.layer_orders.search import OrderSearch
 from foldcut.pattern.face_maps import fold_faces
 
-__all__ = ["MOST_PAIRS", "Found", "count_orders", "find_order", "with_folds"]
+__all__ = ["MOST_PAIRS", "Found", "count_orders", "find_list", "find_order", "layers_of", "with_folds"]
 
 MOST_PAIRS = 1_000_000
 """With more pairs of overlapping faces than this, no order is looked for."""
+
+MOST_LISTS, MOST_CIRCLES = 60, 200
+"""How many orders are tried for one that is a list, and how many circles are forbidden at a time."""
 
 CLEAR = 20.0
 """A gap between errors and features that is narrower than this says nothing about what has no order."""
@@ -81,6 +85,73 @@ def find_order(pattern: CreasePattern, given: Numbers, error: float = 0.0) -> Fo
         text = f"its coordinates are too coarse to tell what lies on what when it is folded; as they are, {reason.text}"
         return Found(None, pattern, share, none, Reason(text, reason.place))
     return Found(False, pattern, share, none, reason)
+
+
+def layers_of(pairs: Numbers, count: int) -> Ints | None:
+    """Return all faces from bottom to top as pairs, the upper face first, say it; None if they lie in a circle."""
+    upper, lower = pairs.T
+    above: list[list[int]] = [[] for _ in range(count)]
+    for one, other in zip(lower.tolist(), upper.tolist(), strict=True):
+        above[one].append(other)
+    try:
+        order = TopologicalSorter(dict.fromkeys(range(count), ()))
+        for face, over in enumerate(above):
+            for other in over:
+                order.add(other, face)
+        return index_array(list(order.static_order()))
+    except CycleError:
+        return None
+
+
+def find_list(pattern: CreasePattern, error: float = 0.0) -> tuple[CreasePattern, Ints] | None:
+    """Return the layers of a pattern that folds flat from bottom to top, with its mountains and valleys.
+
+    None if no list is found: then its faces lie on each other in circles in every order that was tried. Arguments as
+    in ``find_order``.
+    """
+    sheet, _ = _folded(pattern, error)
+    letters = pattern.edges_assignment
+    conditions = Conditions(sheet, given_by_creases(sheet, letters)[1])
+    search = OrderSearch(conditions)
+    try:
+        for _ in range(MOST_LISTS):
+            over = search.find()
+            if over is None:
+                return None
+            pairs = np.where(over[:, None], conditions.pairs, conditions.pairs[:, ::-1])
+            layers = layers_of(pairs, sheet.count)
+            if layers is not None:
+                return replace(pattern, edges_assignment=_read_off(sheet, letters, pairs)), layers
+            search.forbid(_circles(pairs, sheet.count))
+    finally:
+        search.close()
+    return None
+
+
+def _circles(pairs: Indices, count: int) -> list[Ints]:
+    """Return circles of faces, each above the next one: the shortest through some of those that are on circles."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order, connected_components
+
+    upper, lower = pairs.T
+    graph = coo_array((np.ones(len(pairs), dtype=np.int8), (upper, lower)), shape=(count, count)).tocsr()
+    part = connected_components(graph, connection="strong")[1]
+    size = np.bincount(part)
+    found = []
+    for start in np.flatnonzero(size[part] > 1)[:MOST_CIRCLES].tolist():
+        _, before = breadth_first_order(graph, start)
+        back = upper[(lower == start) & (part[upper] == part[start])]
+        ways = [_way(before, start, int(end)) for end in back.tolist()]
+        found.append(index_array(min(ways, key=len)))
+    return found
+
+
+def _way(before: Numbers, start: int, end: int) -> list[int]:
+    """Return the faces from one to another, by the face that comes before each."""
+    way = [end]
+    while way[-1] != start:
+        way.append(int(before[way[-1]]))
+    return way[::-1]
 
 
 def count_orders(pattern: CreasePattern, error: float = 0.0) -> States | None:

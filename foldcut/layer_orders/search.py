@@ -85,6 +85,11 @@ class OrderSearch:
         """Return assumptions that cannot hold together, after ``find`` has found that they cannot."""
         return list(self._solver.get_core() or [])
 
+    def forbid(self, circles: Sequence[Numbers]) -> None:
+        """Forbid that faces lie on each other in these circles, each above the next one."""
+        for circle in circles:
+            self._solver.add_clause((-self.conditions.literals(circle, np.roll(circle, -1))).tolist())
+
     def forbid_circles(self, triples: Indices) -> None:
         """Ask for transitivity among rows of three faces that share a place."""
         self.triples.append(triples)

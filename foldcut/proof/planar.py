@@ -12,12 +12,9 @@ import shapely
 from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers, blocks
 from foldcut.core.model import CreasePattern, Finding
 from foldcut.geometry.planar_graph import Keys, half_edges, pair_keys, signed_areas
-from foldcut.proof.findings import at_edge, finding
+from foldcut.proof.findings import MOST_FINDINGS, at_edge, finding, first
 
 __all__ = ["check_edges", "check_planar", "short_edges"]
-
-MOST_FINDINGS = 1_000
-"""Of edges that cross, and of vertices that lie on edges, no more are looked for once there are so many."""
 
 _BATCH = 256
 """The number of edges or vertices in one query, which bounds the memory that a tangle takes."""
@@ -60,7 +57,7 @@ def short_edges(pattern: CreasePattern, lengths: Floats, tolerance: float) -> li
     """Find edges that are no longer than ``tolerance``; ``lengths`` is ``(e,)``, all in mm."""
     return [
         at_edge(pattern, edge, "planar", f"edge {edge} is only {lengths[edge]:.3g} mm long; merge its vertices")
-        for edge in np.flatnonzero(lengths <= tolerance).tolist()
+        for edge in first(lengths <= tolerance)
     ]
 
 
@@ -69,13 +66,12 @@ def check_edges(pattern: CreasePattern) -> list[Finding]:
     coords, (one, other) = pattern.vertices_coords, pattern.edges_vertices.T
     findings = [
         at_edge(pattern, edge, "planar", f"edge {edge} repeats another edge; leave one out")
-        for edge in _repeated(pair_keys(np.minimum(one, other), np.maximum(one, other))).tolist()
+        for edge in _repeated(pair_keys(np.minimum(one, other), np.maximum(one, other)))[:MOST_FINDINGS].tolist()
     ]
     reached = np.zeros(len(coords), dtype=np.bool_)
     reached[one] = reached[other] = True
-    lonely = np.flatnonzero(~reached)
     findings += [
-        finding("planar", f"vertex {vertex} is on no edge; leave it out", coords[vertex]) for vertex in lonely.tolist()
+        finding("planar", f"vertex {vertex} is on no edge; leave it out", coords[vertex]) for vertex in first(~reached)
     ]
     return findings
 
@@ -162,7 +158,7 @@ def _check_face_outlines(pattern: CreasePattern, convex: Bools) -> list[Finding]
     simple = shapely.is_valid(shapely.polygons(outlines))
     clockwise = signed_areas(coords, rest) <= 0
     findings = []
-    for at in np.flatnonzero(~simple | clockwise).tolist():
+    for at in first(~simple | clockwise):
         problem = "runs clockwise; reverse it" if simple[at] else "is not a simple polygon; its sides cross or touch"
         findings.append(finding("planar", f"face {unsure[at]} {problem}", coords[rest[at]].mean(axis=0)))
     return findings
@@ -183,9 +179,7 @@ def _check_sides(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints) -
             "is assigned B but has faces on both sides; cuts in the sheet are not supported",
         ),
     ):
-        findings += [
-            at_edge(pattern, edge, "planar", f"edge {edge} {problem}") for edge in np.flatnonzero(wrong).tolist()
-        ]
+        findings += [at_edge(pattern, edge, "planar", f"edge {edge} {problem}") for edge in first(wrong)]
     return findings
 
 
@@ -195,12 +189,12 @@ def _unmatched_sides(pattern: CreasePattern) -> list[Finding]:
     rows = pattern.faces_vertices.rows
     keys = pair_keys(start, end)
     findings = []
-    for side in _repeated(keys).tolist():
+    for side in _repeated(keys)[:MOST_FINDINGS].tolist():
         message = f"face {rows[side]} lies on the same side of an edge as another face; faces must not overlap"
         findings.append(_at_side(pattern, start[side], end[side], message))
     known = pair_keys(*np.sort(pattern.edges_vertices, axis=1).T)
     sides = pair_keys(np.minimum(start, end), np.maximum(start, end))
-    for side in np.flatnonzero(~_is_among(sides, known)).tolist():
+    for side in first(~_is_among(sides, known)):
         message = f"face {rows[side]} has a side, vertices {start[side]} to {end[side]}, that is not an edge"
         findings.append(_at_side(pattern, start[side], end[side], message))
     return findings

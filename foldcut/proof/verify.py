@@ -25,7 +25,7 @@ from foldcut.core.model import CreasePattern, Finding, Shape
 from foldcut.geometry.planar_graph import edge_lengths, edge_sides, faces_of_sides
 from foldcut.pattern.face_maps import FaceMaps, fold_faces, folded_edges
 from foldcut.proof.cut import check_cut
-from foldcut.proof.findings import at_edge
+from foldcut.proof.findings import at_edge, first
 from foldcut.proof.layers import check_layer_order, check_mountains, check_stacking
 from foldcut.proof.pairwise import check_pairs
 from foldcut.proof.planar import check_edges, check_planar, short_edges
@@ -127,7 +127,7 @@ def check_arrays(pattern: CreasePattern) -> list[Finding]:
         return [Finding("arrays", "the pattern has no vertices, no edges or no faces; give all three")]
     findings = [
         Finding("arrays", f"vertex {vertex} is not at a finite place")
-        for vertex in np.flatnonzero(~np.isfinite(coords).all(axis=1)).tolist()
+        for vertex in first(np.logical_not(np.isfinite(coords).all(axis=1)))
     ]
     for name, values in (("edges_vertices", edges), ("faces_vertices", faces.values)):
         wrong = values[(values < 0) | (values >= len(coords))]
@@ -142,11 +142,11 @@ def check_arrays(pattern: CreasePattern) -> list[Finding]:
                 "arrays",
                 f"edge {edge} is assigned {str(pattern.edges_assignment[edge])!r}; use B, M, V, F or U",
             )
-            for edge in np.flatnonzero(~np.isin(pattern.edges_assignment, ASSIGNMENTS)).tolist()
+            for edge in first(~np.isin(pattern.edges_assignment, ASSIGNMENTS))
         ]
     findings += [
         Finding("arrays", f"face {face} has {faces.lengths[face]} vertices; a face has at least three")
-        for face in np.flatnonzero(faces.lengths < 3).tolist()
+        for face in first(faces.lengths < 3)
     ]
     return findings
 
@@ -162,7 +162,7 @@ def check_closure(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, 
         gap[some] = np.hypot(apart[:, :, 0], apart[:, :, 1]).max(axis=1)
     turned: Bools = (maps.up[left] != maps.up[right]) == folded_edges(pattern)[inner]
     findings = []
-    for at in np.flatnonzero((gap > tolerance) | ~turned).tolist():
+    for at in first((gap > tolerance) | ~turned):
         faces = f"faces {left[at]} and {right[at]}"
         problem = f"fold to places {gap[at]:.3g} mm apart" if turned[at] else "cannot be turned as it says"
         findings.append(at_edge(pattern, int(inner[at]), "closure", f"at edge {inner[at]}, {faces} {problem}", gap[at]))

@@ -11,7 +11,7 @@ import numpy as np
 from foldcut.core.arrays import Ints, blocks
 from foldcut.core.model import CreasePattern, Finding
 from foldcut.pattern.face_maps import FaceMaps, folded_edges
-from foldcut.proof.findings import finding
+from foldcut.proof.findings import finding, first
 
 __all__ = ["check_vertices", "is_flat_at_vertices"]
 
@@ -84,16 +84,16 @@ def check_vertices(pattern: CreasePattern, faces_of_edges: Ints, tolerance: floa
 
     creased = inner & (degree > 0)
     findings = []
-    for vertex in np.flatnonzero(creased & (degree % 2 == 1)).tolist():
+    for vertex in first(creased & (degree % 2 == 1)):
         message = f"{degree[vertex]} creases meet; an even number must"
         findings.append(finding("kawasaki", message, coords[vertex], 1.0))
     off = creased & (degree % 2 == 0)
     bent = off & (np.abs(excess) * np.where(off, shortest, 0) > tolerance)
-    for vertex in np.flatnonzero(bent).tolist():
+    for vertex in first(bent):
         degrees = float(np.degrees(abs(excess[vertex])))
         message = f"every other angle adds up to {degrees:.3g} degrees more or less than 180"
         findings.append(finding("kawasaki", message, coords[vertex], degrees))
-    for vertex in np.flatnonzero(off & (np.abs(surplus) != 2)).tolist():
+    for vertex in first(off & (np.abs(surplus) != 2)):
         mountains = int(degree[vertex] + surplus[vertex]) // 2
         message = f"{mountains} mountains and {degree[vertex] - mountains} valleys; they must differ by two"
         findings.append(finding("maekawa", message, coords[vertex], abs(abs(surplus[vertex]) - 2)))

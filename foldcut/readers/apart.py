@@ -56,10 +56,14 @@ def apart(work: Callable[[], Result], limits: Limits, name: str, *, option: bool
     reading, writing = os.pipe()
     child = 0
     try:
-        with warnings.catch_warnings(action="ignore"):  # of other threads, which hold nothing that a reader needs
-            child = os.fork()
-        if not child:
-            _answer(work, limits, writing)
+        held = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)  # Ctrl-C must not unwind both processes
+        try:
+            with warnings.catch_warnings(action="ignore"):  # of other threads, which hold nothing that a reader needs
+                child = os.fork()
+            if not child:
+                _answer(work, limits, writing)
+        finally:
+            signal.pthread_sigmask(signal.SIG_SETMASK, held)
         os.close(writing)
         with os.fdopen(reading, "rb") as answers:
             answer = answers.read()
@@ -95,6 +99,7 @@ def _answer(work: Callable[[], object], limits: Limits, to: int) -> NoReturn:
     try:
         for number in _SIGNALS:
             signal.signal(number, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
         faulthandler.disable()  # the other process says that this one crashed
         die_with_parent()
         _bound(limits)

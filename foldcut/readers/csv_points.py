@@ -25,10 +25,11 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     last: str | None = None
     new = True
     for number, line in enumerate(source.text().splitlines(), start=1):
+        if line.lstrip().startswith("#"):
+            continue
         cells = [cell.strip("\"'") for cell in _SEPARATOR.split(line.strip())]
         if not any(cells):
             new = True
-        if not any(cells) or line.lstrip().startswith("#"):
             continue
         if columns is None:
             names = [cell.casefold() for cell in cells]

@@ -75,17 +75,26 @@ def read(source: Source, options: ReadOptions) -> Drawing:
 
 
 def _shown(data: bytes, ignored: Counter[str]) -> tuple[bytes, float]:
-    """Return a PDF without what is in layers that are off, and the points to a unit of its first page."""
-    if not any(word in data for word in _NEEDS_PIKEPDF):
+    """Return a PDF without what is in layers that are off, and the points to a unit of its first page.
+
+    Raises ``FileFormatError`` if forms are drawn so often that the page would take all memory.
+    """
+    has_layers = any(word in data for word in _NEEDS_PIKEPDF)
+    if not has_layers and b"/Form" not in data:
         return data, 1.0
     import pikepdf
 
-    from foldcut.readers.pdf_layers import shown_page
+    from foldcut.readers.pdf_layers import require_few_forms, shown_page
 
     try:
+        require_few_forms(data)
+        if not has_layers:
+            return data, 1.0
         shown = shown_page(data)
+    except FileFormatError:
+        raise
     except (pikepdf.PdfError, ValueError, TypeError, KeyError, AttributeError, RuntimeError, IndexError):
-        ignored["unreadable list of layers"] += 1  # PDFium mends more than pikepdf does
+        ignored["unreadable list of layers"] += has_layers  # PDFium mends more than pikepdf does
         return data, 1.0
     ignored["object in a hidden layer"] += shown.taken_out
     unit = shown.user_unit

@@ -8,14 +8,26 @@ painted, and objects and shadings are not drawn.
 from __future__ import annotations
 
 import io
+import re
 from typing import Any, NamedTuple
 
 import pikepdf
+
+from foldcut.core.errors import FileFormatError
 
 _PATHS = frozenset(("f", "F", "f*", "B", "B*", "b", "b*", "S", "s"))
 _OTHERS = frozenset(("Do", "sh", "INLINE IMAGE"))
 _DEEPEST = 50
 """Forms in forms, and memberships in memberships, are looked into no deeper than this."""
+
+
+MOST_FORMS = 100_000
+"""A page that draws more forms, counted as often as they are drawn, is refused."""
+
+MOST_DRAWN = 200_000_000
+"""A page is refused if its content comes to more bytes, with that of its forms as often as they are drawn."""
+
+_DRAWS = re.compile(rb"/([^\s/<>()\[\]{}%]++)\s++Do\b")
 
 
 class Shown(NamedTuple):
@@ -39,6 +51,42 @@ def shown_page(data: bytes) -> Shown:
         written = io.BytesIO()
         document.save(written)
     return Shown(written.getvalue(), layers.count, unit)
+
+
+def require_few_forms(data: bytes) -> None:
+    """Raise ``FileFormatError`` if the first page of a PDF draws too many forms; raises the errors of pikepdf, too.
+
+    Forms in forms multiply; each is looked into once.
+    """
+    with pikepdf.open(io.BytesIO(data)) as document:
+        page = document.pages[0].obj
+        pikepdf.Page(page).contents_coalesce()
+        forms, size = _drawn(page.get("/Contents"), page.get("/Resources", {}), {}, 0)
+    if forms > MOST_FORMS or size > MOST_DRAWN:
+        what = f"more than {MOST_FORMS:,} forms" if forms > MOST_FORMS else f"more than {MOST_DRAWN / 1e6:,.0f} MB"
+        raise FileFormatError(f"the page draws {what}, counted as often as they are drawn; give a simpler drawing")
+
+
+def _drawn(content: Any, resources: Any, known: dict[tuple[int, int], tuple[int, int]], depth: int) -> tuple[int, int]:
+    """Return how many forms a content draws, and how many bytes all that comes to; ``known``: of forms so far."""
+    if not isinstance(content, pikepdf.Stream):
+        return 0, 0
+    text = content.read_bytes()
+    forms, size = 0, len(text)
+    named = resources.get("/XObject", {})
+    for name in _DRAWS.findall(text):
+        form = named.get("/" + name.decode("latin-1"))
+        if not isinstance(form, pikepdf.Stream) or form.get("/Subtype") != "/Form":
+            continue
+        if form.objgen not in known:
+            known[form.objgen] = (0, 0)  # for a form that draws itself
+            if depth < _DEEPEST:
+                known[form.objgen] = _drawn(form, form.get("/Resources", resources), known, depth + 1)
+        inner = known[form.objgen]
+        forms, size = forms + 1 + inner[0], size + inner[1]
+        if forms > MOST_FORMS or size > MOST_DRAWN:
+            break
+    return forms, size
 
 
 class _Layers:

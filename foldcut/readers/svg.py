@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from foldcut.core.arrays import points_array
+from foldcut.core.arrays import Floats, points_array
 from foldcut.core.errors import FileFormatError
 from foldcut.core.units import MM_PER_UNIT
 from foldcut.readers.base import Drawing, ReadOptions, Source, counted
@@ -30,6 +30,7 @@ from foldcut.readers.join_outlines import Outline, loops_of
 from foldcut.readers.strokes import WIDE_STROKE, with_strokes
 from foldcut.readers.svg_page import Element, Page, side_mm, too_many, view_box
 from foldcut.readers.svg_paths import curved, tag_of
+from foldcut.readers.svg_style import Style
 from foldcut.readers.svg_text import root_of, text_of
 
 TEXTS = "texts are left out: make them into paths in the drawing program, or draw a text with --text"
@@ -113,6 +114,25 @@ def _told_of_strokes(
 def _title(root: ET.Element) -> str:
     titles = [element.text or "" for element in root if tag_of(element) == "title"]
     return " ".join(titles[0].split()) if titles else ""
+
+
+def lines_of_svg(root: ET.Element, options: ReadOptions) -> tuple[list[tuple[Floats, Style]], float | None]:
+    """Return the strokes that an SVG shows, ``(n, 2)`` points each with its style, y up, and the mm of their unit.
+
+    A closed one repeats its first point. Curves are divided as finely as ``options`` say.
+    """
+    unit_mm, stretch = _units(root)
+    flip = np.diag([1.0, -stretch])
+    found = []
+    with np.errstate(all="ignore"):  # whoever takes them refuses numbers that are not finite
+        shown = [one for one in Page(root, options).seen() if one.stroked]
+        rough = np.concatenate([np.zeros((2, 1)), *(flip @ one.points(math.inf) for one in shown)], axis=1)
+        extent = float(np.ptp(rough, axis=1).max())
+        for one in shown:
+            for points, closed, _ in one.lines(options.units(options.flatten_mm, unit_mm, extent)):
+                line = (flip @ points).T
+                found.append((np.concatenate([line, line[:1]]) if closed else line, one.style))
+    return found, unit_mm
 
 
 def _units(root: ET.Element) -> tuple[float | None, float]:

@@ -19,6 +19,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 from fontTools.pens.boundsPen import BoundsPen
+from fontTools.pens.recordingPen import DecomposingRecordingPen
 from fontTools.pens.svgPathPen import SVGPathPen
 from fontTools.ttLib import TTFont
 
@@ -29,6 +30,9 @@ from foldcut.readers.folding_font import NAME, folding_font
 
 LONGEST = 1000
 """The greatest number of letters."""
+
+MOST_PARTS = 20_000
+"""A letter that draws more points and parts than this is refused."""
 
 LINE_EM = 1.2
 """The distance between lines, in em."""
@@ -91,6 +95,8 @@ def text_svg(text: str, font: str = "sans", joined: str | None = None) -> str:
     path = find_font(font)
     try:
         return _svg(_Read(TTFont(io.BytesIO(path.read_bytes()), fontNumber=0)), text, joined)
+    except FileFormatError as error:
+        raise FileFormatError(f"{path}: {error}; give another --font") from None
     except BadInputError:
         raise
     except Exception as error:  # fontTools raises all kinds of errors where a font is broken
@@ -177,6 +183,39 @@ def find_font(font: str) -> Path:
     return Path(file)
 
 
+class _Counted(DecomposingRecordingPen):  # type: ignore[misc]
+    """Keeps what a glyph draws, and refuses glyphs that draw too much: parts of parts of glyphs multiply."""
+
+    def __init__(self, glyphs: Any) -> None:
+        super().__init__(glyphs)
+        self.parts = 0
+
+    def _count(self, much: int) -> None:
+        self.parts += much
+        if self.parts > MOST_PARTS:
+            raise FileFormatError(f"a letter has more than {MOST_PARTS:,} parts")
+
+    def addComponent(self, glyph: Any, transformation: Any) -> None:  # noqa: N802  # the name is fontTools'
+        """Draw a part of the glyph that is a glyph itself."""
+        self._count(1)
+        super().addComponent(glyph, transformation)
+
+    def lineTo(self, point: Any) -> None:  # noqa: N802
+        """Draw a line."""
+        self._count(1)
+        super().lineTo(point)
+
+    def curveTo(self, *points: Any) -> None:  # noqa: N802
+        """Draw a curve."""
+        self._count(len(points))
+        super().curveTo(*points)
+
+    def qCurveTo(self, *points: Any) -> None:  # noqa: N802
+        """Draw quadratic curves."""
+        self._count(len(points))
+        super().qCurveTo(*points)
+
+
 class _Read:
     """The glyphs of a font file."""
 
@@ -189,9 +228,10 @@ class _Read:
         if ord(letter) not in self._names:
             raise BadInputError(f"the font has no letter {letter!r}; leave it out or give another --font")
         glyph = self._glyphs[self._names[ord(letter)]]
-        pen, bounds = SVGPathPen(self._glyphs), BoundsPen(self._glyphs)
-        glyph.draw(pen)
-        glyph.draw(bounds)
+        drawn, pen, bounds = _Counted(self._glyphs), SVGPathPen(self._glyphs), BoundsPen(self._glyphs)
+        glyph.draw(drawn)
+        drawn.replay(pen)
+        drawn.replay(bounds)
         left, right = bounds.bounds[::2] if bounds.bounds else (0.0, 0.0)
         return Letter(pen.getCommands(), float(glyph.width), float(left), float(right))
 

@@ -541,10 +541,10 @@ def test_a_full_disk_ends_the_batch_and_loses_nothing(
     icons, out = draw(tmp_path / "icons", "a.json", "b.json", "c.json"), tmp_path / "out"
     write = batches.write_files
 
-    def full(contents: Any, *, replace: bool) -> None:
+    def full(contents: Any, *, replace: bool, inputs: Any) -> None:
         if any(path.name == "b.fold" for path in contents):
             raise OutputError("the disk is full") from OSError(28, "No space left on device")
-        write(contents, replace=replace)
+        write(contents, replace=replace, inputs=inputs)
 
     monkeypatch.setattr(batches, "write_files", full)
     with pytest.raises(OutputError, match="disk is full"):

@@ -11,7 +11,7 @@ import pytest
 
 from foldcut.batch.drawings import find_drawings
 from foldcut.batch.journal import JOURNAL, Journal
-from foldcut.batch.results import RESULTS
+from foldcut.batch.results import COLUMNS, RESULTS, parquet_table
 from foldcut.batch.run import run_batch
 from foldcut.batch.worker import Outcome, Process, Recipe, Task, work
 from foldcut.core.errors import BadInputError
@@ -68,6 +68,15 @@ def test_a_journal_of_an_earlier_version_with_such_names_is_read(tmp_path: Path)
         assert [*journal.rows] == ["caf\udce9", "b"]
 
 
+def test_a_table_of_such_names_is_parquet_too(tmp_path: Path) -> None:
+    arrow = pytest.importorskip("pyarrow")
+    row: dict[str, object] = dict.fromkeys(COLUMNS)
+    table = parquet_table(arrow, [row | {"file": "caf\udce9.svg", "outputs": {"caf\udce9.fold": 1}, "error": "\ud800"}])
+    read = pytest.importorskip("pyarrow.parquet").read_table(arrow.BufferReader(table)).to_pylist()[0]
+    assert (read["file"], read["error"]) == ("caf\\udce9.svg", "\\ud800")
+    assert read["outputs"] == ["caf\\udce9.fold"]
+
+
 @pytest.mark.parametrize("text", [b"notes of mine\n", b"notes of mine", b"[]\n", b'{"a": 1}\n', b"\xff\n"])
 def test_a_file_that_is_no_journal_is_left_alone(text: bytes, tmp_path: Path) -> None:
     (tmp_path / JOURNAL).write_bytes(text)
@@ -103,6 +112,22 @@ def test_no_drawing_of_a_batch_is_replaced(tmp_path: Path) -> None:
     run_batch([icons], out, FOLD, jobs=1, replace=True)
     assert statuses(out) == {"a.json": "bad-input", "b.json": "bad-input", "c.json": "made"}
     assert all((icons / name).read_bytes() == SQUARE for name in ("a.json", "b.json", "c.json"))
+
+
+def test_a_file_of_somebody_elses_that_came_later_is_not_replaced(tmp_path: Path) -> None:
+    icons, out = draw(tmp_path / "icons", b"a.json"), tmp_path / "out"
+    run_batch([icons], out, FOLD, jobs=1)
+    for name in ("b.json", "c.json", "d.json"):
+        (icons / name).write_bytes(SQUARE)
+    (out / "b.json").write_bytes(b"mine")
+    (out / "c.json").write_bytes(b"made")  # as if the batch had been killed before it said so
+    (icons / "a.json").write_bytes(SQUARE + b" ")  # it has changed, and its file is the batch's own
+    run_batch([icons], out, FOLD, jobs=1)
+    assert statuses(out) == {"a.json": "made", "b.json": "bad-input", "c.json": "made", "d.json": "made"}
+    assert (out / "b.json").read_bytes() == b"mine"
+    (out / "b.json").rename(out / "mine")
+    run_batch([icons], out, FOLD, jobs=1, retry=True)
+    assert statuses(out)["b.json"] == "made"
 
 
 @pytest.mark.parametrize("name", [JOURNAL, RESULTS, "contact-sheet.svg"])

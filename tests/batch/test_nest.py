@@ -173,6 +173,9 @@ def test_a_batch_lays_its_sheets_on_beds_and_removes_those_of_before(
     assert (out / "bed-1.gcode").read_bytes() == first
     assert main([*words, "--force", "--quiet"]) == 0
     assert {path.name for path in out.glob("bed*")} == {"bed-1.gcode", "beds.txt"}
+    (out / "bed-7.txt").write_text("mine")
+    assert main([*words, "--force", "--quiet", "--format", "svg"]) == 0
+    assert {path.name for path in out.glob("bed*")} == {"bed-1.svg", "bed-7.txt", "beds.txt"}
 
 
 @pytest.mark.parametrize(

@@ -139,11 +139,17 @@ def test_errors_say_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
         {"command": "serve", "output": "a.svg"},
         {"command": "make", "output": "../a.svg", "drawing": "logo.svg"},
         {"command": "make", "output": "a.svg", "drawing": "/etc/hosts"},
+        {"command": "make", "output": "a.svg", "drawing": ".."},
+        {"command": "make", "output": "a\0.svg", "drawing": "logo.svg"},
+        {"command": "make", "output": "a.svg", "drawing": "\ud800"},
         {"command": "make", "output": "a.svg", "drawing": "logo.svg", "options": ["output=../b.svg"]},
         {"command": "make", "output": "a.svg", "drawing": "logo.svg", "options": ["preview=../b.svg"]},
         {"command": "make", "output": "a.svg", "drawing": "logo.svg", "options": ["outpu=../b.svg"]},
         {"command": "make", "output": "a.svg", "options": ["text=A", "font=/etc/hosts"]},
         {"command": "make", "output": "a.svg", "drawing": "logo.svg", "options": ["profile=../x.toml"]},
+        {"command": "make", "output": "..", "drawing": "logo.svg"},
+        {"command": "make", "output": "a.svg", "drawing": "a\0b.svg"},
+        {"command": "make", "output": "a.svg", "drawing": "logo.svg", "options": ["title=a\0b"]},
     ],
 )
 def test_a_recipe_that_others_wrote_reaches_no_other_files(
@@ -154,3 +160,11 @@ def test_a_recipe_that_others_wrote_reaches_no_other_files(
     Path("sub/a.svg").write_bytes(data)
     error = refused("sub/a.svg", "--again", "logo.svg", capsys=capsys)
     assert "recipe" in error
+
+
+def test_a_profile_beside_the_file_is_not_replaced_by_what_is_made_of_it(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("mine.toml").write_text((ROOT / "profiles/laser-dxf.toml").read_text())
+    make("make", "logo.svg", "--profile", "mine.toml", "--two-sided", "-o", "a.dxf")
+    Path("a-back.dxf").unlink()
+    Path("a-back.dxf").symlink_to("mine.toml")
+    assert "it is read" in refused("a-front.dxf", "--again", "--force", capsys=capsys)

@@ -17,6 +17,7 @@ from types import FrameType, SimpleNamespace
 import pytest
 
 from foldcut.cli import main as main_module
+from foldcut.cli import signals as signals_module
 from foldcut.cli import start
 from foldcut.cli.console import LONGEST, Console, print_error
 from foldcut.cli.main import main, told
@@ -76,7 +77,7 @@ def test_files_of_every_format_are_made_whatever_the_title_is(folder: Path, caps
 def test_names_of_files_do_nothing_to_the_terminal(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("a\x1b[31m.json", "line\nbreak.json", os.fsdecode(b"caf\xe9\xff.json"), "x\u202e.json"):
         (folder / name).write_text(json.dumps(TRIANGLE))
-        assert main(["make", name, *FAST, "-o", f"{name}.svg"]) == 0
+        assert main(["make", name, *FAST, "-o", f"{name}.svg", "-o", f"{name}.zip"]) == 0
         assert main(["make", f"no{name}"]) == 2
         assert main(["make", name, *FAST, "-o", f"{name}.svg", "--force", "--json"]) == 0
         out, error = capsys.readouterr()
@@ -191,6 +192,25 @@ def test_ctrl_c_while_a_module_is_imported_waits_until_it_is_there(
     assert sys.modules.pop("slowly").there
 
 
+def test_a_signal_that_waits_as_the_command_ends_does_not_end_the_process(folder: Path) -> None:
+    (folder / "last.py").write_text(
+        "import os, signal\nos.kill(os.getpid(), signal.SIGTERM)\nfor n in range(1000): pass\n"
+    )
+    script = """
+import time
+from foldcut.cli.signals import signals_raise
+
+with signals_raise():
+    import last
+started = time.process_time()
+while time.process_time() < started + 0.1:  # longer than a signal waits
+    pass
+print("done")
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False, cwd=folder)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "done\n", "")
+
+
 def test_ctrl_c_in_a_finaliser_is_not_lost(capsys: pytest.CaptureFixture[str]) -> None:
     class Owner:
         def __del__(self) -> None:
@@ -210,6 +230,11 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption() -> None:
         error.__cause__ = ended
         message, found = told(error)
         assert (message.startswith(says), found) == (True, status)
+    with pytest.raises(KeyboardInterrupt), signals_raise():
+        wait_after(lambda: signal.raise_signal(signal.SIGINT))
+    assert told(TypeError("Cannot compare structured arrays"))[1] == 130  # numpy names no cause
+    with signals_raise():
+        assert told(TypeError("Cannot compare structured arrays"))[1] == 1  # nothing came this time
     refused = BadInputError("the drawing is at fault")
     refused.__context__ = KeyboardInterrupt()
     assert told(refused) == ("the drawing is at fault", 2)
@@ -228,6 +253,13 @@ def test_ctrl_c_before_the_command_begins_is_one_line_and_json(
     out, error = capsys.readouterr()
     assert error == "foldcut: error: interrupted; no file is half-written\n"
     assert json.loads(out)["error"]["message"] == "interrupted; no file is half-written"
+
+
+def test_no_signal_that_waits_outlives_the_command() -> None:
+    with signals_raise():
+        signals_module._come_again(signal.SIGTERM)
+        assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] > 0
+    assert signal.getitimer(signal.ITIMER_VIRTUAL)[0] == 0
 
 
 def test_signals_have_the_handlers_that_they_had_before() -> None:

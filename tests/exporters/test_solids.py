@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import sys
 from functools import cache
@@ -10,16 +11,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from support.folded import folded_sample
 from support.patterns import book_fold
 from support.programs import require_program, run_program
 
+from foldcut.cli.main import main
 from foldcut.core.errors import FileFormatError
-from foldcut.core.model import FoldedPattern
+from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.exporters import check_suffix, export
-from foldcut.exporters.solids import step
+from foldcut.exporters.solids import folded_stack, step
 from foldcut.exporters.solids.scored_sheet import sheet_solid
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.profiles import load_profile
 
 SHEET = load_profile("scored-sheet")
@@ -198,3 +201,128 @@ def test_a_missing_extra_is_named_before_there_is_a_pattern(
 def test_the_same_sheet_has_the_same_bytes(suffix: str) -> None:
     pattern = folded("star")
     assert export(pattern, suffix, SHEET) == export(pattern, suffix, SHEET)
+
+
+@pytest.mark.parametrize(
+    ("change", "area"),
+    [
+        ("solid.groove=v", 0.4 * 0.16 / 2),
+        ("solid.groove_angle_deg=90", 0.16**2),
+        ("solid.groove_angle_deg=120", 0.16**2 * math.tan(math.radians(60))),
+        ("solid.groove=u", math.pi / 4 * 0.4 * 0.16),
+    ],
+)
+def test_grooves_have_the_section_that_is_asked_for(change: str, area: float) -> None:
+    pattern = book_fold()
+    solid = sheet_solid(pattern, load_profile("scored-sheet", [change]))
+    missing = pattern.sheet.width * pattern.sheet.height * 0.4 - solid.volume()
+    # a U is a polygon of eight sides within the half ellipse
+    assert missing == pytest.approx(area * pattern.sheet.height, rel=0.03 if change.endswith("=u") else 1e-3)
+    assert len(solid.decompose()) == 1
+
+
+@pytest.mark.parametrize("change", ["solid.groove=u", "solid.groove_angle_deg=60", "solid.one_sided=true"])
+def test_other_grooves_are_closed_solids_too(change: str, tmp_path: Path) -> None:
+    pattern, profile = folded("star"), load_profile("scored-sheet", [change])
+    path = tmp_path / "sheet.stl"
+    path.write_bytes(export(pattern, ".stl", profile))
+    seen = run_program(require_program("admesh"), path)
+    assert re.search(r"Number of parts *: +1\b", seen)
+    assert re.search(r"Facets with 1 disconnected edge *: +0 +0", seen)
+    below = sheet_solid(pattern, profile).slice(0.01).area()
+    assert (below == pytest.approx(pattern.sheet.width * pattern.sheet.height)) == ("one_sided" in change)
+
+
+def heights_by_hand(pattern: FoldedPattern) -> list[int]:
+    """The level of each face, by shapely: one above the highest of those under it that it overlaps."""
+    faces = [
+        shapely.Polygon(pattern.folded.vertices_coords[face]) for face in pattern.creases.faces_vertices.to_lists()
+    ]
+    found: dict[int, int] = {}
+    for face in pattern.folded.layers.tolist():
+        under = [level for other, level in found.items() if faces[other].intersection(faces[face]).area > 1e-6]
+        found[face] = max(under, default=-1) + 1
+    return [found[face] for face in range(len(faces))]
+
+
+@pytest.mark.parametrize("name", ["star", "bolt", "letter-a"])
+def test_the_folded_sheet_is_a_closed_stack_of_its_layers(name: str, tmp_path: Path) -> None:
+    pattern = folded(name)
+    profile = load_profile("scored-sheet", ["solid.folded=true", "solid.thickness_mm=0.25"])
+    levels = folded_stack.levels(pattern)
+    assert levels.tolist() == heights_by_hand(pattern)
+    path = tmp_path / "stack.stl"
+    path.write_bytes(export(pattern, ".stl", profile))
+    said, seen = (run_program(require_program("admesh"), *words, path) for words in (["--no-check"], []))
+    size = [float(value) for value in re.findall(r"Max [XYZ] *= *([-\d.]+)", said)]
+    points = pattern.folded.vertices_coords
+    assert size == pytest.approx([*np.ptp(points, axis=0), 0.25 * (levels.max() + 1)], abs=1e-3)
+    assert re.search(r"Number of parts *: +1\b", seen)
+    assert re.search(r"Facets with 1 disconnected edge *: +0 +0", seen)
+    volume = pattern.sheet.width * pattern.sheet.height * 0.25
+    assert float(re.findall(r"Volume *: *([-\d.]+)", seen)[0]) == pytest.approx(volume, rel=1e-5)
+    solid = folded_stack.stack_solid(pattern, profile)
+    assert solid.volume() == pytest.approx(volume, rel=1e-9)
+    areas = [solid.slice(0.25 * (level + 0.5)).area() for level in range(int(levels.max()) + 1)]
+    assert sum(areas) == pytest.approx(pattern.sheet.width * pattern.sheet.height, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["star", "fish"])
+def test_step_of_the_folded_sheet_is_one_valid_solid(name: str, tmp_path: Path) -> None:
+    build123d = pytest.importorskip("build123d")
+    pattern = folded(name)
+    path = tmp_path / "stack.step"
+    path.write_bytes(export(pattern, ".step", load_profile("scored-sheet", ["solid.folded=true"])))
+    read = build123d.import_step(path)
+    assert len(read.solids()) == 1
+    assert read.is_valid
+    assert read.volume == pytest.approx(pattern.sheet.width * pattern.sheet.height * 0.4, rel=1e-9)
+
+
+def test_too_small_a_bed_is_an_error_before_there_is_a_pattern() -> None:
+    bed = ["bed.width_mm=120", "bed.height_mm=200"]
+    small, large = Sheet(200.0, 120.0), Sheet(200.0, 121.0)
+    check_suffix(".stl", profile=load_profile("scored-sheet", bed), sheet=small)
+    with pytest.raises(
+        TooLargeError, match=r"200 x 121 mm does not fit the bed of 120 x 200 mm; use a smaller --sheet"
+    ):
+        check_suffix(".stl", profile=load_profile("scored-sheet", bed), sheet=large)
+    check_suffix(".stl", profile=load_profile("scored-sheet", [*bed, "solid.folded=true"]), sheet=large)
+    with pytest.raises(TooLargeError, match="the folded sheet of"):
+        export(
+            folded("star"),
+            ".stl",
+            load_profile("scored-sheet", ["bed.width_mm=50", "bed.height_mm=50", "solid.folded=true"]),
+        )
+
+
+def test_one_sided_grooves_may_be_deeper_than_half_of_the_sheet() -> None:
+    deep = ["solid.groove_depth_mm=0.25"]
+    with pytest.raises(JobError, match="from both sides leave nothing"):
+        export(book_fold(), ".stl", load_profile("scored-sheet", deep))
+    assert export(book_fold(), ".stl", load_profile("scored-sheet", [*deep, "solid.one_sided=true"]))
+    with pytest.raises(JobError, match=r"on top leave nothing of 0.4 mm; --set solid.groove_depth_mm=0.32"):
+        export(book_fold(), ".stl", load_profile("scored-sheet", ["solid.groove_depth_mm=0.4", "solid.one_sided=true"]))
+
+
+def test_the_options_for_solids_are_those_of_the_profile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    quick = ("--effort", "fast", "--quiet")
+    options = ("--groove", "v90", "--one-sided")
+    assert main(["make", "star", *quick, *options, "-o", "a.stl", "-o", "a.svg"]) == 0
+    profile = ("--profile", "scored-sheet", "--set", "solid.groove_angle_deg=90", "--set", "solid.one_sided=true")
+    assert main(["make", "star", *quick, *profile, "-o", "b.stl"]) == 0
+    assert Path("a.stl").read_bytes() == Path("b.stl").read_bytes()
+    assert main(["make", "a.svg", "--again", "--quiet"]) == 0
+    assert main(["make", "star", *quick, "--folded", "--profile", "glowforge", "-o", "c.3mf", "-o", "c.svg"]) == 0
+    assert main(["make", "c.3mf", "--again", "--quiet"]) == 0
+    capsys.readouterr()
+    for wrong, message in (
+        (("--folded",), "--folded is for solids"),
+        (("--groove", "w", "-o", "d.stl"), "--groove w is no form"),
+        (("--groove", "v9", "-o", "d.stl"), "10 to 170"),
+    ):
+        assert main(["make", "star", *wrong]) == 2
+        assert message in capsys.readouterr().err

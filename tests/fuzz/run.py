@@ -4,7 +4,8 @@ Needs atheris (extra ``fuzz``). An input that breaks a promise is written to the
 code where that happens, and the run continues. The last line says how many inputs were tried, how many branches they
 reached, and what was found. The branches of foldcut and of the Python libraries behind its readers guide the fuzzer;
 compiled libraries are called, but do not guide it.
-``--input FILE`` tries one file, without atheris.
+What reached new branches is kept in ``out/fuzz/READER-inputs``: the next run goes on from there, so
+that a long run can be made of many parts. ``--input FILE`` tries one file, without atheris.
 """
 
 from __future__ import annotations
@@ -94,9 +95,10 @@ def supervise(reader: str, out: Path, seconds: int) -> tuple[str, bool]:
     out.mkdir(parents=True, exist_ok=True)
     tried, branches, peak_mb, killed = 0, 0, 0, 0
     end = time.monotonic() + seconds
+    corpus = out.with_name(f"{out.name}-inputs")  # kept, so that a run goes on where the one before ended
+    corpus.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        corpus, log = Path(folder, "corpus"), Path(folder, "log")
-        corpus.mkdir()
+        log = Path(folder, "log")
         for seed in TARGETS[reader].seeds:
             (corpus / hashlib.sha1(seed).hexdigest()).write_bytes(seed)
         while (left := round(end - time.monotonic())) > 0:

@@ -23,10 +23,14 @@ from PIL import Image, ImageDraw
 from reportlab.pdfgen.canvas import Canvas
 
 from foldcut.core.errors import FoldcutError
+from foldcut.core.units import parse_length
+from foldcut.drawing.limits import parse_limits
 from foldcut.drawing.mend import Preparation, prepare
+from foldcut.drawing.placement import parse_sheet
 from foldcut.drawing.shape import invariant_faults, make_shape
+from foldcut.foldfile.decide import decide
 from foldcut.foldfile.read import read_fold
-from foldcut.proof.verify import verify
+from foldcut.profiles import load_profile
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.readers.typed_text import draw_text
 from foldcut.samples import sample_names, sample_path
@@ -84,7 +88,7 @@ def _fold(data: bytes) -> None:
         file.write(data)
         file.flush()
         read = read_fold(file.name)
-    verify(read.pattern, read.layers)
+    decide(read)
 
 
 def _text(data: bytes) -> None:
@@ -93,6 +97,27 @@ def _text(data: bytes) -> None:
         file.flush()
         drawing = draw_text(TEXT, file.name)
     _to_shape(drawing)
+
+
+def _values(data: bytes) -> None:
+    """Read a text as each kind of value that options have; the first error is as good as any."""
+    text = data.decode("utf-8", "replace")
+    errors: list[FoldcutError] = []
+    readers: tuple[Callable[[str], object], ...] = (
+        parse_length,
+        parse_sheet,
+        lambda text: parse_limits([text]),
+        lambda text: load_profile("plain", [text]),
+    )
+    for read in readers:
+        try:
+            read(text)
+        except FoldcutError as error:
+            if "\n" in str(error):
+                raise
+            errors.append(error)
+    if len(errors) == len(readers):
+        raise errors[0]
 
 
 # --- seeds
@@ -116,6 +141,11 @@ SVGS = (
     '<svg><style>.b{fill:none;stroke:red}</style><path class="b" d="M0 0A9 9 0 0 1 9 9Q3 3 2 2T1 1S5 5 0 0z"/></svg>',
     '<svg><line x1="0" y1="0" x2="9" y2="0"/><polyline fill="none" stroke="#000" points="9,0 9,9 0,0"/></svg>',
     '<svg><symbol id="s" viewBox="0 0 4 4"><ellipse rx="1"/></symbol><use href="#s" width="9" height="9"/></svg>',
+    '<svg><style>g>a~.b:not(#c),rect:has(+a){fill:var(--d,red)}</style><g style="--d:#00f"><rect width="9" height="9" '
+    'fill="url( #e )"/></g><linearGradient id="e"><stop/></linearGradient></svg>',
+    '<svg><clipPath id="a"><circle r="4"/></clipPath><g clip-path="url(#a)" style="transform:rotate(9deg)"><rect '
+    'width="9" height="9" stroke="red" stroke-dasharray="1 2"/></g></svg>',
+    '<svg><path d="M50 0 2 29 98 29 21 99 21 0 80 99z"/><path fill="#fff" d="M20 20H60V60z"/></svg>',
     '<svg><path fill-rule="evenodd" d="M0 0H40V40H0ZM10 10h9v9h-9zM5 5C9 5 30 9 35 35Z"/><svg><rect/></svg></svg>',
 )
 
@@ -231,7 +261,16 @@ SMALL_PDF = (
     b"3 0 obj<</Type/Page/Parent 2 0 R/MediaBox[0 0 99 99]/Contents 4 0 R>>endobj 4 0 obj<</Length 48>>stream\n"
     b"q 1 0 0 1 5 5 cm 0 0 m 40 0 l 40 40 9 9 0 40 c f* Q\nendstream endobj trailer<</Root 1 0 R>>"
 )
-PDFS = (SMALL_PDF, _pdf(_page), _pdf(_page, pages=2, compressed=1), _pdf(_form))
+FORMS_PDF = (
+    b"%PDF-1.4\n1 0 obj<</Type/Catalog/Pages 2 0 R>>endobj 2 0 obj<</Type/Pages/Kids[3 0 R]/Count 1>>endobj "
+    b"3 0 obj<</Type/Page/Parent 2 0 R/MediaBox[0 0 99 99]/Contents 4 0 R/Resources<</XObject<</F 5 0 R>>>>>>endobj "
+    b"4 0 obj<</Length 11>>stream\n/F Do /F Do\nendstream endobj "
+    b"5 0 obj<</Type/XObject/Subtype/Form/BBox[0 0 99 99]/Length 11/Resources<</XObject<</F 6 0 R>>>>>>"
+    b"stream\n/F Do /F Do\nendstream endobj "
+    b"6 0 obj<</Type/XObject/Subtype/Form/BBox[0 0 99 99]/Length 14>>stream\n9 9 40 30 re f\nendstream endobj "
+    b"trailer<</Root 1 0 R>>"
+)
+PDFS = (SMALL_PDF, _pdf(_page), _pdf(_page, pages=2, compressed=1), _pdf(_form), FORMS_PDF)
 
 
 def _picture(kind: str, mode: str = "L", **save: Any) -> bytes:
@@ -313,6 +352,15 @@ def _font(*, outlines: str, composite: bool = False) -> bytes:
     return stream.getvalue()
 
 
+VALUES = (
+    b"10mm",
+    b".5e1 in",
+    b"a4",
+    b"200x 300 mm",
+    b"points=7",
+    b"pen.width_mm=0.5",
+    b'materials.paper={a=1,b=["c"]}',
+)
 FONTS = (_font(outlines="glyf"), _font(outlines="CFF "), _font(outlines="glyf", composite=True))
 GOLDEN = Path(__file__).parent.parent / "golden"
 
@@ -327,5 +375,6 @@ TARGETS = {
     "json": Target(_by_suffix("json"), _cases(".json", *GEOJSONS)),
     "image": Target(_by_suffix("png"), (*_cases(".png", *PICTURES), *_cases(".jpg")), mend_png),
     "text": Target(_text, FONTS),
+    "values": Target(_values, VALUES),
     "fold": Target(_fold, _cases(".fold", (GOLDEN / "book.fold").read_bytes())),
 }

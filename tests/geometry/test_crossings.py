@@ -29,11 +29,15 @@ def zigzags(count: int) -> list[Floats]:
     return [one, one[:, ::-1] + 0.003]
 
 
-def scribble(count: int) -> Floats:
-    return np.random.default_rng(3).random((count, 2)) * 100
+def scribble(count: int, seed: int = 3) -> Floats:
+    return np.random.default_rng(seed).random((count, 2)) * 100
 
 
-@pytest.mark.parametrize("loops", [[star(2001)], zigzags(600), [scribble(1500)]], ids=["star", "zigzags", "scribble"])
+@pytest.mark.parametrize(
+    "loops",
+    [[star(2001)], zigzags(600), [scribble(1500)], [scribble(50, seed) for seed in range(300)]],
+    ids=["star", "zigzags", "scribble", "scribbles"],
+)
 def test_a_tangle_is_refused_soon_and_with_its_place(
     loops: list[Floats], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

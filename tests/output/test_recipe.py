@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import random
 import xml.etree.ElementTree as ET
 import zipfile
 from pathlib import Path
@@ -109,3 +110,14 @@ def test_stl_has_half_of_the_hash_and_as_many_bytes_as_before() -> None:
 def test_a_damaged_recipe_is_an_error(text: str) -> None:
     with pytest.raises(FileFormatError, match="damaged"):
         read_recipe(text)
+
+
+@pytest.mark.parametrize("suffix", [".zip", ".3mf"])
+def test_a_broken_archive_has_no_recipe(suffix: str) -> None:
+    whole, chance = made(suffix), random.Random(3)
+    for _ in range(300):
+        data = bytearray(whole)
+        for _ in range(chance.choice((1, 20))):
+            data[chance.randrange(len(data))] = chance.randrange(256)
+        assert isinstance(recipe_in(bytes(data[: chance.randrange(len(data)) or None]), suffix), str)
+        assert isinstance(recipe_in(bytes(data), suffix), str)

@@ -99,7 +99,7 @@ def test_a_time_limit_holds_while_compiled_code_reads(tmp_path: Path) -> None:
     )
     assert "timed out after 2 s, no file is half-written" in done.stderr
     assert done.returncode == 1
-    assert time.monotonic() - started < 9  # two, and the imports of a busy machine
+    assert time.monotonic() - started < 30  # two, and the imports of a busy machine
     assert not list(tmp_path.iterdir())
 
 
@@ -119,3 +119,26 @@ def test_the_process_that_reads_ends_with_the_one_that_started_it(tmp_path: Path
             return
         time.sleep(0.05)
     raise AssertionError("it goes on")
+
+
+def test_ctrl_c_while_the_process_is_copied_unwinds_one_of_them(tmp_path: Path) -> None:
+    script = """
+import os, signal
+from foldcut.drawing.limits import Limits
+from foldcut.readers.apart import apart
+
+fork = os.fork
+
+def interrupted():
+    child = fork()
+    signal.raise_signal(signal.SIGINT)
+    return child
+
+os.fork = interrupted
+try:
+    apart(lambda: 1, Limits(), "a.svg")
+except KeyboardInterrupt:
+    os.write(1, b"interrupted ")
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=tmp_path)
+    assert (done.stdout, done.stderr) == ("interrupted ", "")

@@ -26,7 +26,7 @@ def test_the_seeds_are_taken_or_refused(reader: str) -> None:
 
 def test_every_reader_has_a_target() -> None:
     modules = {row.module.removesuffix("_loops").removesuffix("_points") for row in READERS.values()}
-    assert modules | {"text", "fold"} == set(TARGETS)
+    assert modules | {"text", "fold", "values"} == set(TARGETS)
     assert {file.stem for file in (FOLDER / "words").iterdir()} <= set(TARGETS)
 
 

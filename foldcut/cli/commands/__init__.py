@@ -43,7 +43,8 @@ COMMANDS = {
     "serve": Entry(
         "serve:SERVE", "serve a page for the browser that folds drawings and makes their files, on this machine"
     ),
-    "check": Entry("check:CHECK", "verify that a FOLD file folds flat as it says"),
+    "check": Entry("check:CHECK", "decide whether a crease pattern folds flat"),
+    "solve": Entry("solve:SOLVE", "find mountains, valleys and layers of a crease pattern, and write it"),
     "coupon": Entry("coupon:COUPON", "write a test card of scores and perforations for a machine"),
     "profiles": Entry("profiles:PROFILES", "list, show and validate the machines' profiles"),
     "samples": Entry("samples:SAMPLES", "list the drawings that come with foldcut"),

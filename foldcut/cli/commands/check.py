@@ -38,8 +38,22 @@ MOST_MOVED = 0.02
 
 def add_options(command: ArgumentParser) -> None:
     """Add the FOLD file, the drawing that its cut must give, and how exact its coordinates have to be."""
-    command.add_argument("file", metavar="FILE.fold", help="the crease pattern")
+    add_pattern(command)
     command.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
+    add_tolerance(command)
+    command.add_argument("--states", action="store_true", help="also count the layer orders in which it folds flat")
+    options.add_reading(command)
+    options.add_timeout(command)
+    options.add_console(command)
+
+
+def add_pattern(command: ArgumentParser) -> None:
+    """Add the crease pattern."""
+    command.add_argument("file", metavar="PATTERN", help=".fold, .cp, .opx, .svg with lines, or - for a .fold")
+
+
+def add_tolerance(command: ArgumentParser) -> None:
+    """Add how exact coordinates have to be."""
     command.add_argument(
         "--tolerance",
         metavar="SHARE",
@@ -48,10 +62,13 @@ def add_options(command: ArgumentParser) -> None:
             "(default: 3e-5, which accepts coordinates rounded to 1e-5 of the sheet)"
         ),
     )
-    command.add_argument("--states", action="store_true", help="also count the layer orders in which it folds flat")
-    options.add_reading(command)
-    options.add_timeout(command)
-    options.add_console(command)
+
+
+def tolerance_of(args: Namespace) -> float:
+    """Return how exact coordinates have to be."""
+    from foldcut.foldfile.decide import TOLERANCE
+
+    return TOLERANCE if args.tolerance is None else share(args.tolerance)
 
 
 def check(args: Namespace) -> int:
@@ -59,11 +76,11 @@ def check(args: Namespace) -> int:
     from foldcut.cli import report
     from foldcut.drawing.mend import Preparation, prepare
     from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.decide import TOLERANCE, decide, states_of
-    from foldcut.foldfile.read import read_fold_apart
+    from foldcut.foldfile.decide import decide, states_of
+    from foldcut.foldfile.patterns import read_pattern_apart
 
-    tolerance = TOLERANCE if args.tolerance is None else share(args.tolerance)
-    read = read_fold_apart(Path(args.file))
+    tolerance = tolerance_of(args)
+    read = read_pattern_apart(Path(args.file))
     shape, notes = None, read.notes
     if args.shape:
         drawing = options.named_source(args.shape).read(options.reading(args))

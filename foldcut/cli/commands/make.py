@@ -45,6 +45,8 @@ examples:
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
   foldcut make star --sheet a6 --profile grbl-laser --copies 4 --tabs 4x0.5mm --frame -o stars.zip
   foldcut make star --sheet a6 --profile xtool-s1 --at 30mm,2cm
+  foldcut make fish --groove v90 -o fish.step
+  foldcut make fish --folded -o fish-folded.stl
   foldcut make fish-creases.svg --again
 
 Without -o it writes NAME-creases.svg and, unless SHAPE is a .fold, NAME-creases.fold into the current folder, or with
@@ -93,6 +95,7 @@ def add_options(command: ArgumentParser) -> None:
     )
     options.add_request(command)
     options.add_machine(command)
+    options.add_solid(command)
     options.add_console(command)
 
 
@@ -109,10 +112,13 @@ def make(args: Namespace) -> int:
 
     console, request = options.console(args), options.request(args)
     source = request.source
-    usual = options.usual_machines(args, (Path(out).suffix for out in args.output or ()))
+    endings = [Path(out).suffix for out in args.output or ()]
+    usual = options.usual_machines(args, endings)
     machine = options.no_machine() if usual else options.machine(args)
     default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
-    outputs = Outputs(output_paths(args.output or default), source.stem, machine, usual)
+    outputs = Outputs(
+        output_paths(args.output or default), source.stem, machine, usual | options.solid_machines(args, endings)
+    )
     inputs = Inputs([*source.files(), *outputs.profile_files()])
     outputs.check_formats(request_sheet(request))
     preview_path = None if not args.preview else Path(args.preview)
