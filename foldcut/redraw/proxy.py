@@ -338,7 +338,7 @@ class _Place:
         width, height = engine.field.width, engine.field.height
         diagonal = engine.field.diagonal
         self.work.sizes[:] = (
-            width, height, SNAP * diagonal, NEAR * diagonal, engine.least_crease, ENDLESS_COST, 0.0, *SHORT_COST,
+            width, height, SNAP * diagonal, NEAR * diagonal, engine.least_crease, ENDLESS_COST, 0.0, *engine.short_cost,
             *(float(axis in engine.field.axes) for axis in (0, 1)), LOOSE_COST,
         )  # fmt: skip
         samples = engine.field.samples
@@ -362,8 +362,16 @@ class _Place:
 class Engine:
     """Assesses and moves outlines of one drawing on one sheet."""
 
-    def __init__(self, field: Field, *, least_crease: float = LEAST_CREASE_MM, compiled: bool = True) -> None:
+    def __init__(
+        self,
+        field: Field,
+        *,
+        least_crease: float = LEAST_CREASE_MM,
+        short_cost: tuple[float, float] = SHORT_COST,
+        compiled: bool = True,
+    ) -> None:
         self.field = field
+        self.short_cost = short_cost
         self.least_crease = least_crease
         self.tables = Arrays() if compiled else Lists()
         self.proxy: Any = compiled_copy(proxy_kernel) if compiled else proxy_kernel

@@ -19,7 +19,7 @@ from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.methods.skeleton.trial import Skeletal
 from foldcut.pattern.ranking import shortest_crease
 from foldcut.redraw.bounds import ANY_METHOD, HANDS_FOLDS
-from foldcut.redraw.plans import Drawing, Plan, on_the_sheet, plans
+from foldcut.redraw.plans import Corners, Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search
 
@@ -37,6 +37,15 @@ REFUSED = 30.0
 
 MOST_REFUSED = 2
 """So many outlines with the same skeleton are refused before no more of them are folded."""
+
+NEAR_MISS = 1.1
+"""Where the best pattern has more folds than two hands can make, but no more than this many times, more is searched."""
+
+DEAR = 20.0, 20.0
+"""What a short crease costs, as ``SHORT_COST``, where the best pattern has few folds, but one crease is too short."""
+
+MORE_STARTS = 1.1, 0.9
+"""Then outlines are begun with that are made for so many times the tolerance."""
 
 WORK = {"fast": 6_000, "normal": 20_000, "best": 200_000}
 """How much work a search by one plan is, by effort, in assessments of outlines."""
@@ -58,11 +67,15 @@ class Redrawn:
     off: float
 
     @property
+    def is_for_hands(self) -> bool:
+        """Whether it has few folds and no short crease."""
+        return self.shortest >= LEAST_CREASE_MM and self.folds <= HANDS_FOLDS
+
+    @property
     def key(self) -> tuple[bool, bool, float, float]:
         """Less is better: first patterns for two hands, then no tiny creases, then fewer folds, then longer creases."""
         lack = max(0.0, 1 - self.shortest / LEAST_CREASE_MM)
-        for_hands = not lack and self.folds <= HANDS_FOLDS
-        return not for_hands, lack > 0.9, self.folds * (1.0 + 0.3 * (lack > 0)) + 20 * lack, -self.shortest
+        return not self.is_for_hands, lack > 0.9, self.folds * (1.0 + 0.3 * (lack > 0)) + 20 * lack, -self.shortest
 
 
 def redraw(
@@ -115,20 +128,40 @@ class _Redrawing:
         self.tolerance = tolerance
         self.keep = keep
         self.folded = self.tried = 0
+        self.short_cost = SHORT_COST
+        self.best: Redrawn | None = None
         self.refused: Counter[object] = Counter()
-        self.engine = Engine(plan.field(tolerance))
+        self.field = plan.field(tolerance)
 
     def run(self, work: int, ends: Callable[[float], bool]) -> None:
         """Search; ``ends`` is called now and then with the part done, and says whether to stop."""
         starts = list(self.plan.starts(self.tolerance))
         if not starts:
             return
-        for tightens in (True, False):  # outlines that fit less tightly may have an order of layers where none else has
-            self.tried = 0
-            engine = Engine(self.engine.field)
-            Search(engine, work, believe=self.believe, ends=ends, tightens=tightens).run(starts)
-            if self.folded:
+        self.search(starts, work, ends)
+        if not self.folded:  # outlines that fit less tightly may have an order of layers where none else has
+            self.search(starts, work, lambda _: ends(1.0), tightens=False)
+        if self.best is not None and self.best.shortest < LEAST_CREASE_MM and self.best.folds < HANDS_FOLDS:
+            self.search(starts, work, lambda _: ends(1.0), short_cost=DEAR)
+        for part in MORE_STARTS:
+            if ends(1.0) or self.best is None or self.best.is_for_hands or self.best.folds > NEAR_MISS * HANDS_FOLDS:
                 break
+            self.search(list(self.plan.starts(part * self.tolerance)), work, lambda _: ends(1.0))
+
+    def search(
+        self,
+        starts: list[Corners],
+        work: int,
+        ends: Callable[[float], bool],
+        *,
+        tightens: bool = True,
+        short_cost: tuple[float, float] = SHORT_COST,
+    ) -> None:
+        """Search from some outlines to begin with."""
+        self.folded = self.tried = 0
+        self.short_cost = short_cost
+        engine = Engine(self.field, short_cost=short_cost)
+        Search(engine, work, believe=self.believe, ends=ends, tightens=tightens).run(starts)
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""
@@ -152,8 +185,10 @@ class _Redrawing:
             self.refused[skeleton] += 1
             return REFUSED
         self.keep(redrawn)
-        true = redrawn.folds - len(self.plan.axes) + _cost_of_shortest(redrawn.shortest)
-        return true - one.lines - _cost_of_shortest(one.shortest)
+        if self.best is None or redrawn.key < self.best.key:
+            self.best = redrawn
+        true = redrawn.folds - len(self.plan.axes) + _cost_of_shortest(redrawn.shortest, self.short_cost)
+        return true - one.lines - _cost_of_shortest(one.shortest, self.short_cost)
 
     def _on_sheet(self, shape: Shape, found: Skeletal, off: float) -> Redrawn:
         plan, frame = self.plan, self.plan.frame
@@ -169,8 +204,8 @@ class _Redrawing:
         return Redrawn(plan, shape, made, made.actions, shortest_crease(creases) / frame.scale, off)
 
 
-def _cost_of_shortest(length: float) -> float:
+def _cost_of_shortest(length: float, short_cost: tuple[float, float]) -> float:
     """Return what the shortest crease costs, in lines."""
     if length >= LEAST_CREASE_MM:
         return 0.0
-    return SHORT_COST[0] + SHORT_COST[1] * (1 - length / LEAST_CREASE_MM)
+    return short_cost[0] + short_cost[1] * (1 - length / LEAST_CREASE_MM)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from foldcut.pattern.foldability import crease_numbers
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 from foldcut.redraw.plans import Drawing, Plan, plans
-from foldcut.redraw.redrawing import Redrawn, redraw
+from foldcut.redraw.redrawing import DEAR, Redrawn, _Redrawing, redraw
 from foldcut.redraw.starts.outlines import FARTHEST
 
 pytestmark = pytest.mark.usefixtures("kernels_are_loaded")
@@ -321,3 +322,39 @@ def test_the_comparison_can_fail() -> None:
     assert not faults(case, best)
     assert faults(replace(case, tolerance=best.off / 2), best)
     assert faults(replace(case, loops=of_path("ring").loops), best)
+
+
+@pytest.mark.parametrize(
+    ("folded", "folds", "shortest", "tightened", "dear"),
+    [
+        (1, 66, 3.0, [True, True, True], 0),
+        (1, 67, 3.0, [True], 0),
+        (1, 60, 3.0, [True], 0),
+        (1, 59, 2.9, [True, True, True, True], 1),
+        (0, 0, 0.0, [True, False], 0),
+    ],
+)
+def test_near_misses_and_what_has_no_pattern_are_searched_once_more(
+    folded: int, folds: int, shortest: float, tightened: list[bool], dear: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From other outlines where it has up to a tenth too many folds, and without tightening where it has no pattern.
+
+    Where a crease is too short, short creases cost more.
+    """
+    one = _Redrawing(first_plan("heart"), 2.0, lambda _: None)
+    searched: list[bool] = []
+    costs: list[Any] = []
+
+    def search(starts: list[Any], _work: int, _ends: object, *, tightens: bool = True, short_cost: Any = None) -> None:
+        assert starts
+        searched.append(tightens)
+        costs.append(short_cost)
+        one.folded = folded
+        if folded:
+            best = SimpleNamespace(folds=folds, is_for_hands=folds <= 60 and shortest >= 3, shortest=shortest)
+            monkeypatch.setattr(one, "best", best)
+
+    monkeypatch.setattr(one, "search", search)
+    one.run(100, lambda _: False)
+    assert searched == tightened
+    assert costs.count(DEAR) == dear
