@@ -13,9 +13,12 @@ from typing import cast
 
 from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
+from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout
 from foldcut.jobs.bed import Lay
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.job import Job, check_job, steps_of
 from foldcut.jobs.last_door import brought_on_bed, check_pattern
+from foldcut.jobs.tabs import Tabs
 from foldcut.profiles import Profile, Registration, load_profile, profile_names
 
 PatternExporter = Callable[[FoldedPattern, Profile], bytes]
@@ -51,6 +54,11 @@ JOB_EXPORTERS = {
 }
 """The exporters of jobs, by the ending of their files."""
 
+FRAME_EXPORTERS = {".gcode": "job.gcode.export_frame", ".hpgl": "job.hpgl.export_frame"}
+"""What writes the way round a job with the tool off, in the formats that have such moves."""
+DUPLEX = ".pdf"
+"""The format that has both sides in one file."""
+
 
 def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile | None = None) -> None:
     """Raise FileFormatError unless a file with this ending, such as ``".svg"``, can be written.
@@ -68,7 +76,7 @@ def check_suffix(suffix: str, machine: Profile | None = None, profile: Profile |
                 needs("build123d")
         return
     if suffix.lower() in JOB_EXPORTERS:
-        for_it = [name for name in profile_names() if f".{load_profile(name).format}" == suffix.lower()]
+        for_it = machines_for(suffix)
         which = f" {' or '.join(for_it)}" if for_it else ""
         raise FileFormatError(f"{suffix} files are for a machine: name it with --profile{which}; see foldcut profiles")
     what = f"foldcut cannot write {suffix} files" if suffix else "an output file needs an ending that names its format"
@@ -99,12 +107,29 @@ def check_job_export(
     material: str | None = None,
     tile: bool = False,
     registration: Registration | None = None,
+    layout: BedLayout = IN_THE_CORNER,
+    tabs: Tabs | None = None,
+    framed: bool = False,
 ) -> None:
     """Raise, before there is a pattern, what ``make_jobs`` and ``export_job`` would raise for any on this sheet."""
-    check_job(sheet, profile, material=material, tile=tile, registration=registration)
+    if framed:
+        _check_frame(suffix)
+    check_job(sheet, profile, material=material, tile=tile, registration=registration, layout=layout, tabs=tabs)
     lay = Lay.for_machine(sheet, profile, tile=tile)
     steps = steps_of(profile, material)
-    export_job(Job("", lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper), suffix, profile)
+    try:
+        export_job(Job("", lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper), suffix, profile)
+    except TooLargeError:
+        raise
+    except JobError as error:
+        others = [] if suffix.lower() == f".{profile.format}" else machines_for(suffix)
+        remedy = f", or make {suffix} files by a command of their own, with --profile {' or '.join(others)}"
+        raise JobError(f"{error}{remedy if others else ''}") from None
+
+
+def machines_for(suffix: str) -> list[str]:
+    """Return the profiles whose own format has this ending."""
+    return [name for name in profile_names() if f".{load_profile(name).format}" == suffix.lower()]
 
 
 def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
@@ -119,6 +144,32 @@ def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
         )
     exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
     return exporter(brought_on_bed(job, profile), profile)
+
+
+def export_frame(job: Job, suffix: str, profile: Profile) -> bytes:
+    """Return the way round a job with the tool off, in the format of this ending.
+
+    Raises FileFormatError: the format has no such moves. Raises JobError as ``export_job`` does.
+    """
+    _check_frame(suffix)
+    exporter = cast(JobExporter, _imported(FRAME_EXPORTERS[suffix.lower()]))
+    return exporter(brought_on_bed(job, profile), profile)
+
+
+def _check_frame(suffix: str) -> None:
+    """Raise FileFormatError unless files with this ending have moves with the tool off."""
+    if suffix.lower() not in FRAME_EXPORTERS:
+        raise FileFormatError(
+            f"--frame needs moves with the tool off, and {suffix} files have none; use the framing of the machine's "
+            f"own software, or write {' or '.join(FRAME_EXPORTERS)} for a machine that takes it"
+        )
+
+
+def export_duplex(front: Job, back: Job, profile: Profile) -> bytes:
+    """Return the jobs of both sides as one PDF to print on both sides; errors as for ``export_job``."""
+    from .job.pdf import export_duplex
+
+    return export_duplex(brought_on_bed(front, profile), brought_on_bed(back, profile), profile)
 
 
 def _imported(name: str) -> object:

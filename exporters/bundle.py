@@ -13,6 +13,7 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
+from foldcut.jobs.duration import about, seconds_of_steps
 from foldcut.jobs.instructions import instructions
 from foldcut.jobs.job import Job
 from foldcut.pattern.first_folds import is_wedge, sectors_left
@@ -33,13 +34,24 @@ WHAT = {
 }
 """What a file without a job is, by its ending."""
 
+FRAME_STEM = "-frame."
+"""What is in the name of a file that goes round a job."""
+
+FRAME = "goes round the job with the tool off"
+"""What such a file does."""
+
 
 def readme(
-    pattern: FoldedPattern, files: Mapping[str, Job | None], profile: Profile | None, whole: Sequence[Job] = ()
+    pattern: FoldedPattern,
+    files: Mapping[str, Job | None],
+    profile: Profile | None,
+    whole: Sequence[Job] = (),
+    made: Sequence[str] = (),
 ) -> bytes:
     """Return the text that lists the files in the order to load them and says how to go on.
 
-    ``files``: what of the jobs is in each file, by name; None if the file has the pattern itself; ``whole``: the jobs.
+    ``files``: what of the jobs is in each file, by name; None if the file has the pattern itself; ``whole``: the jobs;
+    ``made``: how the files were made, in words.
     """
     sheet = pattern.sheet
     jobs = [job for job in files.values() if job is not None]
@@ -52,17 +64,12 @@ def readme(
     ]
     for place, (name, job) in enumerate(files.items(), start=1):
         what = f": {job.side} of the sheet" if job and job.side != "both" else ""
+        what = f": {FRAME}" if job is None and FRAME_STEM in name else what
         what = f": {WHAT[ending]}" if job is None and (ending := name.rpartition(".")[2]) in WHAT else what
         turned = ", which lies a quarter turn to the left" if job and job.turned else ""
         lines.append(f"  {place}. {name}{what}{turned}")
     for job in whole:
-        lines += ["", f"Operations{'' if job.side == 'both' else f' on the {job.side}'}, in this order:"]
-        for step in job.steps:
-            setting = ""
-            if step.setting is not None:
-                numbers = {key: value for key, value in step.setting.model_dump().items() if value is not None}
-                setting = f" ({', '.join(f'{key} {value:g}' for key, value in numbers.items())}: a starting point)"
-            lines.append(f"  - {step.operation.layer}: {len(step.strokes)} strokes, {step.length:.0f} mm{setting}")
+        lines += _operations(job, profile)
     if profile is not None:
         lines += ["", f"{profile.title}:", *(f"  {line}" for line in instructions(profile, whole))]
     if pattern.first_folds:
@@ -79,8 +86,37 @@ def readme(
         "",
         "With the front up, fold mountains away from you and valleys toward you, flat, then cut once along the shape's "
         "outline.",
+        *(["", *made] if made else []),
     ]
     return ("\r\n".join(lines) + "\r\n").encode()
+
+
+def card_readme(
+    title: str, files: Sequence[str], rows: Sequence[str], following: Sequence[str], made: Sequence[str]
+) -> bytes:
+    """Return the text that goes with a test card: its files, its rows, what the operator does, how it was made."""
+    lines = [f"{OURS}: {title}", "", "Files, in the order to use them:"]
+    lines += [f"  {place}. {name}" for place, name in enumerate(files, start=1)]
+    lines += ["", "Rows; the ticks beside each are its number:", *(f"  {row}" for row in rows)]
+    lines += ["", *following, "", *made]
+    return ("\r\n".join(lines) + "\r\n").encode()
+
+
+def _operations(job: Job, profile: Profile | None) -> list[str]:
+    """Return what a job does in which order, with which settings, and how long that takes."""
+    seconds = None if profile is None else seconds_of_steps(job, profile)
+    lines = ["", f"Operations{'' if job.side == 'both' else f' on the {job.side}'}, in this order:"]
+    for place, step in enumerate(job.steps):
+        setting = ""
+        if step.setting is not None:
+            numbers = {key: value for key, value in step.setting.model_dump().items() if value is not None}
+            setting = f" ({', '.join(f'{key} {value:g}' for key, value in numbers.items())}: a starting point)"
+        amount = f"{len(step.strokes)} strokes, {step.length:.0f} mm"
+        lasts = "" if seconds is None else f", {about(seconds[place])}"
+        lines.append(f"  - {step.operation.layer}: {amount}{lasts}{setting}")
+    if seconds is not None:
+        lines.append(f"  Together {about(sum(seconds))} on the machine, without changing tools.")
+    return lines
 
 
 def _places(first_folds: Sequence[Floats]) -> str:

@@ -20,9 +20,7 @@ The names are imported when they are first used, so that the command line starts
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
+TYPE_CHECKING = False  # as in typing, which takes time to import
 if TYPE_CHECKING:
     from foldcut.core.errors import (
         BadInputError,
@@ -66,6 +64,8 @@ _HOMES = ("foldcut.core.errors", "foldcut.core.model", "foldcut.pattern.foldabil
 
 def __getattr__(name: str) -> object:
     if name in __all__:
+        from importlib import import_module
+
         for home in _HOMES:
             module = import_module(home)
             if hasattr(module, name):

@@ -234,6 +234,17 @@ def fold(
     )
     with stages("reading"):
         paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
+        _check_lengths(
+            paper,
+            {
+                "--ribbon": ribbon,
+                "--min-crease": min_crease,
+                "--tolerance": tolerance,
+                "--simplify": simplify,
+                "--symmetry": None if symmetry == AUTO else float(symmetry),
+                "--adjust": adjust,
+            },
+        )
         layout = Layout(paper, margin, scale, offset, rotation, width, height)
         read = _read(shape, limits, layout, preparation)
         mirrored = preparation is not None and preparation.mirror
@@ -271,6 +282,16 @@ def fold(
         made.numbers,
         ladder,
     )
+
+
+def _check_lengths(sheet: Sheet, lengths: Mapping[str, float | None]) -> None:
+    """Raise ``BadInputError`` for a length on the sheet that has no room there: the search would never end."""
+    for option, length in lengths.items():
+        if length is not None and length > sheet.diagonal:
+            raise BadInputError(
+                f"{option} is {length:.4g} mm, and the sheet {sheet} is {sheet.diagonal:.4g} mm from corner to corner; "
+                "give a shorter length"
+            )
 
 
 def _moved_by(pattern: FoldedPattern, drawn: object) -> float | None:

@@ -8,6 +8,7 @@ source: an entry in ``sources`` for its key or for a table around it. Unknown, m
 from __future__ import annotations
 
 import difflib
+import math
 import os
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,9 +21,20 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pydantic_core import PydanticCustomError
 
 from foldcut.core.errors import FileFormatError
+from foldcut.core.files import read_bytes
+from foldcut.core.text import is_control
 
 Colour = Annotated[str, Field(pattern="^#[0-9a-f]{6}$")]
-Millimetres = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Millimetres = Annotated[float, Field(ge=0.001, le=100_000)]
+"""A length: from a micrometre, finer than any machine, to the longest sheet that there is."""
+Dashing = Annotated[float, Field(ge=0.01, le=1000)]
+"""A length of which there are as many as find room on a crease."""
+Speed = Annotated[float, Field(ge=0.01, le=10_000)]
+"""In mm/s."""
+Height = Annotated[float, Field(ge=-1000, le=1000)]
+"""Where a pen is on the Z axis, in mm."""
+Count = Annotated[int, Field(ge=0, le=1_000_000)]
+"""A number of a plotter's units, or of steps of a servo or of a laser's power."""
 
 Role = Literal["mark", "mountain", "valley", "cut"]
 """What the lines of a step are: marks, creases of either kind, or the outline of the sheet."""
@@ -39,6 +51,21 @@ or pinholes."""
 
 MarkName = Literal["outline", "first-folds", "cut-line", "numbers", "title", "ruler"]
 """The marks that a job can have."""
+
+LARGEST = 2**20
+"""A profile has no more bytes than this."""
+
+UNITS = {"_mm_s2": "mm/s2", "_mm_s": "mm/s", "_mm": "mm", "_s": "s", "_g": "g", "_percent": "%", "_units": "units"}
+"""The units that the names of quantities end in."""
+
+DEEPEST = 8
+"""A key of a profile has no more parts between dots than this."""
+
+SHOWN = 100
+"""How much of an override an error shows."""
+
+TOO_LARGE = "a number has thousands of digits, or brackets are nested too deep; write it in a shorter way"
+"""What is wrong with numbers and brackets that Python gives up on."""
 
 UNVERIFIED = "unverified"
 """A source begins with this word if nobody has compared its number with what the machine's maker says."""
@@ -60,9 +87,9 @@ class LineStyle(_Table):
     border_stroke_mm: Millimetres
     shape_stroke_mm: Millimetres
     legend_stroke_mm: Millimetres
-    dash_mm: Millimetres
-    gap_mm: Millimetres
-    dot_mm: Millimetres
+    dash_mm: Dashing
+    gap_mm: Dashing
+    dot_mm: Dashing
     text_mm: Millimetres
     inset_mm: Millimetres
     sample_mm: Millimetres
@@ -91,7 +118,7 @@ class Operation(_Table):
 class Setting(_Table):
     """Speed, a laser's power in percent of its maximum or a blade's force in grams, and the number of passes."""
 
-    speed_mm_s: Millimetres
+    speed_mm_s: Speed
     power_percent: Annotated[float, Field(ge=0, le=100)] | None = None
     force_g: Annotated[float, Field(gt=0, le=5000)] | None = None
     passes: Annotated[int, Field(ge=1, le=20)] = 1
@@ -100,9 +127,9 @@ class Setting(_Table):
 class Dash(_Table):
     """A perforation: cuts and gaps in turn; ``clearance_mm``: the distance of cuts from the ends of a crease."""
 
-    dash_mm: Millimetres
-    gap_mm: Millimetres
-    clearance_mm: Annotated[float, Field(ge=0)]
+    dash_mm: Dashing
+    gap_mm: Dashing
+    clearance_mm: Annotated[float, Field(ge=0, le=1000)]
 
 
 class Material(_Table):
@@ -129,7 +156,7 @@ class Hpgl(_Table):
     waits before it goes on with another tool, such as "NR;"; none if empty.
     """
 
-    unit_mm: Millimetres
+    unit_mm: Annotated[float, Field(ge=0.001, le=1)]
     tools: Literal["select", "separate"] = "select"
     pause: Annotated[str, Field(pattern="^([A-Z!][^;]*;)?$")] = ""
 
@@ -144,13 +171,20 @@ class Paper(_Table):
 
     width_mm: Millimetres
     height_mm: Millimetres
-    origin_x_mm: Annotated[float, Field(ge=0)]
-    origin_y_mm: Annotated[float, Field(ge=0)]
-    x_units: Annotated[int, Field(gt=0)]
-    y_units: Annotated[int, Field(gt=0)]
-    set_ps: int | None = None
-    final_x_units: int
-    final_y_units: int
+    origin_x_mm: Annotated[float, Field(ge=0, le=1000)]
+    origin_y_mm: Annotated[float, Field(ge=0, le=1000)]
+    x_units: Annotated[int, Field(gt=0, le=1_000_000)]
+    y_units: Annotated[int, Field(gt=0, le=1_000_000)]
+    set_ps: Annotated[int, Field(ge=0, le=127)] | None = None
+    final_x_units: Count
+    final_y_units: Count
+
+    @model_validator(mode="after")
+    def _ends_on_the_paper(self) -> Paper:
+        """The pen stays where it can go."""
+        if self.final_x_units > self.x_units or self.final_y_units > self.y_units:
+            raise PydanticCustomError("paper", "the last place is beyond x_units and y_units")
+        return self
 
 
 class Blade(_Table):
@@ -189,14 +223,14 @@ class Gcode(_Table):
     """
 
     tool: Literal["laser", "z", "servo"]
-    most_power: Annotated[int, Field(gt=0)] = 1000
-    pen_up: float = 5.0
-    pen_down: float = 0.0
-    plunge_mm_s: Millimetres = 10.0
-    servo_up: Annotated[int, Field(ge=0)] = 300
-    servo_down: Annotated[int, Field(ge=0)] = 700
+    most_power: Annotated[int, Field(gt=0, le=1_000_000)] = 1000
+    pen_up: Height = 5.0
+    pen_down: Height = 0.0
+    plunge_mm_s: Speed = 10.0
+    servo_up: Count = 300
+    servo_down: Count = 700
     dwell_s: Annotated[float, Field(ge=0, le=10)] = 0.25
-    draw_mm_s: Millimetres = 40.0
+    draw_mm_s: Speed = 40.0
 
     @model_validator(mode="after")
     def _moves(self) -> Gcode:
@@ -206,6 +240,22 @@ class Gcode(_Table):
         if self.tool == "servo" and self.servo_up == self.servo_down:
             raise PydanticCustomError("pen", "servo_up and servo_down are the same, so the pen would never move")
         return self
+
+
+class Motion(_Table):
+    """How fast a machine moves, which says how long a job takes.
+
+    ``travel_mm_s``: how fast between strokes; ``work_mm_s``: how fast in strokes whose material has no speed;
+    ``acceleration_mm_s2``: how fast it gets faster and slower; ``corner_mm``: how far its path may stray in a corner,
+    by which GRBL and others say how fast it goes through (``$11``, junction deviation); ``lift_s``: how long it takes
+    to put the tool down, and as long to lift it; 0 if it works without a stop.
+    """
+
+    travel_mm_s: Speed
+    work_mm_s: Speed | None = None
+    acceleration_mm_s2: Annotated[float, Field(ge=1, le=1_000_000)]
+    corner_mm: Annotated[float, Field(ge=0, lt=10)] = 0.01
+    lift_s: Annotated[float, Field(ge=0, le=10)] = 0.0
 
 
 class Profile(_Table):
@@ -243,6 +293,7 @@ class Profile(_Table):
     hpgl: Hpgl | None = None
     gcode: Gcode | None = None
     blade: Blade | None = None
+    motion: Motion | None = None
     sources: dict[str, str]
 
     @property
@@ -268,9 +319,25 @@ def profile_names() -> tuple[str, ...]:
     return tuple(sorted({*_names(resources.files(__package__).iterdir()), *users}))
 
 
+def known_profiles() -> tuple[dict[str, Profile], dict[str, str]]:
+    """Return all profiles by name, and of those that cannot be read, what is wrong with them."""
+    known: dict[str, Profile] = {}
+    broken: dict[str, str] = {}
+    for name in profile_names():
+        try:
+            known[name] = load_profile(name)
+        except FileFormatError as error:
+            broken[name] = str(error)
+        except OSError as error:
+            broken[name] = f"profile {name}: {error.strerror}"
+    return known, broken
+
+
 def user_folder() -> Path:
     """Return the folder of the user's own profiles: ``foldcut/profiles`` in the configuration folder."""
-    return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "foldcut" / "profiles"
+    # "~" stays where nobody knows the home: then there is no such folder
+    home = os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")
+    return Path(home) / "foldcut" / "profiles"
 
 
 def load_profile(name: str = "plain", overrides: Sequence[str] = ()) -> Profile:
@@ -308,6 +375,9 @@ def _parsed(text: str, name: str, overrides: tuple[str, ...]) -> Profile:
         profile = Profile.model_validate(values)
     except ValidationError as error:
         raise FileFormatError(f"profile {name}: {_explained(error)}") from error
+    for place, text in _texts(values):
+        if any(map(is_control, text)):
+            raise FileFormatError(f"profile {name}: {place} has a control character or a line break; leave it out")
     changed = {override.partition("=")[0].strip() for override in overrides}
     for key in _numbers(values):
         around = [key.rsplit(".", n)[0] for n in range(key.count(".") + 1)]
@@ -316,12 +386,20 @@ def _parsed(text: str, name: str, overrides: tuple[str, ...]) -> Profile:
     return profile
 
 
-def _profile_text(name: str) -> str:
+def profile_file(name: str) -> Path:
+    """Return the path of the user's own profile that goes by this name; there need be no such file."""
     path = Path(name)
-    own = path if path.suffix == ".toml" else user_folder() / f"{name}.toml"
+    return path if path.suffix == ".toml" else user_folder() / f"{name}.toml"
+
+
+def _profile_text(name: str) -> str:
+    path, own = Path(name), profile_file(name)
     if own.is_file():
+        data = read_bytes(own, LARGEST)
+        if len(data) > LARGEST:
+            raise FileFormatError(f"profile {own} has more than {LARGEST / 2**20:g} MiB; give a smaller one")
         try:
-            return own.read_text("utf-8")
+            return data.decode("utf-8")
         except UnicodeDecodeError as error:
             raise FileFormatError(f"profile {own} is not UTF-8 text") from error
     if path.suffix == ".toml":
@@ -343,6 +421,8 @@ def _toml(text: str, name: str) -> dict[str, Any]:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise FileFormatError(f"profile {name} is not valid TOML: {error}") from error
+    except (ValueError, RecursionError):
+        raise FileFormatError(f"profile {name}: {TOO_LARGE}") from None
 
 
 def _override(text: str) -> dict[str, Any]:
@@ -350,11 +430,17 @@ def _override(text: str) -> dict[str, Any]:
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
         raise FileFormatError(f"--set {text} is no KEY=VALUE; write for example --set bed.width_mm=300")
+    shown = text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
     try:
-        parsed: Any = tomllib.loads(f"value = {value}")["value"]
+        read = tomllib.loads(f"value = {value}")
+        parsed: Any = read["value"] if len(read) == 1 else value
     except tomllib.TOMLDecodeError:
         parsed = value
+    except (ValueError, RecursionError):
+        raise FileFormatError(f"--set {shown}: {TOO_LARGE}") from None
     *tables, last = _split(key.strip())
+    if len(tables) >= DEEPEST:
+        raise FileFormatError(f"--set {shown}: a key has at most {DEEPEST} parts; foldcut profiles show has them all")
     nested: dict[str, Any] = {last: parsed}
     for table in reversed(tables):
         nested = {table: nested}
@@ -365,12 +451,14 @@ def _split(key: str) -> list[str]:
     """Split a key at its dots; names in quotes keep theirs."""
     try:
         table: Any = tomllib.loads(f"{key} = 0")
-    except tomllib.TOMLDecodeError as error:
-        raise FileFormatError(f"--set {key}: this is no key; write for example bed.width_mm") from error
+    except (ValueError, RecursionError):  # what tomllib raises, or Python about long numbers and many brackets
+        table = {}
     names = []
-    while isinstance(table, dict):
+    while isinstance(table, dict) and len(table) == 1:
         name, table = next(iter(table.items()))
         names.append(name)
+    if isinstance(table, dict):
+        raise FileFormatError(f"--set {key}: this is no key; write for example bed.width_mm")
     return names
 
 
@@ -392,6 +480,17 @@ def _numbers(values: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
             yield f"{prefix}{key}"
 
 
+def _texts(values: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Yield the dotted keys of a table, each with itself and, if it is text, with its value."""
+    for key, value in values.items():
+        yield "a key", key
+        if isinstance(value, dict):
+            yield from _texts(value, f"{prefix}{key}.")
+        for text in value if isinstance(value, list) else [value]:
+            if isinstance(text, str):
+                yield f"{prefix}{key}", text
+
+
 def _explained(error: ValidationError) -> str:
     """Return a line about the first key that is wrong."""
     # an unknown key before a missing one: the missing one may just be misspelt
@@ -404,6 +503,8 @@ def _explained(error: ValidationError) -> str:
         return f"unknown key {key}" + (f"; did you mean {near[0]}?" if near else f"; known: {', '.join(known)}")
     if first["type"] == "pen":
         return str(first["msg"])
+    if first["type"] == "paper":
+        return f"{key}: {first['msg']}"
     if first["type"] == "missing":
         return f"the key {key} is missing"
     if first["type"] == "string_pattern_mismatch":
@@ -413,7 +514,31 @@ def _explained(error: ValidationError) -> str:
             else "has letters that DXF layers may not have"
         )
         return f"{key} = {first['input']!r} {rule}"
-    return f"{key} = {first['input']!r}: {first['msg']}"
+    return f"{key} = {_shown(first['input'])}: {_rule(first, last)}"
+
+
+def _shown(value: object) -> str:
+    """Return a value as an error shows it."""
+    try:
+        text = repr(value)
+    except ValueError:  # a number of thousands of digits
+        return "a very long number"
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+
+
+def _rule(found: Mapping[str, Any], name: str) -> str:
+    """Return what a value has to be that pydantic found wrong, with the unit of the quantity ``name``."""
+    unit = next((f" {unit}" for ending, unit in UNITS.items() if name.endswith(ending)), "")
+    unit = " mm" if name in ("pen_up", "pen_down") else unit
+    rules = {"greater_than_equal": "at least {ge:g}", "less_than_equal": "at most {le:g}"}
+    rules |= {"greater_than": "more than {gt:g}", "less_than": "less than {lt:g}"}
+    if isinstance(found["input"], float) and not math.isfinite(found["input"]):
+        return f"give a finite number{unit and ' of'}{unit}"
+    if found["type"] in rules:
+        return f"give {rules[found['type']].format(**found['ctx'])}{unit}"
+    if found["type"] in ("float_parsing", "float_type", "int_parsing", "int_type") and unit:
+        return f"give a number of{unit}, without the unit"
+    return str(found["msg"])
 
 
 def _fields(path: Sequence[str]) -> list[str]:
@@ -427,6 +552,7 @@ def _fields(path: Sequence[str]) -> list[str]:
         "page": Page,
         "solid": Solid,
         "blade": Blade,
+        "motion": Motion,
         "papers": Paper,
         "operations": Operation,
     }

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from support.places import ROOT
 
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "SECURITY.md", *sorted((ROOT / "docs").glob("*.md"))]
 NAMED = re.compile(r"`([\w./-]*\w\.(?:py|toml|html|sh|cjs))`")
 EXAMPLES = {"my-laser.toml"}
 """Files of the reader's own."""

@@ -18,7 +18,7 @@ FLOORS = (
     ("core",),
     ("geometry", "profiles", "samples"),
     ("drawing", "pattern"),
-    ("readers", "proof", "jobs"),
+    ("readers", "proof", "jobs", "layer_orders"),
     ("methods", "foldfile"),
     ("folding_steps",),
     ("redraw",),

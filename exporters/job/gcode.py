@@ -15,20 +15,48 @@ from foldcut.profiles import Gcode, Profile
 
 from ..text import number
 
+SLOW_MM_S = 50.0
+"""How fast a frame is traced if the profile does not say how fast the machine moves."""
+
 
 def export(job: Job, profile: Profile) -> bytes:
     """Return a job as a G-code file.
 
     Raises JobError: the profile does not say how the tool is switched, or a laser's setting is missing.
     """
-    code = profile.gcode
-    if code is None:
-        raise JobError(f"the profile {profile.title!r} lacks what G-code needs: --set gcode.tool=laser, z or servo")
+    code = _code(profile)
     lines = [_comment(f"foldcut: {job.title}"), "G21", "G90"]
     laser = code.tool == "laser"
     lines += _laser(job, profile, code) if laser else _pen(job, code)
     lines += ["G0 X0 Y0 S0" if laser else "G0 X0 Y0", "M2"]
     return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def export_frame(job: Job, profile: Profile) -> bytes:
+    """Return the way round the box of a job, with the laser off or the pen up, as a G-code file."""
+    code = _code(profile)
+    laser = code.tool == "laser"
+    speed = SLOW_MM_S if profile.motion is None else profile.motion.travel_mm_s
+    lines = [
+        _comment(f"foldcut: the frame of {job.title}"),
+        "G21",
+        "G90",
+        *(["M5"] if laser else _up_and_down(code)[0]),
+    ]
+    (left, low), (right, high) = (corner.tolist() for corner in job.box)
+    corners = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+    points = [f"X{number(x)} Y{number(y)}" for x, y in corners]
+    off = " S0" if laser else ""
+    lines += [f"G0 {points[0]}{off}", *(f"G1 {point}{off} F{number(60 * speed)}" for point in points[1:])]
+    lines += [f"G0 X0 Y0{off}", *(["M5"] if code.tool == "servo" else []), "M2"]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _code(profile: Profile) -> Gcode:
+    """Return how the tool of a machine is switched; raise JobError if its profile does not say."""
+    if profile.gcode is None:
+        raise JobError(f"the profile {profile.title!r} lacks what G-code needs: --set gcode.tool=laser, z or servo")
+    return profile.gcode
 
 
 def _laser(job: Job, profile: Profile, code: Gcode) -> Iterator[str]:
@@ -48,12 +76,7 @@ def _laser(job: Job, profile: Profile, code: Gcode) -> Iterator[str]:
 
 
 def _pen(job: Job, code: Gcode) -> Iterator[str]:
-    dwell = [f"G4 P{number(code.dwell_s)}"] if code.dwell_s else []
-    up, down = (
-        ([f"M3 S{code.servo_up}", *dwell], [f"M3 S{code.servo_down}", *dwell])
-        if code.tool == "servo"
-        else ([f"G0 Z{number(code.pen_up)}"], [f"G1 Z{number(code.pen_down)} F{number(60 * code.plunge_mm_s)}"])
-    )
+    up, down = _up_and_down(code)
     yield from up
     pen: int | None = None
     for step in job.steps:
@@ -71,6 +94,14 @@ def _pen(job: Job, code: Gcode) -> Iterator[str]:
                 yield from up
     if code.tool == "servo":
         yield "M5"
+
+
+def _up_and_down(code: Gcode) -> tuple[list[str], list[str]]:
+    """Return what lifts a pen, and what puts it down."""
+    if code.tool == "servo":
+        dwell = [f"G4 P{number(code.dwell_s)}"] if code.dwell_s else []
+        return [f"M3 S{code.servo_up}", *dwell], [f"M3 S{code.servo_down}", *dwell]
+    return [f"G0 Z{number(code.pen_up)}"], [f"G1 Z{number(code.pen_down)} F{number(60 * code.plunge_mm_s)}"]
 
 
 def _strokes(job: Job, step: JobStep) -> Iterator[tuple[str, list[str]]]:

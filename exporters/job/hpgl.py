@@ -13,9 +13,9 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.jobs.blade import holder_path
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.job import Job, JobStep
-from foldcut.profiles import Paper, Profile, Setting
+from foldcut.profiles import Hpgl, Paper, Profile, Setting
 
 POINTS_A_LINE = 16
 """The most pairs of coordinates in one instruction: old plotters have small buffers."""
@@ -26,24 +26,50 @@ def export(job: Job, profile: Profile) -> bytes:
 
     Raises JobError: the profile has no unit, bed or papers, an operation has no pen, or a stroke leaves the bed.
     """
-    if profile.hpgl is None or (profile.bed is None and not profile.papers):
-        raise JobError(
-            f"the profile {profile.title!r} lacks what HPGL needs: hpgl.unit_mm and bed; add them with --set"
-        )
+    hpgl = _hpgl(profile)
     paper = None if job.paper is None else profile.papers[job.paper]
-    lines = ["IN;"] + ([f"PS{paper.set_ps};"] if paper is not None and paper.set_ps is not None else [])
+    lines = _beginning(paper)
     pen: int | None = None
     for step in job.steps:
-        if pen is not None and step.operation.pen != pen and profile.hpgl.pause:
-            lines += ["PU;", profile.hpgl.pause]
+        if pen is not None and step.operation.pen != pen and hpgl.pause:
+            lines += ["PU;", hpgl.pause]
         pen = step.operation.pen
         if pen is None:
             raise JobError(
                 f"the profile {profile.title!r} has no pen for {step.role}: --set operations.{step.role}.pen=1"
             )
         lines += [f"SP{pen};", *_setting(step.setting), *_strokes(step, job, profile, paper)]
-    last = f"PU{paper.final_x_units},{paper.final_y_units};" if paper is not None else "PU;"
-    return ("\n".join([*lines, last, "SP0;"]) + "\n").encode("ascii")
+    return ("\n".join([*lines, *_end(paper)]) + "\n").encode("ascii")
+
+
+def export_frame(job: Job, profile: Profile) -> bytes:
+    """Return the way round the box of a job with the pen up, as an HPGL file."""
+    hpgl = _hpgl(profile)
+    paper = None if job.paper is None else profile.papers[job.paper]
+    (left, low), (right, high) = job.box
+    corners = np.array([(left, low), (right, low), (right, high), (left, high), (left, low)])
+    units = np.rint(corners / hpgl.unit_mm).astype(int)
+    _check(units, profile, paper)
+    lines = [*_beginning(paper), *(f"PU{x},{y};" for x, y in units.tolist()), *_end(paper)]
+    return ("\n".join(lines) + "\n").encode("ascii")
+
+
+def _hpgl(profile: Profile) -> Hpgl:
+    """Return what a profile says of HPGL; raise JobError if it lacks anything."""
+    if profile.hpgl is None or (profile.bed is None and not profile.papers):
+        raise JobError(
+            f"the profile {profile.title!r} lacks what HPGL needs: hpgl.unit_mm and bed; add them with --set"
+        )
+    return profile.hpgl
+
+
+def _beginning(paper: Paper | None) -> list[str]:
+    return ["IN;"] + ([f"PS{paper.set_ps};"] if paper is not None and paper.set_ps is not None else [])
+
+
+def _end(paper: Paper | None) -> list[str]:
+    """Return what lifts the pen, takes it out of the way, and puts it away."""
+    return ["PU;" if paper is None else f"PU{paper.final_x_units},{paper.final_y_units};", "SP0;"]
 
 
 def _setting(setting: Setting | None) -> Iterator[str]:
@@ -82,8 +108,8 @@ def _check(units: Floats, profile: Profile, paper: Paper | None) -> None:
     if len(beyond):
         x, y = units[beyond[0]] * unit
         width, height = reach * unit
-        raise JobError(
-            f"({x:.2f}, {y:.2f}) mm is beyond the machine's {width:g} x {height:g} mm; use a smaller --sheet"
+        raise TooLargeError(
+            f"({x:.2f}, {y:.2f}) mm is beyond the machine's {width:g} x {height:g} mm", "use a smaller --sheet"
         )
 
 

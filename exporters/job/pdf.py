@@ -2,8 +2,8 @@
 
 Input: a ``Job`` and a ``Profile`` with the size of the printer's pages (``bed``) and their margins (``page``); output:
 PDF. A sheet larger than a page is divided into tiles that overlap; crosses mark the same places on neighbouring pages.
-Every page has a ruler and, in a layer of its own, a legend. Layers are optional content (ISO 32000-1, 8.11); viewers
-are asked not to scale (12.2, PrintScaling).
+Every page has a ruler and, in a layer of its own, a legend; one of several has a small picture of all pages. Layers are
+optional content (ISO 32000-1, 8.11); viewers are asked not to scale (12.2, PrintScaling).
 """
 
 from __future__ import annotations
@@ -11,8 +11,7 @@ from __future__ import annotations
 import io
 import math
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 import pikepdf
@@ -25,6 +24,7 @@ from foldcut.core.arrays import Floats
 from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.job import Job
+from foldcut.jobs.pages import Edge, Tile, flip_edge, pages_behind, tiles
 from foldcut.profiles import Profile, Role
 
 from ..legend import BACKING, Ground
@@ -54,6 +54,12 @@ FONT = "Helvetica"
 RULER_MM = 100.0
 """The length of the ruler on a page that is wide enough."""
 
+MAP_MM = 18.0
+"""The longer side of the small picture that shows which of several pages one is."""
+
+MAP_FILL = 0.35
+"""The opacity of the page in that picture."""
+
 CROSS_MM = 4.0
 """The size of the crosses where pages overlap."""
 
@@ -63,17 +69,38 @@ def export(job: Job, profile: Profile) -> bytes:
 
     Raises JobError: the profile does not say how large a page is, or what margins its printer leaves.
     """
+    return _document([job], profile)
+
+
+def export_duplex(front: Job, back: Job, profile: Profile) -> bytes:
+    """Return the jobs of both sides as one PDF, behind each page of the front its back, to print on both sides.
+
+    The file asks viewers for the edge on which to turn the paper over (ISO 32000-1, 12.2, Duplex). Errors as for
+    ``export``.
+    """
+    return _document([front, back], profile)
+
+
+def _document(jobs: Sequence[Job], profile: Profile) -> bytes:
     if profile.bed is None or profile.page is None:
-        raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; use one for a printer")
+        raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; add them with --set")
     raw = io.BytesIO()
     canvas = Canvas(raw, invariant=True, pageCompression=0)
-    canvas.setTitle(printable(job.title) or "foldcut")
+    canvas.setTitle(printable(jobs[0].title) or "foldcut")
     canvas.setCreator("foldcut")
-    strokes = [stroke for step in job.steps for stroke in step.strokes]
-    corners = np.concatenate([np.zeros((0, 2)), *strokes])
-    ends = np.cumsum([len(stroke) for stroke in strokes], dtype=np.int64)
-    lines = np.delete(np.stack([corners[:-1], corners[1:]], axis=1), ends[:-1] - 1, axis=0)
-    for tile in tiles(job, profile):
+    layers = [*dict.fromkeys(step.operation.layer for job in jobs for step in job.steps), LEGEND]
+    duplex: Edge | None = None
+    if len(jobs) == 1:
+        pages = [(jobs[0], tile, "") for tile in tiles(jobs[0], profile)]
+    else:
+        front, back = jobs
+        assert back.turned_over is not None
+        behind = pages_behind(front, back, profile)
+        pages = [page for one, other in behind for page in ((front, one, ""), (back, other, f"back of {_name(one)}"))]
+        duplex = flip_edge(back.turned_over, behind[0][0])
+    corners_of = {id(job): _corners(job) for job in jobs}
+    for job, tile, name in pages:
+        corners, lines = corners_of[id(job)]
         canvas.setPageSize((tile.width * mm, tile.height * mm))
         canvas.saveState()
         if tile.tiled:
@@ -81,8 +108,8 @@ def export(job: Job, profile: Profile) -> bytes:
             clip.rect(tile.inset * mm, tile.inset * mm, tile.clear_width * mm, tile.clear_height * mm)
             canvas.clipPath(clip, stroke=0)
         points, end = ((corners - (tile.x, tile.y)) * mm).tolist(), 0
-        for number, step in enumerate(job.steps):
-            canvas._code.append(f"/OC /L{number} BDC")
+        for step in job.steps:
+            canvas._code.append(f"/OC /L{layers.index(step.operation.layer)} BDC")
             canvas.setStrokeColor(step.operation.colour)
             canvas.setLineWidth(profile.line_mm * mm)
             for stroke in step.strokes:
@@ -100,77 +127,28 @@ def export(job: Job, profile: Profile) -> bytes:
         for cross in crosses:
             x, y = (cross.mean(axis=0) - CROSS_MM / 2).tolist()
             ground.fill(x, y, CROSS_MM, CROSS_MM)
-        _furniture(canvas, tile, profile, ground, crosses)
-        canvas._code.append(f"/OC /L{len(job.steps)} BDC")
+        _furniture(canvas, tile, name, profile, ground, crosses)
+        if tile.tiled:
+            _map(canvas, job, tile, profile, ground)
+        canvas._code.append(f"/OC /L{len(layers) - 1} BDC")
         _legend(canvas, job, profile, ground)
         canvas._code.append("EMC")
         canvas.showPage()
     canvas.save()
-    return _with_layers(raw.getvalue(), [*(step.operation.layer for step in job.steps), LEGEND])
+    return _with_layers(raw.getvalue(), layers, duplex)
 
 
-@dataclass(frozen=True)
-class Tile:
-    """A page of a sheet, in mm.
-
-    ``width`` and ``height``: its size; ``x`` and ``y``: the place on the sheet where its lower left corner lies;
-    ``inset``: the margin; ``row`` and ``column``: its place among the ``count`` pages.
-    """
-
-    width: float
-    height: float
-    x: float
-    y: float
-    inset: float
-    row: int
-    column: int
-    count: int
-
-    @property
-    def tiled(self) -> bool:
-        """Whether the sheet takes more than this page."""
-        return self.count > 1
-
-    @property
-    def clear_width(self) -> float:
-        """The width between the margins."""
-        return self.width - 2 * self.inset
-
-    @property
-    def clear_height(self) -> float:
-        """The height between the margins."""
-        return self.height - 2 * self.inset
+def _corners(job: Job) -> tuple[Floats, Floats]:
+    """Return the corners of a job's strokes one after another, ``(n, 2)``, and its lines, ``(m, 2, 2)``."""
+    strokes = [stroke for step in job.steps for stroke in step.strokes]
+    corners = np.concatenate([np.zeros((0, 2)), *strokes])
+    ends = np.cumsum([len(stroke) for stroke in strokes], dtype=np.int64)
+    return corners, np.delete(np.stack([corners[:-1], corners[1:]], axis=1), ends[:-1] - 1, axis=0)
 
 
-def tiles(job: Job, profile: Profile) -> Iterator[Tile]:
-    """Yield the pages that a sheet needs, row by row from the upper left; turned if that takes fewer."""
-    assert profile.bed is not None
-    assert profile.page is not None
-    width, height = job.size
-    page = profile.bed.width_mm, profile.bed.height_mm
-    slack = 1e-6
-    for w, h in (page, page[::-1]):
-        if width <= w + slack and height <= h + slack:
-            yield Tile(w, h, -(w - width) / 2, -(h - height) / 2, 0.0, 0, 0, 1)
-            return
-    inset, overlap = profile.page.margin_mm, profile.page.overlap_mm
-
-    def counts(w: float, h: float) -> tuple[int, int]:
-        return tuple(
-            max(1, math.ceil((size - overlap - slack) / (side - 2 * inset - overlap)))
-            for size, side in ((width, w), (height, h))
-        )  # type: ignore[return-value]
-
-    w, h = min((page, page[::-1]), key=lambda size: math.prod(counts(*size)))
-    columns, rows = counts(w, h)
-    step = w - 2 * inset - overlap, h - 2 * inset - overlap
-    # the tiles together are centred on the sheet
-    left = (width - columns * step[0] - overlap) / 2
-    low = (height - rows * step[1] - overlap) / 2
-    for row in range(rows):
-        for column in range(columns):
-            x, y = left + column * step[0], low + (rows - 1 - row) * step[1]
-            yield Tile(w, h, x - inset, y - inset, inset, row, column, rows * columns)
+def _name(tile: Tile) -> str:
+    """Return what a page is called among several."""
+    return f"row {tile.row + 1}, column {tile.column + 1} of {tile.count} pages" if tile.tiled else "the page before"
 
 
 def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
@@ -220,15 +198,15 @@ def _width(text: str, size: float) -> float:
     return float(stringWidth(text, FONT, size))
 
 
-def _furniture(canvas: Canvas, tile: Tile, profile: Profile, ground: Ground, crosses: Floats) -> None:
-    """Draw the ruler, the page's place among the pages, and the crosses."""
+def _furniture(canvas: Canvas, tile: Tile, name: str, profile: Profile, ground: Ground, crosses: Floats) -> None:
+    """Draw the ruler, the page's ``name`` or its place among the pages, and the crosses."""
     look = profile.drawing
     canvas.setStrokeColor(look.legend_colour)
     canvas.setLineWidth(look.legend_stroke_mm * mm)
     size = look.text_mm
     length = min(RULER_MM, 10 * math.floor((tile.width - 2 * ground.inset) / 10))
-    name = f"  row {tile.row + 1}, column {tile.column + 1} of {tile.count} pages" if tile.tiled else ""
-    words = f"{length:g} mm{name}"
+    name = name or (_name(tile) if tile.tiled else "")
+    words = f"{length:g} mm{'  ' if name else ''}{name}"
     place = ground.place([(length + 2 + _width(words, size), (1 + DESCENT) * size)], size / 2)
     if ground.lines_under(place.x + length, place.y, place.width - length, place.height):
         _backing(canvas, place.x + length + 1, place.y, place.width - length, place.height)
@@ -251,6 +229,34 @@ def _furniture(canvas: Canvas, tile: Tile, profile: Profile, ground: Ground, cro
     canvas.drawPath(marks)
 
 
+def _map(canvas: Canvas, job: Job, tile: Tile, profile: Profile, ground: Ground) -> None:
+    """Draw a small picture of the sheet and of all pages, with this one filled, where it covers the fewest lines."""
+    look = profile.drawing
+    every = list(tiles(job, profile))
+    places = np.array([(one.x + one.inset, one.y + one.inset) for one in every])
+    low = np.minimum(places.min(axis=0), 0.0)
+    high = np.maximum((places + np.array([tile.clear_width, tile.clear_height])).max(axis=0), job.size)
+    scale = MAP_MM / float((high - low).max())
+    width, height = ((high - low) * scale).tolist()
+    place = ground.place([(width, height)], look.text_mm / 2)
+    if ground.lines_under(place.x, place.y, width, height):
+        _backing(canvas, place.x, place.y, width, height)
+    ground.fill(place.x, place.y, width, height)
+    corner = np.array([place.x, place.y])
+    canvas.setStrokeColor(look.legend_colour)
+    canvas.setLineWidth(look.legend_stroke_mm * mm)
+    size = (tile.clear_width * scale * mm, tile.clear_height * scale * mm)
+    for one, (x, y) in zip(every, ((places - low) * scale + corner).tolist(), strict=True):
+        here = (one.row, one.column) == (tile.row, tile.column)
+        if here:
+            canvas.setFillColor(look.legend_colour, alpha=MAP_FILL)
+        canvas.rect(x * mm, y * mm, *size, stroke=1, fill=int(here))
+    canvas.setFillColor(look.legend_colour, alpha=1)
+    x, y = (-low * scale + corner).tolist()
+    canvas.setLineWidth(2 * look.legend_stroke_mm * mm)
+    canvas.rect(x * mm, y * mm, job.size[0] * scale * mm, job.size[1] * scale * mm, stroke=1, fill=0)
+
+
 def _crosses(tile: Tile, overlap: float) -> Floats:
     """Return the lines of the four crosses where pages overlap, ``(8, 2, 2)``."""
     lines = []
@@ -261,13 +267,18 @@ def _crosses(tile: Tile, overlap: float) -> Floats:
     return np.array(lines)
 
 
-def _with_layers(data: bytes, names: list[str]) -> bytes:
-    """Return the file with its marked content made into layers, and the request not to scale it."""
+def _with_layers(data: bytes, names: list[str], duplex: Edge | None = None) -> bytes:
+    """Return the file with its marked content made into layers, and the request not to scale it.
+
+    ``duplex``: it asks to be printed on both sides, turned over on this edge.
+    """
     with pikepdf.open(io.BytesIO(data)) as pdf:
         groups = [pdf.make_indirect(Dictionary(Type=Name.OCG, Name=String(name))) for name in names]
         order = Array(groups)
         pdf.Root.OCProperties = Dictionary(OCGs=Array(groups), D=Dictionary(Order=order, ON=Array(groups)))
         pdf.Root.ViewerPreferences = Dictionary(PrintScaling=Name("/None"))
+        if duplex is not None:
+            pdf.Root.ViewerPreferences.Duplex = Name(f"/DuplexFlip{duplex.capitalize()}Edge")
         for page in pdf.pages:
             page.Resources.Properties = Dictionary({f"/L{number}": group for number, group in enumerate(groups)})
         out = io.BytesIO()

@@ -9,7 +9,7 @@ drawing's coordinates (an SVG's y points down) to the sheet's, y up; ``foldcut:s
 cut cuts out, even-odd; ``foldcut:firstFolds``, the lines that are folded first; ``foldcut:drawn``, the drawing's loops
 on the sheet, if the shape is another outline near to them; ``foldcut:movedBy``, by how many mm the shape was moved from
 the drawing at most (see ``redraw.deviation``); ``foldcut:faceOrders`` = "adjacent" if only faces that share
-a crease are ordered (see ``face_orders``).
+a crease are ordered (see ``face_orders``). The command line adds ``foldcut:recipe`` (see ``recipe_place``).
 """
 
 from __future__ import annotations

@@ -18,7 +18,8 @@ from pathlib import Path
 from foldcut.batch.journal import JOURNAL
 from foldcut.batch.results import CONTACT_SHEET, RESULTS
 from foldcut.batch.worker import Task
-from foldcut.core.errors import BadInputError
+from foldcut.core.errors import BadInputError, FileFormatError
+from foldcut.core.files import is_standard_input, read_bytes
 from foldcut.readers import READERS
 
 
@@ -26,12 +27,14 @@ from foldcut.readers import READERS
 class Item:
     """A drawing: its file, and its ``stem``, the name of the files made of it without an ending.
 
-    ``data``: the bytes of a drawing that is in no file; ``path`` then only names it and its format.
+    ``data``: the bytes of a drawing that is in no file; ``path`` then only names it and its format. ``letter``: the one
+    that this is.
     """
 
     path: Path
     stem: str
     data: bytes | None = None
+    letter: str = ""
 
     def read(self, most: int) -> tuple[Task | None, str, str]:
         """Return the drawing's task and the hash of its bytes, or None and what went wrong.
@@ -39,10 +42,12 @@ class Item:
         No more is read than it takes to see that the file has more than ``most`` bytes.
         """
         if self.data is not None:
-            return Task(str(self.path), self.stem, self.data), hashlib.sha256(self.data).hexdigest(), ""
+            task = Task(str(self.path), self.stem, self.data, self.letter)
+            return task, hashlib.sha256(self.data).hexdigest(), ""
         try:
-            with self.path.open("rb") as file:
-                data = file.read(most + 1)
+            data = read_bytes(self.path, most)
+        except FileFormatError as error:
+            return None, "", f"{self.path}: {error}"
         except OSError as error:
             return None, "", f"{self.path}: {error.strerror}; check the path and its permissions"
         return Task(str(self.path), self.stem, data), hashlib.sha256(data).hexdigest(), ""
@@ -53,9 +58,11 @@ def letters_of(text: str, font: str) -> list[Item]:
 
     Raises BadInputError: the text has no letters, or the font lacks one. Raises FileFormatError: there is no such font.
     """
-    from foldcut.readers.typed_text import letter_svgs
+    from foldcut.readers.typed_text import letter_names, letter_svgs
 
-    return [Item(Path(f"{name}.svg"), name, drawn.encode()) for name, drawn in letter_svgs(text, font).items()]
+    letters = dict(zip(letter_names(text), "".join(text.split()), strict=True))
+    drawn = letter_svgs(text, font)
+    return [Item(Path(f"{name}.svg"), name, svg.encode(), letters[name]) for name, svg in drawn.items()]
 
 
 def find_drawings(inputs: Sequence[str | Path], out: Path) -> list[Item]:
@@ -68,12 +75,17 @@ def find_drawings(inputs: Sequence[str | Path], out: Path) -> list[Item]:
     Raises BadInputError: an input does not exist, or there are no drawings.
     """
     found: dict[str, tuple[Path, Path]] = {}
-    ours = Path(os.path.abspath(out))
+    passed_over = 0
+    ours = Path(os.path.realpath(out))
     for text in map(str, inputs):
         for path, relative in _matches(text):
             absolute = Path(os.path.abspath(path))
-            if ours not in absolute.parents:
+            if ours not in Path(os.path.realpath(path.parent), path.name).parents:
                 found.setdefault(str(absolute), (path, relative))
+            else:
+                passed_over += 1
+    if passed_over and not found:
+        raise BadInputError(f"there are no drawings but those in {out}, where files are written to; give another -o")
     if not found:
         raise BadInputError(f"{', '.join(map(str, inputs))}: there are no drawings; they end in {', '.join(READERS)}")
     order = [found[absolute] for absolute in sorted(found, key=lambda absolute: (found[absolute][1], absolute))]
@@ -101,6 +113,8 @@ def _matches(text: str) -> Iterator[tuple[Path, Path]]:
             relative = path.relative_to(place)
             if path.suffix.lower() in READERS and path.is_file() and not any(p.startswith(".") for p in relative.parts):
                 yield path, relative
+    elif is_standard_input(place):
+        raise BadInputError(f"{text}: a batch cannot read standard input; give files, or the drawing to foldcut make")
     elif place.exists():
         yield place, Path(place.name)
     elif glob.has_magic(text):
@@ -109,9 +123,11 @@ def _matches(text: str) -> Iterator[tuple[Path, Path]]:
             if glob.has_magic(part):
                 break
             fixed.append(part)
+        folder = Path(os.path.abspath(Path(*fixed)))
         for name in glob.iglob(text, recursive=True):
             if (path := Path(name)).is_file():
-                yield path, path.relative_to(Path(*fixed))
+                whole = Path(os.path.abspath(path))  # without "..", which would lead out of OUT
+                yield path, whole.relative_to(folder) if folder in whole.parents else Path(whole.name)
     else:
         raise BadInputError(f"{text}: there is no such file or folder; give a folder, a file, or a pattern of names")
 

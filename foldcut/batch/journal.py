@@ -18,6 +18,9 @@ from foldcut.core.errors import BadInputError
 JOURNAL = "foldcut-batch.jsonl"
 """The name of the journal."""
 
+HEAD = b'{"foldcut_batch": '
+"""What a journal begins with."""
+
 Record = dict[str, Any]
 """A line of the journal: a drawing's ``stem``, what its row says, the sizes of its files, its hash and thumbnail."""
 
@@ -41,24 +44,31 @@ class Journal:
             with open(self._file, "rb", closefd=False) as file:
                 data = b"" if replace else file.read()
             whole = data[: data.rfind(b"\n") + 1]
+            if whole:
+                self._read(whole.splitlines(), recipe)
+            elif data and not HEAD.startswith(data[: len(HEAD)]):
+                raise self._foreign()
             os.ftruncate(self._file, len(whole))
             self._end = os.lseek(self._file, 0, os.SEEK_END)
             if not whole:
                 self._append({"foldcut_batch": 1, "recipe": recipe})
-            self._read(whole.splitlines(), recipe)
         except BaseException:
             os.close(self._file)
             raise
 
     def _read(self, lines: Sequence[bytes], recipe: str) -> None:
         records = _records(lines)
-        if records and records[0].get("recipe") != recipe:
-            folder = self.path.parent
+        if not records or "foldcut_batch" not in records[0]:
+            raise self._foreign()
+        if records[0].get("recipe") != recipe:
             raise BadInputError(
-                f"{folder} has a batch made with other options; use the same options, another folder, or --force to "
-                "start again"
+                f"{self.path.parent} has a batch made with other options; use the same options, another folder, or "
+                "--force to start again"
             )
-        self.rows.update((record["stem"], record) for record in records if "stem" in record)
+        self.rows.update((record["stem"], record) for record in records if isinstance(record.get("stem"), str))
+
+    def _foreign(self) -> BadInputError:
+        return BadInputError(f"{self.path} is no journal of a batch; move it away, or write into another folder")
 
     def add(self, stem: str, record: Record) -> None:
         """Append a record and return when it is on the disk."""
@@ -70,10 +80,13 @@ class Journal:
             file.seek(self._end)
             data = file.read()
         records = _records(data[: data.rfind(b"\n") + 1].splitlines())
-        return {record["stem"]: record for record in records if "stem" in record}
+        return {record["stem"]: record for record in records if isinstance(record.get("stem"), str)}
 
     def _append(self, record: Record) -> None:
-        line = json.dumps(record, ensure_ascii=False).encode("utf-8", "surrogateescape") + b"\n"
+        try:
+            line = json.dumps(record, ensure_ascii=False).encode() + b"\n"
+        except UnicodeEncodeError:  # a name that is no UTF-8, or half a letter in an error
+            line = json.dumps(record).encode() + b"\n"
         while line:
             line = line[os.write(self._file, line) :]
         os.fsync(self._file)
@@ -91,8 +104,10 @@ def _records(lines: Iterable[bytes]) -> list[Record]:
     """Return the records in lines; a line that a damaged disk garbled is left out, and its drawing is done again."""
     records: list[Record] = []
     for line in lines:
-        with suppress(json.JSONDecodeError, UnicodeDecodeError):
-            records.append(json.loads(line))
+        with suppress(ValueError, RecursionError):
+            record = json.loads(line.decode("utf-8", "surrogateescape"))  # as earlier versions wrote such names
+            if isinstance(record, dict):
+                records.append(record)
     return records
 
 

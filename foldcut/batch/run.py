@@ -21,6 +21,7 @@ from foldcut.batch.cluster import work_on_cluster
 from foldcut.batch.cores import work_on_cores
 from foldcut.batch.drawings import Item, find_drawings
 from foldcut.batch.journal import JOURNAL, Journal, Record
+from foldcut.batch.nest import BEDS, NestedBed, Nesting, nested_files
 from foldcut.batch.results import (
     COLUMNS,
     CONTACT_SHEET,
@@ -34,7 +35,7 @@ from foldcut.batch.results import (
 from foldcut.batch.worker import BAD_INPUT, MADE, Outcome, Recipe
 from foldcut.core.errors import BadInputError
 from foldcut.exporters.pictures.contact_sheet import Thumbnail
-from foldcut.output.atomic import OutputError, check_targets, write_files
+from foldcut.output.atomic import InputError, Inputs, OutputError, check_targets, write_files
 
 TIMEOUT_S = 300.0
 """A drawing that takes longer is given up, unless the caller gives another time."""
@@ -47,12 +48,13 @@ class Batch:
     """A finished batch.
 
     ``rows``: one for every drawing, sorted by name; ``resumed``: how many of them were done before; ``written``: the
-    paths of the table and the contact sheet.
+    paths of the table, the contact sheet and the files of the ``beds``, on which sheets lie together.
     """
 
     rows: tuple[Row, ...]
     resumed: int
     written: tuple[Path, ...]
+    beds: tuple[NestedBed, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
@@ -66,6 +68,7 @@ def run_batch(
     recipe: Recipe,
     *,
     letters: Sequence[Item] = (),
+    inputs_beside: Sequence[Path] = (),
     jobs: int | None = None,
     timeout: float = TIMEOUT_S,
     cluster: str | None = None,
@@ -73,18 +76,21 @@ def run_batch(
     retry: bool = False,
     parquet: bool = False,
     sheet: str = ".svg",
+    nesting: Nesting | None = None,
     progress: Progress | None = None,
 ) -> Batch:
     """Fold every drawing that ``inputs`` name and write its files into the folder ``out``.
 
     ``inputs``: folders, which are searched with their subfolders, glob patterns such as ``"icons/*.svg"``, and files.
     ``letters``: drawings that are in no file, of ``batch.drawings.letters_of``, instead of ``inputs``.
+    ``inputs_beside``: other files that are read, such as a font; like the drawings they are never replaced.
     ``jobs``: the number of processes, by default one for each core; ``cluster``: the address of a dask scheduler, whose
     workers then do the work instead. ``timeout``: seconds for a drawing.
 
     A drawing that is done in ``out`` is not done again, unless it changed or its files are gone. ``retry``: do again
     what failed. ``replace``: do everything again and replace files. ``sheet``: the contact sheet as ".svg" or ".png";
-    ``parquet``: write the table as Parquet, too. ``progress`` is called with a sentence and the fraction done.
+    ``parquet``: write the table as Parquet, too. ``nesting``: lay the sheets of all drawings on beds of the recipe's
+    machine; the recipe has to write ".fold". ``progress`` is called with a sentence and the fraction done.
 
     No drawing ends the batch: what goes wrong with it becomes its status and error. An exception such as
     ``KeyboardInterrupt`` does end it; what is done by then is in place, and the next call goes on from there.
@@ -105,8 +111,12 @@ def run_batch(
     if out.exists() and not out.is_dir():
         raise OutputError(f"{out} is a file, and a batch is written into a folder; give another name")
     out.mkdir(parents=True, exist_ok=True)
+    read = Inputs([*(item.path for item in items if item.data is None), *inputs_beside])
+    ours = [out / name for name in (JOURNAL, RESULTS, f"{CONTACT_SHEET}{sheet}", *([PARQUET] if parquet else []))]
+    check_targets(ours, replace=True, inputs=read)
     if not (out / JOURNAL).exists() or not (out / JOURNAL).stat().st_size:
-        _check_free(out, items, recipe, [f"{CONTACT_SHEET}{sheet}", RESULTS], replace=replace)
+        beds_too = [] if nesting is None else [BEDS, *(f"bed-1{ending}" for ending in nesting.endings)]
+        _check_free(out, items, recipe, [f"{CONTACT_SHEET}{sheet}", RESULTS, *beds_too], replace=replace)
     with Journal(out / JOURNAL, recipe.fingerprint, replace=replace) as journal:
         left = [item for item in items if not _is_done(journal.rows.get(item.stem), item, out, recipe, retry=retry)]
         undone = {item.stem for item in left}
@@ -119,7 +129,7 @@ def run_batch(
             outcomes = work_on_cores(left, recipe, timeout, min(jobs or os.cpu_count() or 1, len(left)))
         try:
             for item, digest, outcome in outcomes:
-                record = _keep(item, digest, outcome, out)
+                record = _keep(item, digest, outcome, out, read)
                 journal.add(item.stem, record)
                 done += 1
                 failed += record["status"] != MADE
@@ -130,18 +140,31 @@ def run_batch(
             known = before | journal.added()  # as read from the disk: an interruption may come at any moment
             records = [known[item.stem] | {"file": str(item.path)} for item in items if item.stem in known]
             rows = tuple({name: record[name] for name in COLUMNS} for record in records)
-            write_files({out / RESULTS: csv_table(rows)}, replace=True)
+            write_files({out / RESULTS: csv_table(rows)}, replace=True, inputs=read)
         pictures = [(record["stem"], Thumbnail(**record["thumbnail"])) for record in records if record["thumbnail"]]
         written = {out / f"{CONTACT_SHEET}{sheet}": contact_sheet_file(pictures, sheet)}
         if arrow is not None:
             written[out / PARQUET] = parquet_table(arrow, rows)
-        write_files(written, replace=True)
-    return Batch(rows, resumed, (out / RESULTS, *written))
+        beds: list[NestedBed] = []
+        stale: list[Path] = []
+        if nesting is not None and recipe.profile is not None:
+            if progress is not None:
+                progress("laying sheets on beds", 1.0)
+            beds, files, stale = nested_files(out, records, nesting, recipe.profile, recipe.job)
+            written |= files
+        write_files(written, replace=True, inputs=read)
+        for path in stale:
+            path.unlink(missing_ok=True)
+    return Batch(rows, resumed, (out / RESULTS, *written), tuple(beds))
 
 
 def _is_done(record: Mapping[str, Any] | None, item: Item, out: Path, recipe: Recipe, *, retry: bool) -> bool:
     """Return whether a drawing's record still holds: the drawing is unchanged, and its files are there."""
-    if record is None or (retry and record["status"] != MADE):
+    if (
+        record is None
+        or not record.keys() >= {*COLUMNS, "sha256", "thumbnail"} - {"file"}
+        or (retry and record["status"] != MADE)
+    ):
         return False
     for name, size in record["outputs"].items():
         try:
@@ -152,16 +175,18 @@ def _is_done(record: Mapping[str, Any] | None, item: Item, out: Path, recipe: Re
     return bool(record["sha256"] == item.read(recipe.reading.limits.bytes)[1])
 
 
-def _keep(item: Item, digest: str, outcome: Outcome, out: Path) -> Record:
-    """Write the files of a drawing and return its record."""
+def _keep(item: Item, digest: str, outcome: Outcome, out: Path, inputs: Inputs) -> Record:
+    """Write the files of a drawing, but not over ``inputs``, and return its record."""
     status, error, files = outcome.status, outcome.error, dict(outcome.files)
     try:
         for name in files:
             (out / name).parent.mkdir(parents=True, exist_ok=True)
-        write_files({out / name: data for name, data in files.items()}, replace=True)
+        write_files({out / name: data for name, data in files.items()}, replace=True, inputs=inputs)
     except (OutputError, OSError) as problem:
         cause = problem if isinstance(problem, OSError) else problem.__cause__
-        if not isinstance(cause, OSError) or cause.errno not in (errno.ENAMETOOLONG, errno.ENOTDIR, errno.EEXIST):
+        of_this_drawing = (errno.ENAMETOOLONG, errno.ENOTDIR, errno.EEXIST)
+        at_fault = isinstance(cause, OSError) and cause.errno in of_this_drawing
+        if not at_fault and not isinstance(problem, InputError):
             raise  # the next drawing would meet it as well: a full disk, for example
         status, error, files = BAD_INPUT, str(problem), {}
     made = status == MADE

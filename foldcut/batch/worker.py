@@ -17,15 +17,17 @@ import threading
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from foldcut.core.errors import BadInputError, FoldcutError, UnfoldableError
 from foldcut.exporters.pictures.contact_sheet import Thumbnail, thumbnail
+from foldcut.output.recipe import Recipe as FileRecipe
 from foldcut.output.render import JobOptions, Maker
 from foldcut.profiles import Profile
-from foldcut.readers import ReadOptions, read_shape
+from foldcut.readers import ReadOptions
+from foldcut.readers.apart import read_shape_apart
 
 MADE = "made"
 """The pattern is verified, and its files are there."""
@@ -64,7 +66,8 @@ class Recipe:
     """What is done to every drawing of a batch.
 
     ``fold``: keyword arguments of ``pipeline.fold``; ``endings``: those of the files to make, such as ``(".dxf",)``;
-    ``profile`` and ``job``: the machine they are for, if any, and the options of its job.
+    ``profile`` and ``job``: the machine they are for, if any, and the options of its job; ``made``: how the files are
+    made in words, which is put into them, but for the drawing.
     """
 
     fold: Mapping[str, Any] = field(default_factory=dict)
@@ -72,6 +75,7 @@ class Recipe:
     endings: tuple[str, ...] = (".svg", ".fold")
     profile: Profile | None = None
     job: JobOptions = field(default_factory=JobOptions)
+    made: FileRecipe | None = None
 
     @property
     def fingerprint(self) -> str:
@@ -82,11 +86,15 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Task:
-    """A drawing: the path of its file, its bytes, and the ``stem`` of the files made of it."""
+    """A drawing: the path of its file, its bytes, and the ``stem`` of the files made of it.
+
+    ``letter``: the letter of a text that it is, and then it is in no file.
+    """
 
     name: str
     stem: str
     data: bytes
+    letter: str = ""
 
 
 @dataclass(frozen=True)
@@ -115,11 +123,16 @@ def work(recipe: Recipe, task: Task) -> Outcome:
 
     started = time.perf_counter()
     try:
-        drawing = read_shape(task.name, recipe.reading, task.data)
+        drawing = read_shape_apart(task.name, recipe.reading, task.data)
         result = pipeline.fold(drawing, **recipe.fold)
         pattern = result.require_verified()
         level = None if result.ladder is None else result.ladder.level
-        maker = Maker(pattern, recipe.profile, recipe.job)
+        made = recipe.made and (
+            replace(recipe.made, options=(f"--text={task.letter}", *recipe.made.options))
+            if task.letter
+            else replace(recipe.made, drawing=Path(task.name).name, sha256=drawing.sha256)
+        )
+        maker = Maker(pattern, recipe.profile, recipe.job, made)
         files: dict[str, bytes] = {}
         for ending in recipe.endings:
             files |= {path.as_posix(): data for path, data in maker.files(Path(task.stem + ending)).items()}

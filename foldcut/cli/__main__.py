@@ -2,6 +2,6 @@
 
 import sys
 
-from foldcut.cli.main import main
+from foldcut.cli.start import main
 
 sys.exit(main())

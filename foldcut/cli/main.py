@@ -8,15 +8,31 @@ from __future__ import annotations
 
 import atexit
 import gc
-import io
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
-from foldcut.cli.console import BAD_INPUT, FAILED, INTERRUPTED, TERMINATED, print_error, print_json
+from foldcut.cli.console import (
+    BAD_INPUT,
+    FAILED,
+    INTERRUPTED,
+    TERMINATED,
+    flush,
+    nobody_listens,
+    open_streams,
+    print_error,
+    print_json,
+)
 from foldcut.cli.parser import parse
-from foldcut.cli.signals import Terminated, TimedOut, signals_raise, time_limit
+from foldcut.cli.signals import Terminated, TimedOut, deaf, signals_raise, time_limit
 from foldcut.core.errors import FoldcutError, UnfoldableError
+
+TRACEBACK = "FOLDCUT_TRACEBACK"
+"""Where this is set in the environment, errors end with a traceback: for those who look for a mistake in foldcut."""
+
+LONGEST_CHAIN = 100
+"""How many errors are looked at, each of which was raised while the next was handled."""
 
 GARBAGE = 50_000
 """The collector looks for garbage after this many new objects; Python's own setting is 700."""
@@ -26,32 +42,62 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status; ``argv`` is ``sys.argv[1:]`` unless given."""
     argv = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in argv
-    _start_fast()
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # a title may have letters that the terminal lacks
     try:
         with signals_raise():
+            _start_fast()
+            open_streams()
             command, args = parse(argv)
             with time_limit(getattr(args, "timeout", None)):
                 status = command.run(args)
-            sys.stdout.flush()
+            flush()
             return status
-    except FoldcutError as error:
-        return _fail(error, str(error), FAILED if isinstance(error, UnfoldableError) else BAD_INPUT, as_json)
+    except SystemExit:  # --help and --version have printed something
+        flush()
+        raise
     except BrokenPipeError:
-        # Nobody reads on; what is still buffered must not fail again at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        nobody_listens()
         return FAILED
-    except OSError as error:
-        where = f"{error.filename}: " if error.filename else ""
-        return _fail(error, f"{where}{error.strerror or error}", BAD_INPUT, as_json)
-    except KeyboardInterrupt as error:
-        return _fail(error, f"interrupted; {_notes(error)}no file is half-written", INTERRUPTED, as_json)
-    except TimedOut as error:
+    except (Exception, KeyboardInterrupt, Terminated, TimedOut) as error:
+        if os.environ.get(TRACEBACK):
+            raise
+        message, status = told(error)
+        return _fail(error, message, status, as_json)
+
+
+def told(error: BaseException) -> tuple[str, int]:
+    """Return what is said about an error, and the exit status."""
+    ended = ended_by(error)
+    if isinstance(ended, KeyboardInterrupt):
+        return f"interrupted; {_notes(ended)}no file is half-written", INTERRUPTED
+    if isinstance(ended, Terminated):
+        return f"terminated; {_notes(ended)}no file is half-written", TERMINATED
+    if isinstance(ended, TimedOut):
         remedy = "allow more with --timeout, or search less with --effort fast or --seconds"
-        return _fail(error, f"timed out after {error.seconds:g} s, no file is half-written; {remedy}", FAILED, as_json)
-    except Terminated as error:
-        return _fail(error, f"terminated; {_notes(error)}no file is half-written", TERMINATED, as_json)
+        return f"timed out after {ended.seconds:g} s, no file is half-written; {remedy}", FAILED
+    if isinstance(error, FoldcutError):
+        return str(error), FAILED if isinstance(error, UnfoldableError) else BAD_INPUT
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        return f"{where}{error.strerror or error}", BAD_INPUT
+    if isinstance(error, MemoryError):
+        return "there is not enough memory, and no file is half-written; simplify the drawing", FAILED
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    return (
+        f"this is a mistake in foldcut, and no file is half-written: {what}; please report it with what is printed "
+        f"if {TRACEBACK}=1 is set",
+        FAILED,
+    )
+
+
+def ended_by(error: BaseException) -> BaseException | None:
+    """Return the Ctrl-C, signal or time limit that an error is or came from, if any: libraries turn it into others."""
+    seen = 0
+    found: BaseException | None = error
+    while found is not None and seen < LONGEST_CHAIN and not isinstance(error, FoldcutError):
+        if isinstance(found, KeyboardInterrupt | Terminated | TimedOut):
+            return found
+        found, seen = found.__cause__ or found.__context__, seen + 1
+    return None
 
 
 def _start_fast() -> None:
@@ -70,14 +116,13 @@ def _notes(error: BaseException) -> str:
 
 def _fail(error: BaseException, message: str, status: int, as_json: bool) -> int:
     """Print an error for people and, with ``--json``, for programs; return the exit status."""
-    line = print_error(message)
-    if as_json:
-        from dataclasses import asdict
+    with deaf():  # a second Ctrl-C does not break that off
+        line = print_error(message)
+        if as_json:
+            from dataclasses import asdict
 
-        findings = [asdict(finding) for finding in getattr(error, "findings", ())]
-        print_json({"ok": False, "error": {"type": type(error).__name__, "message": line}, "findings": findings})
+            findings = [asdict(finding) for finding in getattr(error, "findings", ())]
+            about = {"type": type(error).__name__, "message": line}
+            with suppress(OSError):  # it may be that which went wrong
+                print_json({"ok": False, "error": about, "findings": findings})
     return status
-
-
-if __name__ == "__main__":
-    sys.exit(main())

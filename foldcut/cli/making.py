@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+import hashlib
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from foldcut.cli.console import Console
 from foldcut.cli.options import FoldRequest, OpenRequest, Request, Source
@@ -15,6 +17,8 @@ from foldcut.core.errors import BadInputError, FileFormatError, ShapeError, Unfo
 if TYPE_CHECKING:
     from foldcut.cli.outputs import MadeFor
     from foldcut.foldfile.reopen import Reopened
+    from foldcut.output.atomic import Inputs
+    from foldcut.output.recipe import Recipe
     from foldcut.pipeline import Result
 
 NOT_VERIFIED = "nothing is written"
@@ -54,15 +58,24 @@ def one_by_one(source: Source) -> str:
 
 def opened(request: OpenRequest) -> Reopened:
     """Open a FOLD file that foldcut wrote, and verify it anew."""
-    from foldcut.foldfile.read import read_fold
+    from foldcut.foldfile.read import read_fold_apart
     from foldcut.foldfile.reopen import reopen
 
     try:
-        return reopen(read_fold(request.source.path))
+        return reopen(read_fold_apart(request.source.path))
     except FileFormatError:
         raise
     except BadInputError as error:
         raise BadInputError(f"{request.source.path}: {error}") from None
+
+
+def recipe_of(recipe: Recipe, request: Request, result: Result | Reopened) -> Recipe:
+    """Return a recipe with the hash of the drawing, or of the pattern, that the result was made of."""
+    from foldcut.foldfile.reopen import Reopened
+
+    if isinstance(result, Reopened):
+        return dataclasses.replace(recipe, sha256=hashlib.sha256(request.source.path.read_bytes()).hexdigest())
+    return dataclasses.replace(recipe, sha256="" if result.drawing is None else result.drawing.sha256)
 
 
 def fold_and_write(
@@ -70,18 +83,22 @@ def fold_and_write(
     output: Path,
     content: Callable[[Result | Reopened], bytes],
     console: Console,
+    recipe: Recipe,
     *,
     replace: bool,
 ) -> int:
     """Fold a drawing, or open a pattern, and write one file about it; return the exit status."""
     from foldcut.jobs.last_door import check_pattern
-    from foldcut.output.atomic import check_targets
+    from foldcut.output.atomic import Inputs, check_targets
 
-    check_targets([output], replace=replace)
+    inputs = Inputs(request.source.files())
+    check_targets([output], replace=replace, inputs=inputs)
     result = fold_or_open(request, console)
-    if result.verified:
-        check_pattern(result.folded_pattern)
-    return write_and_report(result, {output: content(result)} if result.verified else {}, console, replace=replace)
+    if not result.verified:
+        return write_and_report(result, {}, console, replace=replace, inputs=inputs)
+    check_pattern(result.folded_pattern)
+    data = recipe_of(recipe, request, result).put_into(content(result), output.name, output.name)
+    return write_and_report(result, {output: data}, console, replace=replace, inputs=inputs)
 
 
 def write_and_report(
@@ -90,18 +107,23 @@ def write_and_report(
     console: Console,
     *,
     replace: bool,
+    inputs: Inputs,
     made: Sequence[MadeFor] = (),
 ) -> int:
     """Write the files of a verified result and print its report; return the exit status.
 
-    ``made``: the machines that there are files for, and their jobs.
+    ``inputs`` are not replaced. ``made``: the machines that there are files for, and their jobs.
     """
     from foldcut.cli import report
+    from foldcut.exporters.recipe_place import NO_PLACE
     from foldcut.foldfile.reopen import Reopened
     from foldcut.output.atomic import write_files
 
-    files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
-    write_files(contents, replace=replace)
+    files: list[dict[str, Any]] = [
+        {"path": str(p), "bytes": len(data), "replaced": p.exists(), "no_recipe": NO_PLACE.get(p.suffix.lower())}
+        for p, data in contents.items()
+    ]
+    write_files(contents, replace=replace, inputs=inputs)
     if isinstance(result, Reopened):
         told = report.reopened_report(result, files, made)
         return console.verdict(told, report.reopened_lines(told), result.findings, NOT_VERIFIED)

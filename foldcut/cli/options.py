@@ -7,23 +7,26 @@ commands' own ``run`` see the parsed arguments.
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from foldcut.cli.console import Console
 from foldcut.cli.parser import Parser, nearest
 from foldcut.core.errors import BadInputError
+from foldcut.core.files import NOT_ORDINARY, is_standard_input
 from foldcut.methods import AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
 from foldcut.redraw.bounds import FEWEST, HANDS_CREASE_MM, HANDS_FOLDS, LEVELS, SMALL_PARTS, TOLERANCES
 
 if TYPE_CHECKING:
     from foldcut.core.model import Sheet
     from foldcut.drawing.mend import Preparation
+    from foldcut.output.recipe import Recipe
     from foldcut.output.render import JobOptions
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing, ReadOptions
@@ -32,14 +35,18 @@ PATTERN_SUFFIX = ".fold"
 """A source with this ending is a pattern that is folded already, not a drawing."""
 PATTERN_STEM = "-creases"
 """``foldcut make`` puts this behind the drawing's name when it names a pattern itself."""
-STDIN = "-"
-"""The SHAPE that stands for standard input."""
 LONGEST_STEM = 40
 """A file that is named after a text gets this many of its letters."""
 USUAL_MACHINES = {".dxf": ("laser-dxf",), ".pdf": ("printer-a4", "printer-letter", "print-shop-a3")}
 """The profiles for files with these endings when no machine is named; among printers the one for the sheet is taken."""
 LETTER_COUNTRIES = frozenset(("BZ", "CA", "CL", "CO", "CR", "GT", "MX", "NI", "PA", "PH", "PR", "SV", "US", "VE"))
 """Where letter paper is usual: Unicode CLDR, supplemental data, paperSize US-Letter."""
+FILES_OF = {"--font": "", "--profile": ".toml"}
+"""The options that may name a file, and what its name ends in."""
+NOT_REPEATED = ("shape", "progress")
+"""What has no part in what files are made of, or is not an option."""
+LARGEST_SCALE = 1e12
+"""Nobody means a larger scale, nor a smaller one than 1 in this."""
 USUAL_SHEET = "a4"
 """The sheet if neither the user nor a machine has another."""
 USUAL_MARGIN_MM = 10.0
@@ -88,6 +95,15 @@ class Source:
     font: str = ""
     joined: str | None = None
 
+    def files(self) -> list[Path]:
+        """Return the files that are read: the drawing's, or that of the font."""
+        if self.text is None:
+            return [self.path]
+        from foldcut.readers.typed_text import font_file
+
+        found = font_file(self.font)
+        return [] if found is None else [found]
+
     @property
     def is_word(self) -> bool:
         """Whether this is a text of several letters."""
@@ -102,17 +118,19 @@ class Source:
     def stem(self) -> str:
         """What outputs are called: after the drawing, also where the source is a pattern that is named after one."""
         stem = self.path.stem.removesuffix(PATTERN_STEM) if self.is_pattern else self.path.stem
-        return "drawing" if str(self.path) == STDIN else stem or self.path.stem
+        return "drawing" if is_standard_input(self.path) else stem or self.path.stem
 
     def read(self, options: ReadOptions) -> Drawing:
         """Return the drawing."""
         if self.text is None:
-            from foldcut.readers import read_shape
+            from foldcut.readers.apart import read_shape_apart
 
-            return read_shape(self.path, options)
+            return read_shape_apart(self.path, options)
+        from foldcut.readers.apart import apart
         from foldcut.readers.typed_text import draw_text
 
-        return draw_text(self.text, self.font, options, self.joined)
+        text = self.text
+        return apart(lambda: draw_text(text, self.font, options, self.joined), options.limits, self.font)
 
 
 def add_source(command: ArgumentParser) -> None:
@@ -161,12 +179,14 @@ def named_source(shape: str) -> Source:
     from foldcut.samples import sample_names, sample_path
 
     path = Path(shape)
-    if shape == STDIN or path.is_file():
+    if is_standard_input(shape) or path.is_file():
         return Source(path)
     if shape in sample_names():
         return Source(sample_path(shape))
     if path.is_dir():
         raise BadInputError(f"{shape}: is a folder; give a drawing, or give the folder to foldcut batch")
+    if path.exists():
+        raise BadInputError(f"{shape}: {NOT_ORDINARY}")
     remedy = "give a drawing or one of the samples, which foldcut samples lists"
     raise BadInputError(f"{shape}: there is no such file; {nearest(shape, sample_names(), 'the sample ') or remedy}")
 
@@ -216,7 +236,8 @@ def add_reading(command: ArgumentParser) -> None:
         action="append",
         default=[],
         help="allow larger drawings: bytes (default: 20 MiB), points (100000), loops (1000), "
-        "pixels (40 million), nesting (100); repeatable",
+        "pixels (40 million), nesting (100); and longer reading: seconds of the processor (10), megabytes (1024); "
+        "repeatable",
     )
 
 
@@ -460,7 +481,7 @@ def folding(args: Namespace) -> FoldOptions:
         sheet=sheet,
         margin=_usual_margin(args, sheet) if args.margin is None else parse_length(args.margin),
         scale=_scale(args.scale, args.width, args.height),
-        offset=_offset(args.offset),
+        offset=None if args.offset is None else parse_pair(args.offset, "--offset"),
         rotation=_rotation(args.rotate),
         width=length(args.width),
         height=length(args.height),
@@ -499,22 +520,18 @@ def _scale(text: str | None, width: str | None, height: str | None) -> str | flo
         scale = float(numerator) / (float(denominator) if colon else 1.0)
     except (ValueError, ZeroDivisionError):
         scale = 0.0
-    if not 0 < scale < float("inf"):
-        raise BadInputError(
-            f"--scale {text} is not a scale; give fit, a number above 0 such as 1.5, or a ratio such as 1:2"
-        )
+    if not 1 / LARGEST_SCALE < scale < LARGEST_SCALE:
+        raise BadInputError(f"--scale {text} is not a scale; give fit, a number such as 1.5, or a ratio such as 1:2")
     return scale
 
 
-def _offset(text: str | None) -> tuple[float, float] | None:
-    """Return (x, y) in mm from "X,Y", each a length that may be negative."""
+def parse_pair(text: str, option: str) -> tuple[float, float]:
+    """Return (x, y) in mm from "X,Y", each a length that may be negative; ``option`` is where it was given."""
     from foldcut.core.units import parse_length
 
-    if text is None:
-        return None
     parts = [part.strip() for part in text.split(",")]
     if len(parts) != 2:
-        raise BadInputError(f"--offset {text} is not a pair; give X,Y such as 30,40 or 3cm,-5mm")
+        raise BadInputError(f"{option} {text} is not a pair; give X,Y such as 30,40 or 3cm,5mm")
     x, y = (-parse_length(part[1:]) if part.startswith("-") else parse_length(part) for part in parts)
     return x, y
 
@@ -584,16 +601,78 @@ def given(args: Namespace, add_options: Callable[[ArgumentParser], None]) -> lis
     return [f"--{name.replace('_', '-')}" for name in defaults if values[name] not in (defaults[name], "")]
 
 
+# ---- how files were made ----
+
+
+class Words(NamedTuple):
+    """Options as they can be typed again, and the hashes of the files that they name, by the option."""
+
+    options: tuple[str, ...] = ()
+    hashes: Mapping[str, str] = {}
+
+
+NO_WORDS = Words()
+"""Nothing that is not as by default."""
+
+
+def words(args: Namespace, add_options: Callable[[ArgumentParser], None], **instead: str | None) -> Words:
+    """Return the options of a group that are not as by default; ``instead``: values to take for those in ``args``.
+
+    Files are named without their folders.
+    """
+    parser = Parser(add_help=False)
+    add_options(parser)
+    options: list[str] = []
+    hashes: dict[str, str] = {}
+    for action in parser.options():
+        value = instead.get(action.dest, getattr(args, action.dest))
+        if value in (action.default, "") or action.dest in NOT_REPEATED:
+            continue
+        name = action.option_strings[-1]
+        if name in FILES_OF and value.endswith(FILES_OF[name]) and Path(value).is_file():
+            hashes[name] = hashlib.sha256(Path(value).read_bytes()).hexdigest()
+            value = Path(value).name
+        values = value if isinstance(value, list) else [value]
+        options += [name if one is True else f"{name}={one}" for one in values]
+    return Words(tuple(options), hashes)
+
+
+def recipe(args: Namespace) -> Recipe:
+    """Return how the files of a command are made, but for its machine and the drawing's hash.
+
+    The sheet and the margin are there even if they were not asked for: they hang on the other outputs.
+    """
+    from foldcut.output.recipe import Recipe
+
+    asked = source(args)
+    name = "" if asked.text is not None else "drawing" if is_standard_input(asked.path) else asked.path.name
+    made = Recipe(args.command, drawing=name).also(*words(args, add_source))
+    return made if asked.is_pattern else made.also(*folding_words(args))
+
+
+def folding_words(args: Namespace) -> Words:
+    """Return the options on how a drawing is folded, with the sheet and the margin in any case."""
+    from foldcut.drawing.placement import parse_sheet
+
+    sheet = args.sheet or _usual_sheet(args)
+    margin = args.margin or f"{_usual_margin(args, parse_sheet(sheet)):g}mm"
+    return words(args, add_folding, sheet=sheet, margin=margin)
+
+
 # ---- the machine ----
 
 
 @dataclass(frozen=True)
 class Machine:
-    """Whom files are made for: the ``profile`` that goes by this ``name``, none if None, and how its job is made."""
+    """Whom files are made for: the ``profile`` that goes by this ``name``, none if None, and how its job is made.
+
+    ``words``: the options that say so.
+    """
 
     name: str | None
     profile: Profile | None
     job: JobOptions
+    words: Words = NO_WORDS
 
     @property
     def with_jobs(self) -> Profile | None:
@@ -621,7 +700,9 @@ def add_machine(command: ArgumentParser) -> None:
         "lines (default: the profile's)",
     )
     machine.add_argument(
-        "--two-sided", action="store_true", help="mountains on the front, valleys on the back, as two files"
+        "--two-sided",
+        action="store_true",
+        help="mountains on the front, valleys on the back, as two files, or as one PDF to print on both sides",
     )
     machine.add_argument(
         "--registration",
@@ -640,6 +721,26 @@ def add_machine(command: ArgumentParser) -> None:
     machine.add_argument(
         "--tile", action="store_true", help="print a sheet that is larger than the printer's paper on several pages"
     )
+    machine.add_argument(
+        "--at",
+        metavar="X,Y",
+        help="where on the bed the sheet's corner lies, from the bed's zero, to the right and away from it, such as "
+        "30,2cm; the file is then for the whole bed (default: in the bed's corner)",
+    )
+    machine.add_argument(
+        "--copies", metavar="N", type=int, default=1, help="make this many beside each other on the bed (default: 1)"
+    )
+    machine.add_argument(
+        "--tabs",
+        metavar="NxWIDTH",
+        help="leave the sheet's outline uncut at N tabs of this width, such as 4x0.5mm, evenly spaced and away from "
+        "corners, so that it stays in the stock",
+    )
+    machine.add_argument(
+        "--frame",
+        action="store_true",
+        help="also write NAME-frame, which goes round the job with the laser off or the pen up (G-code and HPGL)",
+    )
 
 
 def machine(args: Namespace, default: str | None = None) -> Machine:
@@ -647,6 +748,8 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
 
     Options that only a machine can follow are errors without one.
     """
+    from foldcut.jobs.arrange import BedLayout
+    from foldcut.jobs.tabs import parse_tabs
     from foldcut.output.render import JobOptions
     from foldcut.profiles import load_profile
 
@@ -671,8 +774,11 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
         registration=args.registration,
         marks=_marks(args.marks),
         tile=args.tile,
+        layout=BedLayout(None if args.at is None else parse_pair(args.at, "--at"), args.copies),
+        tabs=None if args.tabs is None else parse_tabs(args.tabs),
+        framed=args.frame,
     )
-    return Machine(name, profile, job)
+    return Machine(name, profile, job, words(args, add_machine, profile=name) if name else NO_WORDS)
 
 
 def usual_machines(args: Namespace, endings: Iterable[str]) -> dict[str, Machine]:

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING
 
 from foldcut.cli.options import Machine
 from foldcut.core.errors import BadInputError
+from foldcut.core.files import read_bytes
 
 if TYPE_CHECKING:
     from foldcut.core.model import FoldedPattern, Sheet
     from foldcut.jobs.job import Job
+    from foldcut.output.recipe import Recipe
     from foldcut.output.render import Maker
 
 PATTERN_FORMATS = ("svg", "fold", "png")
@@ -48,6 +50,12 @@ class Outputs:
         """Return the machines that there may be files for, without jobs."""
         return [MadeFor(machine, []) for machine in (*self.usual.values(), self.machine) if machine.profile is not None]
 
+    def profile_files(self) -> list[Path]:
+        """Return the user's own profiles of these machines; there need be no such files."""
+        from foldcut.profiles import profile_file
+
+        return [profile_file(made.machine.name) for made in self.machines() if made.machine.name is not None]
+
     def check_formats(self, sheet: Sheet) -> None:
         """Raise what is wrong with the formats for this machine and sheet, before any long work."""
         from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
@@ -66,14 +74,17 @@ class Outputs:
                     material=job.material,
                     tile=job.tile,
                     registration=registration,
+                    layout=job.layout,
+                    tabs=job.tabs,
+                    framed=job.framed,
                 )
 
     def targets(self) -> list[Path]:
         """Return every file that may be written."""
         return [target for path in self.paths for target in self._targets(path)]
 
-    def contents(self, pattern: FoldedPattern) -> tuple[dict[Path, bytes], list[MadeFor]]:
-        """Return the bytes of every file, and the machines that they are for with their jobs."""
+    def contents(self, pattern: FoldedPattern, recipe: Recipe) -> tuple[dict[Path, bytes], list[MadeFor]]:
+        """Return the bytes of every file, with its recipe, and the machines that they are for with their jobs."""
         from foldcut.exporters.bundle import README, readme, zipped
         from foldcut.output.render import Maker
 
@@ -81,7 +92,8 @@ class Outputs:
         contents: dict[Path, bytes] = {}
         for path in self.paths:
             machine = self.machine_for(path)
-            made = Maker(pattern, machine.profile, machine.job)
+            of_it = recipe.also(*machine.words)
+            made = Maker(pattern, machine.profile, machine.job, of_it)
             _, maker = makers.setdefault(machine.name, (machine, made))
             if not is_bundle(path):
                 contents |= maker.files(path)
@@ -90,9 +102,12 @@ class Outputs:
             for member in self._members(path):
                 members |= {str(name): data for name, data in maker.files(member).items()}
             jobs = {name: maker.jobs_of.get(Path(name)) for name in members}
-            text = readme(pattern, jobs, machine.profile, list(maker.jobs.values()))
+            text = readme(pattern, jobs, machine.profile, list(maker.jobs.values()), of_it.lines())
             every = {README: text} | members
-            contents |= {path / name: data for name, data in every.items()} if path.is_dir() else {path: zipped(every)}
+            if path.is_dir():
+                contents |= {path / name: data for name, data in every.items()}
+            else:
+                contents[path] = of_it.put_into(zipped(every), path.name, path.name)
         machines = [MadeFor(machine, list(maker.jobs.values())) for machine, maker in makers.values()]
         return contents, [made for made in machines if made.machine.profile is not None]
 
@@ -110,7 +125,7 @@ class Outputs:
         from foldcut.exporters.bundle import OURS, README
 
         about = path / README
-        if about.is_file() and not about.read_bytes().startswith(OURS.encode()):
+        if about.is_file() and not read_bytes(about, len(OURS)).startswith(OURS.encode()):
             raise BadInputError(f"{about} exists and was not written by foldcut; choose an empty folder, or a .zip")
         members = (name for member in self._members(path) for name in machine.job.targets(member, machine.profile))
         return [about, *(path / name for name in members)]

@@ -28,7 +28,7 @@ examples:
   foldcut check logo.fold                  does this pattern fold flat?
   foldcut COMMAND --help                   all options of a command, with examples
 
-exit status: 0 done and verified, 1 not foldable or not verified, 2 bad input
+exit status: 0 done and verified, 1 not foldable or not verified, 2 bad input, 3 not decided (check)
 """
 
 
@@ -38,6 +38,10 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Raise what argparse found wrong."""
         raise BadInputError(f"{message}; see {self.prog} --help")
+
+    def options(self) -> list[argparse.Action]:
+        """Return all options and arguments, in their order."""
+        return self._actions
 
     def option_strings(self) -> list[str]:
         """Return every option, as it is typed."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from types import TracebackType
 from typing import TYPE_CHECKING, TextIO
 
@@ -51,7 +51,8 @@ class ProgressLines:
         self._write({"stage": "found", "fraction": self._fraction, "pattern": level_report(level, quick=True)})
 
     def _write(self, line: dict[str, object]) -> None:
-        print(json.dumps(line), file=self._out, flush=True)
+        with suppress(OSError):  # nobody listens, and the pattern is wanted all the same
+            print(json.dumps(line), file=self._out, flush=True)
 
 
 class ProgressBar:

@@ -25,8 +25,10 @@ from foldcut.proof.verify import CHECKS
 
 if TYPE_CHECKING:
     from foldcut.cli.outputs import MadeFor
+    from foldcut.foldfile.decide import Decision
     from foldcut.foldfile.reopen import Reopened
     from foldcut.jobs.job import Job
+    from foldcut.layer_orders.count import States
     from foldcut.pipeline import Result
     from foldcut.profiles import Profile
     from foldcut.readers import Drawing
@@ -235,7 +237,7 @@ def _machine_report(files: Sequence[Report], made: Sequence[MadeFor]) -> Report:
     """Return what a report says of machines: their jobs, their titles, and what their operators do."""
     profiles = [one.machine.profile for one in made if one.machine.profile is not None]
     return {
-        "jobs": [_job_report(job) for one in made for job in one.jobs],
+        "jobs": [_job_report(job, one.machine.profile) for one in made for job in one.jobs],
         "machine": ", ".join(profile.title for profile in profiles) or None,
         "next": [line for one in made for line in _next(files, one, len(made) > 1)],
     }
@@ -243,6 +245,7 @@ def _machine_report(files: Sequence[Report], made: Sequence[MadeFor]) -> Report:
 
 def _next(files: Sequence[Report], made: MadeFor, several: bool) -> list[str]:
     """Return what the operator does: in the machine's software only if a file is in the format that it reads."""
+    from foldcut.exporters import JOB_EXPORTERS
     from foldcut.jobs.instructions import instructions
 
     profile, jobs = made.machine.profile, made.jobs
@@ -252,7 +255,9 @@ def _next(files: Sequence[Report], made: MadeFor, several: bool) -> list[str]:
     fits = bool(endings & {profile.format, "zip"})
     if not fits and not jobs:
         return []
-    lines = [line for line in instructions(profile, jobs) if fits or line not in profile.instructions]
+    # a .zip has files in the machine's own format
+    formats = {ending for ending in endings if f".{ending}" in JOB_EXPORTERS} | ({profile.format} if fits else set())
+    lines = instructions(profile, jobs, formats)
     return [f"{profile.title}: {line}" for line in lines] if several else lines
 
 
@@ -283,18 +288,25 @@ def make_lines(report: Report) -> list[str]:
     return [report["title"] or "untitled", *_aligned(rows)]
 
 
-def _job_report(job: Job) -> Report:
+def _job_report(job: Job, profile: Profile | None) -> Report:
     """Return the numbers of a job."""
+    from foldcut.jobs.duration import seconds_of_steps
+
+    seconds = None if profile is None else seconds_of_steps(job, profile)
     return {
         "side": job.side,
         "turned": job.turned,
         "turned_over": job.turned_over,
         "registration": job.registration,
         "holes_mm": None if job.holes is None else (job.holes + job.at).tolist(),
+        "corners_mm": [list(corner) for corner in job.corners],
+        "tabs": None if job.tabs is None else asdict(job.tabs),
         "missed_mm": list(job.missed),
         "uncut": job.uncut,
         "travel_before_mm": job.travel_before,
         "travel_mm": job.travel,
+        "seconds": None if seconds is None else round(sum(seconds), 1),
+        "seconds_unverified": profile is not None and "motion" in profile.unverified,
         "steps": [
             {
                 "role": step.role,
@@ -303,9 +315,10 @@ def _job_report(job: Job) -> Report:
                 "action": step.action,
                 "strokes": len(step.strokes),
                 "length_mm": step.length,
+                "seconds": None if seconds is None else round(seconds[place], 1),
                 **({"setting": step.setting.model_dump()} if step.setting else {}),
             }
-            for step in job.steps
+            for place, step in enumerate(job.steps)
         ],
     }
 
@@ -319,7 +332,18 @@ def _job_rows(report: Report) -> list[tuple[str, str]]:
         rows.append(("job" if job["side"] == "both" else job["side"], steps + turned))
         before, after = job["travel_before_mm"] / 1000, job["travel_mm"] / 1000
         rows.append(("", f"{after:.2f} m between strokes ({before:.2f} m in the pattern's order)"))
+        if job["seconds"] is not None:
+            rows.append(("", _duration_text(job)))
     return rows
+
+
+def _duration_text(job: Report) -> str:
+    """Say how long a job takes, and what of that each of its steps."""
+    from foldcut.jobs.duration import about
+
+    steps = "; ".join(f"{step['layer']} {about(step['seconds']).removeprefix('about ')}" for step in job["steps"])
+    doubt = ", by speeds that are unverified" if job["seconds_unverified"] else ""
+    return f"{about(job['seconds'])} on the machine{doubt}" + (f": {steps}" if len(job["steps"]) > 1 else "")
 
 
 def _method_rows(report: Report) -> list[tuple[str, str]]:
@@ -403,6 +427,38 @@ def check_lines(report: Report) -> list[str]:
     return _aligned([*_pattern_rows(report), *notes, *_verdict_rows(report)])
 
 
+def decision_report(decision: Decision, with_shape: bool, notes: Sequence[str]) -> Report:
+    """Return the report of ``foldcut check``: that of the checks, and what was decided."""
+    moved = decision.moved
+    return {
+        **check_report(decision.pattern, decision.findings, with_shape, notes),
+        "ok": decision.folds is True,
+        "folds": decision.folds,
+        "verdict": decision.sentence,
+        "verified": [check for check in CHECKS if decision.folds and (with_shape or check != "cut")],
+        "moved_mm": None if moved is None else moved.most,
+        "moved_at": None if moved is None else list(moved.where),
+    }
+
+
+def states_report(states: States | None) -> Report:
+    """Return what is reported of the layer orders that were counted; None: they were too many."""
+    if states is None:
+        return {"states": None, "states_of_parts": []}
+    return {"states": states.number, "states_of_parts": list(states.parts)}
+
+
+def decision_lines(report: Report) -> list[str]:
+    """Return the report of ``foldcut check`` as text."""
+    notes = [("note", note) for note in report["notes"]]
+    rows = [*_pattern_rows(report), *notes, ("verdict", report["verdict"])]
+    if "states" in report:
+        number, parts = report["states"], report["states_of_parts"]
+        product = f", {' x '.join(map(str, parts))} of parts that do not depend on each other" if len(parts) > 1 else ""
+        rows.append(("states", "too many to be counted" if number is None else f"{number:,}{product}"))
+    return _aligned([*rows, *([] if report["folds"] is None else _verdict_rows(report))])
+
+
 def reopened_report(result: Reopened, files: Sequence[Report], made: Sequence[MadeFor] = ()) -> Report:
     """Return the report of a pattern that was read from a FOLD file; ``files`` as in ``make_report``."""
     pattern = result.folded_pattern
@@ -453,8 +509,9 @@ def _verdict_rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _file_text(file: Report) -> str:
-    """Return a file's path, its size, and whether it replaced another."""
-    return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''})"
+    """Return a file's path, its size, whether it replaced another, and why its recipe is not in it."""
+    without = f"; without a recipe: {file['no_recipe']}" if file.get("no_recipe") else ""
+    return f"{file['path']} ({file['bytes']:,} bytes{', replaced' if file['replaced'] else ''}{without})"
 
 
 def _aligned(rows: Sequence[tuple[str, str]]) -> list[str]:

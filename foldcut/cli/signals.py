@@ -1,9 +1,14 @@
-"""Signals and the time limit, as exceptions that unwind the stack so that temporary files are removed."""
+"""Signals and the time limit, as exceptions that unwind the stack so that temporary files are removed.
+
+While a module is imported they wait: one that is broken off stays half there, and what needs it then fails in odd ways.
+An exception that is lost since it came in a finaliser or in a callback is raised once more.
+"""
 
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import Any, NoReturn
@@ -12,6 +17,12 @@ from foldcut.core.errors import BadInputError
 
 REPEAT_S = 1.0
 """The alarm of the time limit rings again after so long: an exception that is raised in a finaliser is lost."""
+
+
+AGAIN_S = 0.01
+"""A signal that could not be followed comes again after this much time of the processor."""
+
+Handler = Callable[[int, FrameType | None], Any]
 
 
 class Terminated(BaseException):
@@ -40,7 +51,7 @@ def time_limit(seconds: float | None) -> Iterator[None]:
     def raise_timed_out(number: int, frame: FrameType | None) -> NoReturn:
         raise TimedOut(seconds)
 
-    before = signal.signal(signal.SIGALRM, raise_timed_out)
+    before = signal.signal(signal.SIGALRM, after_imports(raise_timed_out))
     try:
         signal.setitimer(signal.ITIMER_REAL, seconds, REPEAT_S)
         yield
@@ -59,16 +70,85 @@ def signals_raise() -> Iterator[None]:
     def raise_terminated(number: int, frame: FrameType | None) -> NoReturn:
         raise Terminated
 
-    handlers: dict[signal.Signals, Any] = {signal.SIGTERM: raise_terminated}
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
-        handlers[signal.SIGINT] = signal.default_int_handler
+    lost = {KeyboardInterrupt: signal.SIGINT, Terminated: signal.SIGTERM}
+    tell = sys.unraisablehook
+
+    def raise_again(ignored: Any) -> None:
+        if issubclass(ignored.exc_type, tuple(lost)):
+            _come_again(lost[ignored.exc_type])
+        elif not issubclass(ignored.exc_type, TimedOut):  # which comes again by itself
+            tell(ignored)
+
+    handlers: dict[signal.Signals, Any] = {signal.SIGTERM: after_imports(raise_terminated)}
+    if signal.getsignal(signal.SIGINT) in (signal.SIG_IGN, signal.default_int_handler):
+        handlers[signal.SIGINT] = after_imports(signal.default_int_handler)
+    if hasattr(signal, "setitimer"):
+        handlers[signal.SIGVTALRM] = _follow_waiting
+    before: dict[signal.Signals, Any] = {}
     try:
-        before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
+        for number, handler in handlers.items():
+            before[number] = signal.signal(number, handler)
+    except ValueError:  # not the main thread
+        yield
+        return
+    try:
+        sys.unraisablehook = raise_again
+        yield
+    finally:
+        sys.unraisablehook = tell
+        _waiting.clear()
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+
+
+def after_imports(handler: Handler) -> Handler:
+    """Return a handler that waits until no module is being imported."""
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if hasattr(signal, "setitimer") and _is_importing(frame):
+            _come_again(number)
+        else:
+            handler(number, frame)
+
+    return handle
+
+
+@contextmanager
+def deaf() -> Iterator[None]:
+    """Ignore Ctrl-C in the block."""
+    try:
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     except ValueError:  # not the main thread
         yield
         return
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        signal.signal(signal.SIGINT, before)
+
+
+_waiting: set[int] = set()
+"""The signals that came at a bad moment. Handlers have no other place to keep them."""
+
+
+def _come_again(number: int) -> None:
+    """Have a signal come again. The timer is one that nothing else uses, and needs no thread."""
+    _waiting.add(number)
+    signal.setitimer(signal.ITIMER_VIRTUAL, AGAIN_S)
+
+
+def _follow_waiting(number: int, frame: FrameType | None) -> None:
+    """Follow a signal that came at a bad moment."""
+    if _waiting:
+        signal.raise_signal(_waiting.pop())
+    if _waiting:
+        signal.setitimer(signal.ITIMER_VIRTUAL, AGAIN_S)
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    """Whether a module is being imported where a signal came."""
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False

@@ -11,7 +11,7 @@ import re
 
 from foldcut.core.errors import SheetError
 
-__all__ = ["LENGTH", "MM_PER_INCH", "MM_PER_UNIT", "parse_length", "rounded_up"]
+__all__ = ["LENGTH", "LONGEST_MM", "MM_PER_INCH", "MM_PER_UNIT", "parse_length", "rounded_up"]
 
 MM_PER_INCH = 25.4
 """Millimetres per inch."""
@@ -26,7 +26,10 @@ MM_PER_UNIT = {
 }
 """Millimetres per unit, for every unit that a file or a user may name."""
 
-LENGTH = r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[+-]?[0-9]+)?)\s*(mm|cm|in)?"
+LONGEST_MM = 1e6
+"""Nobody means a longer length: a kilometre. A sheet is far smaller."""
+
+LENGTH = r"([+-]?(?:[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:e[+-]?[0-9]++)?+)\s*+(mm|cm|in)?"
 """A regular expression for a length in lower case: its groups are the number and the unit, if there is one."""
 
 
@@ -37,7 +40,9 @@ def parse_length(text: str) -> float:
     """
     match = re.fullmatch(LENGTH, text.strip().lower())
     length = float(match[1]) * MM_PER_UNIT[match[2] or "mm"] if match else math.nan
-    if not 0 <= length < math.inf:
+    if length > LONGEST_MM:
+        raise SheetError(f"{text!r} is longer than a kilometre; give a shorter length")
+    if not length >= 0:
         raise SheetError(
             f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
         )

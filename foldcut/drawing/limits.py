@@ -27,7 +27,8 @@ DEEPEST = 500
 class Limits:
     """The largest drawing: ``bytes`` of its file, ``points``, ``loops`` and ``pixels`` in it, and its ``nesting``.
 
-    The defaults are far beyond what anybody folds, and reading or refusing a file takes less than 10 s and 1 GB.
+    The defaults are far beyond what anybody folds, and reading or refusing a file takes less than 10 s and 1 GB:
+    ``seconds`` of the processor and ``megabytes`` of memory bound the process that reads it (``readers.apart``).
     ``nesting`` is how deep groups, clones, blocks, collections or brackets may lie within each other. It is never more
     than ``DEEPEST``, since some libraries read them by recursion.
     """
@@ -37,6 +38,8 @@ class Limits:
     loops: int = 1_000
     pixels: int = 40_000_000
     nesting: int = 100
+    seconds: int = 10
+    megabytes: int = 1024
 
     def __post_init__(self) -> None:
         if self.nesting > DEEPEST:

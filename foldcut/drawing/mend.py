@@ -25,6 +25,7 @@ from foldcut.core.errors import BadInputError, ShapeError
 from foldcut.core.model import Shape
 from foldcut.drawing.shape import SHARPEST_CORNER, make_shape, polygon_loops
 from foldcut.drawing.simplify import simplify
+from foldcut.geometry.crossings import are_tangled, faces_of_lines, winding
 
 __all__ = ["Preparation", "Prepared", "prepare", "preview"]
 
@@ -36,6 +37,9 @@ LARGEST_MM = 1e9
 
 MANY = 1_000
 """With more corners than this, the algorithm of Douglas and Peucker first leaves out what is hardly seen, for speed."""
+
+MANY_CROSSINGS = 1_000
+"""With more crossings than this, a loop is divided into its faces: making it valid takes their square in time."""
 
 _MITRE = {"join_style": "mitre", "mitre_limit": 20.0}
 """How shapely moves edges: corners stay sharp, unless they would reach out farther than 20 times the distance."""
@@ -77,6 +81,10 @@ class Prepared:
     whole: tuple[Floats, ...] | None = None
 
 
+class _TangledError(Exception):
+    """Outlines cross so often that dividing the plane by them would take long; ``make_shape`` says where they do."""
+
+
 def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
     """Return ``loops``, in mm, mended and simplified; ``make_shape`` says whether they then are a shape.
 
@@ -84,17 +92,21 @@ def prepare(loops: Sequence[ArrayLike], preparation: Preparation) -> Prepared:
     few corners.
     """
     drawn = tuple(points_array(loop) for loop in loops)
-    sensible = all(np.isfinite(loop).all() and np.abs(loop).max(initial=0.0) < LARGEST_MM for loop in drawn)
-    if not sensible or not any(_ring_areas(loop) for loop in drawn):
+    if not all(np.isfinite(loop).all() and np.abs(loop).max(initial=0.0) < LARGEST_MM for loop in drawn):
         return Prepared(drawn, drawn, ())  # not a drawing at all: make_shape says why
     try:
-        return _prepared(drawn, preparation)
+        valid = _shape(drawn) is not None
+        if not valid and (any(are_tangled([loop]) for loop in drawn) or not any(map(_ring_areas, drawn))):
+            return Prepared(drawn, drawn, ())  # make_shape says why here, too
+        return _prepared(drawn, preparation, valid=valid)
+    except _TangledError:
+        return Prepared(drawn, drawn, ())
     except shapely.errors.GEOSException as error:
         raise ShapeError(f"the drawing is too tangled to be mended: {error}; draw it simpler") from error
 
 
-def _prepared(drawn: tuple[Floats, ...], preparation: Preparation) -> Prepared:
-    mended, changes = _mended(drawn)
+def _prepared(drawn: tuple[Floats, ...], preparation: Preparation, *, valid: bool) -> Prepared:
+    mended, changes = (drawn, []) if valid else _mended(drawn)
     if preparation.strict:
         refuse_changes(changes)
     if preparation.min_feature:
@@ -154,9 +166,10 @@ def _shape(loops: Sequence[Floats]) -> Shape | None:
 
 
 def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
-    """Return loops that neither cross nor overlap nor repeat, and the changes that this took."""
-    if _shape(loops) is not None:
-        return loops, []
+    """Return loops that neither cross nor overlap nor repeat, and the changes that this took.
+
+    Raises ``_TangledError`` if they cross too often.
+    """
     changes: list[str] = []
     kept: list[Floats] = []
     seen: dict[bytes, int] = {}
@@ -171,6 +184,8 @@ def _mended(loops: tuple[Floats, ...]) -> tuple[tuple[Floats, ...], list[str]]:
         kept.append(loop)
     if _shape(kept) is not None:
         return tuple(kept), changes
+    if are_tangled(kept):
+        raise _TangledError
     area = _area(kept)
     parts = _areas(area)
     solid = [part for part in parts if not _thin(part)]
@@ -225,6 +240,9 @@ def _areas(geometry: shapely.Geometry) -> list[shapely.Polygon]:
 
 def _ring_areas(loop: Floats) -> list[shapely.Polygon]:
     """Return the areas that a loop encloses by the even-odd rule."""
+    if len(loop) > 2 and are_tangled([loop], MANY_CROSSINGS):
+        faces, inside = faces_of_lines([shapely.LinearRing(loop)])
+        return list(faces[winding(inside, loop) % 2 == 1])
     return _areas(shapely.make_valid(shapely.Polygon(loop), method="linework")) if len(loop) > 2 else []
 
 

@@ -83,7 +83,7 @@ def _read_frame(
         letters = frame["edges_assignment"]
         if not isinstance(letters, list) or len(letters) != edges or not all(isinstance(one, str) for one in letters):
             fail(name, f"must be a list of one letter for each of the {edges} edges")
-        claims.letters[name] = np.array(letters, dtype=np.str_)
+        claims.letters[name] = np.array(["F" if one == "J" else one for one in letters], dtype=np.str_)
     if not place and "edges_length" in frame:
         claims.lengths["edges_length"] = _one_each("edges_length", frame["edges_length"], edges)
     for name in INCIDENCES:

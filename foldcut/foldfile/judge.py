@@ -21,7 +21,7 @@ from foldcut.pattern.overlaps import OVERLAP_TOLERANCE, overlaps
 from foldcut.proof.tolerance import COINCIDENT
 from foldcut.proof.verify import verify
 
-__all__ = ["FIELDS", "judge"]
+__all__ = ["FIELDS", "judge", "judge_fields"]
 
 FIELDS = "fields"
 """The check that findings about fields are named after."""
@@ -50,10 +50,18 @@ def judge(file: FoldFile, shape: Shape | None = None) -> list[Finding]:
 
     ``shape`` is what the cut must give, on the sheet in mm; without one the cut is not checked.
     """
-    findings = verify(file.pattern, file.layers, shape)
-    if findings:
-        return findings
-    return [finding for check in CHECKS for finding in check(file)]
+    return verify(file.pattern, file.layers, shape) or judge_fields(file)
+
+
+def judge_fields(file: FoldFile, near_mm: float | None = None) -> list[Finding]:
+    """Return which fields do not agree with a pattern that has been verified.
+
+    ``near_mm``: how far folded vertices may be from where the creases put them; by default as far as when verifying.
+    """
+    if near_mm is None:
+        near_mm = 2 * COINCIDENT[0] * float(np.hypot(*np.ptp(file.pattern.vertices_coords, axis=0)))
+    found = [finding for check in CHECKS for finding in check(file)]
+    return [*found, *_folded(file, near_mm)]
 
 
 def _angles(file: FoldFile) -> Iterator[Finding]:
@@ -78,17 +86,16 @@ def _letters(file: FoldFile) -> Iterator[Finding]:
             yield _at(file.pattern, edge, message)
 
 
-def _folded(file: FoldFile) -> Iterator[Finding]:
+def _folded(file: FoldFile, near_mm: float) -> Iterator[Finding]:
     """Find vertices that a folded frame has elsewhere than the creases put them; the whole may be moved or turned."""
     pattern = file.pattern
     maps = fold_faces(pattern, edge_faces(pattern))
     used = np.unique(pattern.faces_vertices.values)
     ours = _complex(maps.apply(_a_face_of_each_vertex(pattern), pattern.vertices_coords)[used])
-    diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
     for name, places in file.claims.folded.items():
         theirs = _complex(places[used] * file.unit_mm)
         off = min((_off(way, theirs) for way in (ours, ours.conj())), key=np.max)
-        if off.max() > 2 * COINCIDENT[0] * diagonal:
+        if off.max() > near_mm:
             vertex = int(used[off.argmax()])
             x, y = pattern.vertices_coords[vertex].tolist()
             message = f"{name}[{vertex}] is {off.max():.3g} mm from where the creases put the vertex"
@@ -216,7 +223,7 @@ def incidences(pattern: CreasePattern) -> dict[str, list[set[int]]]:
     return found
 
 
-CHECKS = (_angles, _letters, _folded, _orders, _complete, _lengths, _beside)
+CHECKS = (_angles, _letters, _orders, _complete, _lengths, _beside)
 """What is compared with the pattern, in this order."""
 
 

@@ -1,7 +1,8 @@
 """Read any FOLD file: its crease pattern, and its layer order if it has one.
 
-FOLD file -> ``FoldFile``, lengths in mm. The first frame, called the key frame, is the crease pattern. Folded frames
-are read for a layer order, and for the places of the vertices if these are the same. Faces are traced from the edges if
+FOLD file -> ``FoldFile``, lengths in mm. The first frame, called the key frame, is the crease pattern, or else the
+first of the other frames that is one (``frames``); a file that has a folded form only is unfolded. Folded frames are
+read for a layer order, and for the places of the vertices if these are the same. Faces are traced from the edges if
 the file has none. foldcut's own keys (see ``exporters/pattern/fold.py``) are read if they are there. Only the form is
 checked: whether the pattern folds is for ``verify`` to say. (FOLD specification 1.1 and 1.2.)
 """
@@ -11,7 +12,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from pathlib import Path
 from typing import Any, NoReturn
@@ -20,15 +21,20 @@ import numpy as np
 
 from foldcut.core.arrays import Bools, Chars, Floats, Ints, Ragged, index_array, points_array, sealed
 from foldcut.core.errors import FileFormatError
+from foldcut.core.files import is_standard_input, read_bytes
 from foldcut.core.model import CreasePattern, Placement
+from foldcut.core.text import as_title
 from foldcut.core.units import MM_PER_UNIT
+from foldcut.drawing.limits import Limits
 from foldcut.foldfile.claims import Claims, read_claims
+from foldcut.foldfile.frames import is_folded_form, with_pattern_first
 from foldcut.foldfile.parts import LARGEST, fail, indices, numbers, rows_of, shown
 from foldcut.geometry.planar_graph import edge_faces, signed_areas, trace_faces
 from foldcut.pattern.face_maps import fold_faces
-from foldcut.readers.base import read_text
+from foldcut.readers.apart import apart
+from foldcut.readers.base import decoded, why_not_json
 
-__all__ = ["FoldFile", "read_fold"]
+__all__ = ["FoldFile", "read_fold", "read_fold_apart"]
 
 LARGEST_FILE = 128 * 2**20
 """The size of the largest file, in bytes. 20,000 creases take 4 million, and two million face orders ten times that."""
@@ -45,8 +51,8 @@ SIMILAR = 1e-9
 SMALLEST_SCALE = 1e-15
 """Fewer mm a unit than this make a point of any drawing."""
 
-ASSIGNMENTS = ("B", "M", "V", "F", "U")
-"""The assignments that are read: border, mountain, valley, flat, unassigned."""
+ASSIGNMENTS = ("B", "M", "V", "F", "U", "C", "J")
+"""The assignments that are read: border, mountain, valley, flat, unassigned, cut, join."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,42 +98,51 @@ def read_fold(path: Path | str) -> FoldFile:
         raise FileFormatError(f"{path}: {error.strerror}; check the path and its permissions") from None
 
 
+def read_fold_apart(path: Path | str) -> FoldFile:
+    """Do as ``read_fold``, in a process of its own with as much time and memory as a file of this size may take."""
+    path = Path(path)
+    usual = Limits()
+    size = path.stat().st_size if path.is_file() else LARGEST_FILE
+    share = max(1, math.ceil(size / usual.bytes))
+    limits = replace(usual, seconds=share * usual.seconds, megabytes=share * usual.megabytes)
+    return apart(lambda: read_fold(path), limits, str(path), option=False)
+
+
 def _load(path: Path) -> dict[str, Any]:
     """Return the JSON object in a file."""
-    size = path.stat().st_size
-    if size > LARGEST_FILE:
-        limit = f"{LARGEST_FILE / 2**20:.0f} MiB"
+    limit = f"{LARGEST_FILE / 2**20:.0f} MiB"
+    if not is_standard_input(path) and (size := path.stat().st_size) > LARGEST_FILE:
         raise FileFormatError(f"the file has {size / 2**20:.0f} MiB; give one of at most {limit}")
+    data = read_bytes(path, LARGEST_FILE)
+    if len(data) > LARGEST_FILE:
+        raise FileFormatError(f"the file has more than {limit}; give a smaller one")
 
     def refuse(name: str) -> NoReturn:
         raise ValueError(f"{name} is not a JSON number")
 
-    text = read_text(path)
+    text = decoded(data)
     try:
-        data = json.loads(text, parse_constant=refuse)
+        parsed = json.loads(text, parse_constant=refuse)
     except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"not JSON, as a FOLD file has to be: {error}") from None
-    if not isinstance(data, dict):
-        raise FileFormatError(f"a FOLD file holds one JSON object, not a {type(data).__name__}")
-    return data
+        raise FileFormatError(f"not JSON, as a FOLD file has to be: {why_not_json(error)}") from None
+    if not isinstance(parsed, dict):
+        raise FileFormatError(f"a FOLD file holds one JSON object, not a {type(parsed).__name__}")
+    return parsed
 
 
 class _Reader:
     """Reads one file, whose JSON object is ``data``, and collects notes."""
 
     def __init__(self, data: dict[str, Any]) -> None:
-        self.data = data
-        self.notes: list[str] = []
+        self.data, self.notes = with_pattern_first(data)
 
     def read(self) -> FoldFile:
-        classes = self.data.get("frame_classes", [])
-        if isinstance(classes, list) and "foldedForm" in classes and "creasePattern" not in classes:
-            fail("frame_classes", "the first frame is a folded form; put the crease pattern first")
         unit_mm = self.unit()
         coords = self.vertices(unit_mm)
         edges = self.edges(len(coords))
-        assignment = self.assignment(len(edges))
         given = "faces_vertices" in self.data
+        if is_folded_form(self.data):
+            coords = self.unfolded(coords, edges)
         if given:
             faces, turned = self.faces(coords)
         else:
@@ -135,7 +150,7 @@ class _Reader:
             turned = np.zeros(len(faces), dtype=np.bool_)
         if not len(faces):
             fail("faces_vertices" if given else "edges_vertices", "there are no faces; close the border")
-        pattern = CreasePattern(coords, edges, assignment, faces)
+        pattern = CreasePattern(coords, edges, self.assignment(coords, edges, faces), faces)
         claims = self.claims(pattern, given=given)
         if given:
             layers = self.layers(pattern, claims, turned)
@@ -188,7 +203,7 @@ class _Reader:
 
     def title(self) -> str:
         title = self.data.get("file_title", "")
-        return title if isinstance(title, str) else ""
+        return as_title(title) if isinstance(title, str) else ""
 
     def vertices(self, unit_mm: float) -> Floats:
         return self.points(self.rows("vertices_coords"), unit_mm)
@@ -223,21 +238,61 @@ class _Reader:
             edges.append(ends)
         return index_array(np.array(edges, dtype=np.int32).reshape(-1, 2))
 
-    def assignment(self, edge_count: int) -> Chars:
+    def letters(self, edge_count: int) -> Chars | None:
+        """Return the assignments as the file has them, or None if it has none."""
         if "edges_assignment" not in self.data:
-            fail("edges_assignment", "missing; assign B, M, V, F or U to every edge")
+            return None
         letters = self.data["edges_assignment"]
         if not isinstance(letters, list) or len(letters) != edge_count:
             fail("edges_assignment", f"must be a list of one letter for each of the {edge_count} edges")
         for at, letter in enumerate(letters):
-            if letter in ("C", "J"):
-                what = "cuts (C)" if letter == "C" else "joins (J)"
-                fail(f"edges_assignment[{at}]", f"{what} in the sheet are not supported; leave them out")
             if letter not in ASSIGNMENTS:
-                fail(f"edges_assignment[{at}]", f"{shown(letter)} is not one of B, M, V, F, U")
-        assignment = np.array(letters, dtype="<U1")
-        assignment.setflags(write=False)
-        return assignment
+                fail(f"edges_assignment[{at}]", f"{shown(letter)} is not one of B, M, V, F, U, C, J")
+        return np.array(letters, dtype="<U1")
+
+    def assignment(self, coords: Floats, edges: Ints, faces: Ragged) -> Chars:
+        """Return the assignment of every edge.
+
+        Where the file has no letters, or U, the fold angles say it. Joins (J) are flat, and cuts (C) that have a face
+        on one side only are the border.
+        """
+        found = self.letters(len(edges))
+        letters = np.full(len(edges), "U", dtype="<U1") if found is None else found
+        outer = (edge_faces(CreasePattern(coords, edges, letters, faces)) < 0).any(axis=1)
+        if found is None:
+            letters[outer] = "B"
+        angles = self.data.get("edges_foldAngle")
+        if isinstance(angles, list) and len(angles) == len(edges):
+            for edge in np.flatnonzero(letters == "U").tolist():
+                angle = angles[edge]
+                if type(angle) in (int, float) and (found is None or angle):
+                    letters[edge] = "V" if angle > 0 else "M" if angle < 0 else "F"
+        if found is None:
+            by = "edges_foldAngle" if angles else "its faces: mountains and valleys are not known"
+            self.notes.append(f"edges_assignment is missing: it is taken from {by}")
+        letters[letters == "J"] = "F"
+        letters[(letters == "C") & outer] = "B"
+        letters.setflags(write=False)
+        return letters
+
+    def unfolded(self, folded: Floats, edges: Ints) -> Floats:
+        """Return the vertices of a folded form on the flat sheet: folding it once more along its creases unfolds it."""
+        if "faces_vertices" not in self.data:
+            fail("faces_vertices", "missing; a folded form has to name its faces, or give the crease pattern as well")
+        letters = self.letters(len(edges))
+        if letters is None:
+            fail("edges_assignment", "missing; a folded form has to say which edges are creases")
+        rows = [indices(place, row, len(folded)) for place, row in self.rows("faces_vertices")]
+        if not rows or min(map(len, rows)) < 3:
+            fail("faces_vertices", "a face has at least three vertices, and there has to be one")
+        creases = np.where(letters == "U", "M", letters)
+        form = CreasePattern(folded, edges, creases, Ragged.from_rows(rows))
+        face = np.zeros(len(folded), dtype=np.int32)
+        face[form.faces_vertices.values] = form.faces_vertices.rows
+        flat = fold_faces(form, edge_faces(form)).apply(face, folded)
+        turned = signed_areas(flat, form.faces_vertices).sum() < 0
+        self.notes.append("the file has the folded form only: the crease pattern is unfolded from it")
+        return points_array(flat * (-1, 1) if turned else flat)
 
     def faces(self, coords: Floats) -> tuple[Ragged, Bools]:
         """Return the faces, counter-clockwise, and which of them are clockwise in the file."""
@@ -281,12 +336,12 @@ class _Reader:
             if isinstance(classes, list) and "foldedForm" in classes:
                 yield f"file_frames[{at}].", frame
 
-    def sorted_layers(self, place: str, orders: Ints, pattern: CreasePattern, turned: Bools) -> Ints:
+    def sorted_layers(self, place: str, orders: Ints, pattern: CreasePattern, turned: Bools) -> Ints | None:
         """Return a linear order of all faces, bottom to top, that agrees with ``orders``.
 
         ``[f, g, s]`` says that f lies on the side of g that the normal of g points to (s = 1), or on the other side
-        (s = -1). Faces that nothing compares come in the order of their numbers. ``turned`` are the faces that the file
-        has clockwise, so that their normals point the other way.
+        (s = -1). Faces that nothing compares come in the order of their numbers. None means that they lie in a circle.
+        ``turned`` are the faces that the file has clockwise, so that their normals point the other way.
         """
         up = fold_faces(pattern, edge_faces(pattern)).up != turned
         count = len(pattern.faces_vertices)
@@ -308,8 +363,12 @@ class _Reader:
                 if not below[over]:
                     heappush(ready, over)
         if len(layers) < count:
-            faces = ", ".join(map(str, _circle(above, below)))
-            fail(place, f"circular: faces {faces} each lie on the one before; give an order without circles")
+            circle = _circle(above, below)
+            faces = ", ".join(map(str, circle))
+            if len(circle) < 3:
+                fail(place, f"circular: faces {faces} each lie on the one before; give an order without circles")
+            self.notes.append(f"{place}: faces {faces} each lie on the one before: they are judged pair by pair")
+            return None
         return index_array(layers)
 
     def placement(self) -> Placement | None:

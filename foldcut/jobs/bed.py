@@ -14,7 +14,7 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Sheet
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import TooLargeError
 from foldcut.profiles import Bed, Paper, Profile
 
 Side = Literal["both", "front", "back"]
@@ -68,9 +68,10 @@ class Lay:
                 return cls(sheet, (w, h), at, turned, border)
         small, large = sorted((bed.width_mm - 2 * border, bed.height_mm - 2 * border))
         around = f" with the {border:g} mm around it that the tool needs" if border else ""
-        raise JobError(
+        raise TooLargeError(
             f"the sheet of {sheet.width:g} x {sheet.height:g} mm{around} does not fit the machine's {bed.width_mm:g} x "
-            f"{bed.height_mm:g} mm; use --sheet {small:g}x{large:g}mm or smaller, or --tile on a printer"
+            f"{bed.height_mm:g} mm",
+            f"use --sheet {small:g}x{large:g}mm or smaller, or --tile on a printer",
         )
 
     @classmethod
@@ -151,9 +152,10 @@ def _on_paper(sheet: Sheet, profile: Profile) -> Lay:
             if w <= paper.x_units * unit + SLACK_MM and h <= paper.y_units * unit + SLACK_MM:
                 return Lay(sheet, (w, h), (0.0, 0.0), turned, paper=name, cut_out=True)
     largest, paper = max(profile.papers.items(), key=lambda item: item[1].x_units * item[1].y_units)
-    raise JobError(
+    raise TooLargeError(
         f"the sheet of {sheet.width:g} x {sheet.height:g} mm is larger than what {profile.title} reaches on its "
-        f"largest paper; use --sheet {largest}, or {_reach(paper, unit)} or smaller"
+        "largest paper",
+        f"use --sheet {largest}, or {_reach(paper, unit)} or smaller",
     )
 
 

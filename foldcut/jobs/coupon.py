@@ -18,7 +18,8 @@ from foldcut.core.model import Sheet
 from foldcut.jobs.bed import Lay
 from foldcut.jobs.dashes import perforation
 from foldcut.jobs.errors import JobError
-from foldcut.jobs.job import Job, JobStep, check_job, operation_for, within
+from foldcut.jobs.job import Job, JobStep, check_job, within
+from foldcut.jobs.model import operation_for
 from foldcut.jobs.pen_path import travel
 from foldcut.profiles import Action, Dash, Material, Operation, Profile, Setting
 

@@ -6,11 +6,14 @@ and every setting that the files cannot have; so nothing is left that a machine'
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+
+import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.jobs.job import Job, JobStep
 from foldcut.jobs.marks import HOLES_MM
+from foldcut.jobs.pages import flip_edge, tiles
 from foldcut.profiles import Profile, Setting
 
 COLOURS = {
@@ -26,71 +29,102 @@ COLOURS = {
 }
 """The names of colours that have a plain one."""
 
-IN_THE_FILE = {"hpgl": ("force_g", "speed_mm_s", "passes"), "gcode": ("speed_mm_s", "passes")}
-"""The settings that a machine's format has room for, besides a laser's power in G-code."""
+IN_THE_FILE = {
+    "hpgl": {"force_g", "speed_mm_s", "passes"},
+    "gcode": {"speed_mm_s", "passes"},
+    "lbrn2": {"speed_mm_s", "power_percent", "passes"},
+}
+"""The settings that a format has room for, besides a laser's power in G-code."""
 
 MISSED_MM = 0.1
 """Margins narrower than this that a machine does not reach are not worth a word."""
 
 
-def instructions(profile: Profile, jobs: Sequence[Job]) -> list[str]:
-    """Return what the operator does with the files of these jobs, line by line."""
-    first, *rest = profile.instructions
+def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str] = ()) -> list[str]:
+    """Return what the operator does with the files of these jobs, line by line.
+
+    ``formats``: those of the files, such as "svg"; the machine's own by default, which alone says how to load a file.
+    """
+    formats = formats or (profile.format,)
+    load = list(profile.instructions) if profile.format in formats else []
     if not jobs:
-        return [first, *rest]
-    lines = [first]
+        return load
+    lines = load[:1]
     for job in jobs:
         side = "" if job.side == "both" else f"{job.side.capitalize()}: "
-        lines += [f"{side}{step_words(step, profile, job.side)}" for step in job.steps]
-    lines += rest
+        lines += [f"{side}{step_words(step, profile, job.side, formats)}" for step in job.steps]
+    lines += [*load[1:], *glued(profile, jobs[0])]
     if len(jobs) > 1:
         lines += turning_over(profile, jobs)
-    return [*lines, *notes(profile, jobs[0])]
+    return [*lines, *notes(profile, jobs)]
 
 
-def step_words(step: JobStep, profile: Profile, side: str = "both") -> str:
+def step_words(step: JobStep, profile: Profile, side: str = "both", formats: Collection[str] = ()) -> str:
     """Return what a step is called in the machine's software, what is done with it, and with which setting."""
+    formats = formats or (profile.format,)
     operation = step.operation
     colour = f"{COLOURS[operation.colour]} " if operation.colour in COLOURS else ""
-    pen = f", pen {operation.pen}" if operation.pen is not None and profile.format in ("hpgl", "gcode") else ""
+    pen = f", pen {operation.pen}" if operation.pen is not None and {"hpgl", "gcode"} & {*formats} else ""
     what = profile.does.get(step.action, step.action)
     if step.words:
         what = f"{step.words.partition(' ')[2]}: {what}"
     # seen from behind, a valley is a mountain
     behind = "; these valleys fold away from you on this side" if side == "back" and step.role == "valley" else ""
-    return f"{operation.layer} ({colour}{operation.colour}{pen}): {what}{behind}{told_setting(step.setting, profile)}"
+    setting = told_setting(step.setting, profile, formats)
+    return f"{operation.layer} ({colour}{operation.colour}{pen}): {what}{behind}{setting}"
 
 
-def told_setting(setting: Setting | None, profile: Profile) -> str:
-    """Return the part of a setting that the machine's format has no room for."""
+def told_setting(setting: Setting | None, profile: Profile, formats: Collection[str]) -> str:
+    """Return the part of a setting that one of the files has no room for."""
     if setting is None:
         return ""
-    known = IN_THE_FILE.get(profile.format, ())
-    laser = profile.gcode is not None and profile.gcode.tool == "laser" and profile.format == "gcode"
+    known = set.intersection(*(_room(name, profile) for name in formats))
     parts = []
-    if setting.power_percent is not None and not laser and profile.format != "lbrn2":
+    if setting.power_percent is not None and "power_percent" not in known:
         parts.append(f"{setting.power_percent:g} % of the power")
     if setting.force_g is not None and "force_g" not in known:
         parts.append(f"{setting.force_g:g} g")
-    if "speed_mm_s" not in known and profile.format != "lbrn2":
+    if "speed_mm_s" not in known:
         parts.append(f"{setting.speed_mm_s:g} mm/s")
-    if setting.passes > 1 and "passes" not in known and profile.format != "lbrn2":
+    if setting.passes > 1 and "passes" not in known:
         parts.append(f"{setting.passes} passes")
     return f"; begin with {', '.join(parts)}" if parts else ""
+
+
+def _room(name: str, profile: Profile) -> set[str]:
+    """Return the settings that a format has room for."""
+    laser = name == "gcode" and profile.gcode is not None and profile.gcode.tool == "laser"
+    return IN_THE_FILE.get(name, set()) | ({"power_percent"} if laser else set())
+
+
+def glued(profile: Profile, job: Job) -> list[str]:
+    """Return how to put a sheet together that is printed on several pages."""
+    if profile.page is None or profile.format != "pdf":
+        return []
+    count = next(tiles(job, profile)).count
+    line = f"{count} pages: glue them cross on cross; the small picture on each shows where it goes."
+    return [line] if count > 1 else []
 
 
 def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
     """Return how the sheet is turned over between the front and the back, and what holds it in its place."""
     front, back = jobs[0], jobs[-1]
+    assert back.turned_over is not None
+    if profile.page is not None and profile.format == "pdf":
+        edge = flip_edge(back.turned_over, next(tiles(front, profile)))
+        lines = [
+            f"Print on both sides, flip on {edge} edge, as the file asks; or print the odd pages, turn the paper "
+            f"over {back.turned_over}, and print the even ones."
+        ]
+        marks = "Held against the light, the corner marks lie on one another."
+        return [*lines, marks] if back.registration == "corners" else lines
     turn = f"Do the front first, then turn the sheet over {back.turned_over}"
-    corner = "upper left" if profile.bed is not None and profile.bed.origin == "upper-left" else "lower left"
+    corner = _zero(profile)
     if back.registration == "jig":
         return [
             f"{turn}: the front cuts its outline last; leave the stock fixed on the bed, and lay the sheet back into "
             "the hole it was cut out of."
         ]
-    if back.registration == "corners" and profile.kind == "printer":
-        return [f"{turn}, print the back, and hold it against the light: the corner marks lie on one another."]
     if back.registration == "corners":
         return [
             f"{turn}: fix two strips of card along its left and its {corner.split()[0]} edge before the front, and "
@@ -108,9 +142,17 @@ def turning_over(profile: Profile, jobs: Sequence[Job]) -> list[str]:
     ]
 
 
-def notes(profile: Profile, job: Job) -> list[str]:
-    """Return what the machine leaves to be done by hand."""
+def notes(profile: Profile, jobs: Sequence[Job]) -> list[str]:
+    """Return where sheets lie, and what the machine leaves to be done by hand."""
+    job = jobs[0]
     lines = []
+    if job.framed:
+        lines.append(
+            "The file whose name ends in -frame goes round the job with the tool off: send it first, and see that the "
+            "stock lies under its path."
+        )
+    if job.corners:
+        lines.append(_where(job, profile))
     if job.paper is not None:
         lines.append(f"Load paper {job.paper.upper() if len(job.paper) < 3 else job.paper.capitalize()}.")
     edges = [
@@ -129,7 +171,30 @@ def notes(profile: Profile, job: Job) -> list[str]:
             f"{job.uncut} crease{'' if one else 's'} {'is' if one else 'are'} too short to perforate and left uncut; "
             f"fold {'it' if one else 'them'} by hand."
         )
+    for tabs in [job.tabs for job in jobs if job.tabs is not None]:
+        one, each = tabs.count == 1, " of each sheet" if len(job.corners) > 1 else ""
+        lines.append(
+            f"The outline{each} is not cut at {tabs.count} tab{'' if one else 's'} of {tabs.width_mm:g} mm, which "
+            f"{'holds' if one else 'hold'} the sheet in the stock: cut {'it' if one else 'them'} with a knife."
+        )
     return lines
+
+
+def _where(job: Job, profile: Profile) -> str:
+    """Return where the corners of sheets lie on the bed."""
+    corner = _zero(profile)
+    places = ", ".join(f"({x:g}, {y:g})" for x, y in np.round(job.corners, 3).tolist())
+    sheets = "The sheet lies with its" if len(job.corners) == 1 else f"{len(job.corners)} sheets lie with their"
+    turned = ", turned by a quarter to the left" if job.turned else ""
+    return (
+        f"{sheets} {corner} corner{'s' * (len(job.corners) > 1)} at {places}, in mm from the {corner} corner of the "
+        f"bed{turned}; the file is for the whole bed of {job.size[0]:g} x {job.size[1]:g} mm."
+    )
+
+
+def _zero(profile: Profile) -> str:
+    """Return which corner of the bed its zero is in."""
+    return "upper left" if profile.bed is not None and profile.bed.origin == "upper-left" else "lower left"
 
 
 def _places(job: Job, profile: Profile) -> str:

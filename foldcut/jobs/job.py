@@ -11,7 +11,7 @@ else is done. No line is drawn twice, and none goes beyond what the machine reac
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -19,65 +19,20 @@ import shapely
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
-from foldcut.jobs.bed import Box, Lay, Side, TurnedOver
+from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout, arranged, laid_out
+from foldcut.jobs.bed import Box, Lay, Side
 from foldcut.jobs.dashes import Cuts, crease_pieces, perforations
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.marks import HOLES_MM, MARKS, Room, corner_marks, crosses, hole_centres, holes
+from foldcut.jobs.model import Job, JobStep, operation_after
 from foldcut.jobs.pen_path import Run, chained, joined, ordered, travel
-from foldcut.profiles import Action, Material, Operation, Profile, Registration, Role, Setting, Treatment
+from foldcut.jobs.tabs import Tabs, check_tabs, cut_around_tabs
+from foldcut.profiles import Action, Material, Profile, Registration, Role, Treatment
 
 __all__ = ["Job", "JobStep", "Registration", "check_job", "make_jobs", "steps_of"]
 
 SHORTEST_STROKE_MM = 0.05
 """What is left of a line at the edge of a plotter's reach is drawn if it is at least this long."""
-
-
-@dataclass(frozen=True, eq=False)
-class JobStep:
-    """The strokes of one role, ``(n, 2)`` each, in the order and the direction in which they are made.
-
-    ``operation`` says what the machine calls the role; ``setting`` is None where the material has none for it.
-    ``action``: what is done with the strokes; ``words``: what is said of them if their role does not say it all.
-    """
-
-    role: Role
-    operation: Operation
-    setting: Setting | None
-    strokes: tuple[Floats, ...]
-    action: Action = "mark"
-    words: str = ""
-
-    @property
-    def length(self) -> float:
-        """The length of all strokes in mm."""
-        return float(sum(np.hypot(*np.diff(stroke, axis=0).T).sum() for stroke in self.strokes))
-
-
-@dataclass(frozen=True, eq=False)
-class Job:
-    """Everything that is done to one side of a sheet.
-
-    ``size``, ``at``, ``turned`` and ``paper`` are those of the ``Lay``; ``travel_before`` and ``travel``: how far the
-    tool moves between strokes, in mm, in the pattern's own order and in the job's. ``turned_over``: how the sheet is
-    turned over between the front and the back, and what ``registration`` lines them up; ``holes``: the centres of
-    registration holes, ``(3, 2)``. ``missed``: how wide the margins are that the machine does not reach, at the left,
-    lower, right and upper edge; ``uncut``: how many creases are too short to perforate.
-    """
-
-    title: str
-    size: tuple[float, float]
-    at: tuple[float, float]
-    turned: bool
-    side: Side
-    steps: tuple[JobStep, ...]
-    travel_before: float
-    travel: float
-    paper: str | None = None
-    turned_over: TurnedOver | None = None
-    registration: Registration | None = None
-    holes: Floats | None = None
-    missed: Box = (0.0, 0.0, 0.0, 0.0)
-    uncut: int = 0
 
 
 def make_jobs(
@@ -90,6 +45,9 @@ def make_jobs(
     registration: Registration | None = None,
     marks: Sequence[str] | None = None,
     tile: bool = False,
+    layout: BedLayout = IN_THE_CORNER,
+    tabs: Tabs | None = None,
+    framed: bool = False,
 ) -> tuple[Job, ...]:
     """Return the job for a pattern on a machine, or with ``two_sided`` one for its front and one for its back.
 
@@ -99,13 +57,27 @@ def make_jobs(
     profile's: "jig": the outline is cut with the front, and the sheet turned over in the hole it leaves; "corners":
     marks on both sides; or "holes" or "pins" that are cut from the front and have crosses at their places on the back.
     ``marks``: names from ``MARKS``; the profile's by default. ``tile``: a printer may use several pages for the sheet.
+    ``layout``: where on the bed the sheet lies, and how many copies of it. ``tabs`` hold it when it is cut out.
+    ``framed``: a file beside the job's will go round it with the tool off.
 
-    Raises JobError: the sheet does not fit the bed, or the profile has no such material.
+    Raises JobError: the sheet does not fit the bed, the profile has no such material, or the machine cannot do what is
+    asked for.
     """
     treatment = treatment or profile.treatment
     registration = registration or profile.registration
-    check_job(pattern.sheet, profile, material=material, tile=tile, registration=registration if two_sided else None)
+    check_job(
+        pattern.sheet,
+        profile,
+        material=material,
+        tile=tile,
+        registration=registration if two_sided else None,
+        layout=layout,
+        tabs=tabs,
+    )
     lay = Lay.for_machine(pattern.sheet, profile, tile=tile)
+    corners: list[tuple[float, float]] = []
+    if layout.asked_for:
+        lay, corners = laid_out(pattern.sheet, profile, layout)
     stuff = _material(profile, material)
     creases, uncut = _creases(pattern, profile, stuff, treatment)
     # the cut line is part of the outline, and no line may be there twice
@@ -127,14 +99,16 @@ def make_jobs(
         # out of a jig the sheet is cut before it is turned over
         last = "front" if registration == "jig" else "back"
         if (profile.cut_outline or lay.cut_out) and side in ("both", last):
-            runs["cut"].append([_outset(pattern.sheet.corners, profile.kerf_mm / 2)])
+            outline = _outset(pattern.sheet.corners, profile.kerf_mm / 2)
+            runs["cut"].append([outline] if tabs is None else cut_around_tabs(outline, tabs, profile.kerf_mm))
         job = replace(_job(pattern, profile, runs, _actions(treatment), stuff, lay, side), uncut=uncut)
         if two_sided:
             job = replace(job, registration=registration, turned_over=lay.turned_over)
         if two_sided and registration in HOLES_MM:
             centres = hole_centres(pattern.sheet, HOLES_MM[registration], lay.room)
             job = replace(job, holes=lay.place(centres, side))
-        jobs.append(job)
+        job = replace(job, framed=framed, tabs=tabs if runs["cut"] and side in ("both", last) else None)
+        jobs.append(arranged([(job, corner) for corner in corners], profile) if corners else job)
     return tuple(jobs)
 
 
@@ -172,11 +146,13 @@ def check_job(
     material: str | None = None,
     tile: bool = False,
     registration: Registration | None = None,
+    layout: BedLayout = IN_THE_CORNER,
+    tabs: Tabs | None = None,
 ) -> None:
     """Check a job before there is a pattern.
 
-    Raises JobError: the sheet does not fit the bed, the profile has no such material or is only for drawings, or it
-    cuts no jig.
+    ``registration``: what lines up the sides of a job that has two. Raises JobError: the sheet does not fit the bed,
+    the profile has no such material or is only for drawings, or the machine does not do what is asked for.
     """
     for role in ("mark", "mountain", "valley", "cut"):
         if role not in profile.operations:
@@ -189,6 +165,12 @@ def check_job(
     if tile and profile.page is None:
         raise JobError(f"the profile {profile.title!r} cannot tile: only printers take several pages")
     Lay.for_machine(sheet, profile, tile=tile)
+    if layout.asked_for:
+        laid_out(sheet, profile, layout)
+    if layout.copies > 1 and registration == "corners":
+        raise JobError("corner marks line up one sheet at a time; use --registration holes or jig, or one copy")
+    if tabs is not None:
+        check_tabs(tabs, sheet, profile)
 
 
 def steps_of(profile: Profile, material: str | None = None) -> tuple[JobStep, ...]:
@@ -224,9 +206,7 @@ def _job(
         here = runs[-1][-1][-1]
         strokes = tuple(stroke for run in runs for stroke in run)
         action = actions[role]
-        operation = operation_for(profile, role, action)
-        if steps and profile.pause_prefix and operation.pen != steps[-1].operation.pen:
-            operation = operation.model_copy(update={"layer": profile.pause_prefix + operation.layer})
+        operation = operation_after(steps[-1] if steps else None, profile, role, action)
         steps.append(JobStep(role, operation, getattr(stuff, _SETTINGS[action]), strokes, action))
     job = Job(pattern.title, lay.size, lay.at, lay.turned, side, tuple(steps), travel_before, travel_after, lay.paper)
     _check_reach(job, profile)
@@ -234,14 +214,6 @@ def _job(
         (width, height), (x, y, u, v) = lay.size, lay.reach
         job = replace(job, missed=(max(0.0, x), max(0.0, y), max(0.0, width - u), max(0.0, height - v)))
     return job
-
-
-def operation_for(profile: Profile, role: Role, action: Action) -> Operation:
-    """Return what a machine calls the lines of a role; perforations are cut with the tool for cuts."""
-    operation = profile.operations[role]
-    if action != "perforate" or profile.draws:
-        return operation
-    return operation.model_copy(update={"pen": profile.operations["cut"].pen})
 
 
 def within(runs: list[Run], reach: Box | None) -> list[Run]:
@@ -271,9 +243,9 @@ def _check_reach(job: Job, profile: Profile) -> None:
     for step in job.steps:
         points = np.concatenate(step.strokes) + job.at
         if (points < -1e-6).any() or (points > np.array([bed.width_mm, bed.height_mm]) + 1e-6).any():
-            raise JobError(
-                f"layer {step.operation.layer} goes beyond the machine's {bed.width_mm:g} x {bed.height_mm:g} mm; use "
-                "a smaller --sheet"
+            raise TooLargeError(
+                f"layer {step.operation.layer} goes beyond the machine's {bed.width_mm:g} x {bed.height_mm:g} mm",
+                "use a smaller --sheet",
             )
 
 

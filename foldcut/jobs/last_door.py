@@ -15,7 +15,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern
 from foldcut.jobs.bed import SLACK_MM
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Profile
 
@@ -48,9 +48,9 @@ def brought_on_bed(job: Job, profile: Profile) -> Job:
     if too_wide or (np.abs(shift) > beyond).any():
         x, y = points[int(np.maximum(-points, points - reach).max(axis=1).argmax())]
         kerf = f", with a kerf of {profile.kerf_mm:g} mm" if profile.kerf_mm else ""
-        raise JobError(
-            f"the job reaches ({x:.6g}, {y:.6g}) mm{kerf}, beyond the machine's {reach[0]:g} x {reach[1]:g} mm; "
-            "use a smaller --sheet"
+        raise TooLargeError(
+            f"the job reaches ({x:.6g}, {y:.6g}) mm{kerf}, beyond the machine's {reach[0]:g} x {reach[1]:g} mm",
+            "use a smaller --sheet",
         )
     right, up = shift.tolist()
     return replace(job, at=(job.at[0] + right, job.at[1] + up)) if right or up else job

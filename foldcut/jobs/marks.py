@@ -22,7 +22,7 @@ from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import cross, left_normal
 from foldcut.pattern.cut_line import fold_boundary
 from foldcut.pattern.face_maps import fold_faces, folded_edges
-from foldcut.pattern.first_folds import in_front
+from foldcut.pattern.first_folds import fold_numbers, in_front
 from foldcut.pattern.straight_lines import straight_lines
 
 TOUCHING = 1e-9
@@ -127,19 +127,21 @@ def pressing_order(pattern: FoldedPattern) -> tuple[list[Floats], list[Floats]]:
 
 
 def numbers(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
-    """Return a number beside each line of creases, in ``pressing_order``.
+    """Return a number beside each line of creases, in ``pressing_order``: that of the fold which creases it.
 
     Lines shorter than ``SHORTEST_NUMBERED_MM`` count but have no number.
     """
     firsts, rest = pressing_order(pattern)
+    first = fold_numbers(len(firsts))
+    folds = [*first, *range(max(first, default=0) + 1, max(first, default=0) + 1 + len(rest))]
     strokes = []
-    for number, line in enumerate([*firsts, *rest], start=1):
+    for place, (number, line) in enumerate(zip(folds, [*firsts, *rest], strict=True)):
         if math.dist(*line) < SHORTEST_NUMBERED_MM:
             continue
         along = (line[1] - line[0]) / math.dist(*line)
         along = -along if along[0] < -1e-9 or (abs(along[0]) < 1e-9 and along[1] < 0) else along
         # first folds cross in one point, where their numbers would lie on each other
-        spot = line.mean(axis=0) if number > len(firsts) or len(firsts) < 2 else _halfway(line, firsts)
+        spot = line.mean(axis=0) if place >= len(firsts) or len(firsts) < 2 else _halfway(line, firsts)
         middle = spot + left_normal(along) * 0.3 * NUMBER_MM
         strokes += [_turned(stroke, along) + middle for stroke in text(str(number), NUMBER_MM)]
     return _in_room(strokes, room or whole(pattern.sheet))

@@ -18,11 +18,35 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from foldcut.core.errors import FileFormatError
+from foldcut.core.files import identity, is_standard_input
 from foldcut.core.signals import signals_wait
 
 
 class OutputError(FileFormatError):
     """A file cannot be written to the place that was asked for."""
+
+
+class InputError(OutputError):
+    """A file is read, and would be replaced."""
+
+
+class Inputs:
+    """The files that a command reads. None of them is ever replaced, by whatever path: links, hard links, other case.
+
+    ``paths`` may have some that do not exist; the one of standard input is "-".
+    """
+
+    def __init__(self, paths: Iterable[Path] = ()) -> None:
+        self._paths = {found: path for path in paths if (found := identity(path)) is not None}
+
+    def refuse(self, target: Path) -> None:
+        """Raise InputError if ``target`` leads to one of them."""
+        path = self._paths.get(identity(target) or (-1, -1)) if self._paths else None
+        if path is None:
+            return
+        what = "standard input" if is_standard_input(path) else str(path)
+        same = f" (as {what})" if what != str(target) else ""
+        raise InputError(f"cannot write {target}: it is read{same}, and would be lost; write to another name or folder")
 
 
 STALE_S = 3600.0
@@ -41,11 +65,11 @@ _REMEDIES = {
 """What a message says about an error of the operating system: what is wrong, and what to do."""
 
 
-def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
+def check_targets(paths: Iterable[Path], *, replace: bool = False, inputs: Inputs | None = None) -> None:
     """Check, before any long work, that files can be written; a full disk is found out only later.
 
     Raises OutputError: a folder is missing or not writable, a path is a folder, two paths are the same, or, without
-    ``replace``, a file exists already.
+    ``replace``, a file exists already. Raises InputError: a file is one of the ``inputs``.
     """
     seen = set()
     for path in paths:
@@ -54,6 +78,8 @@ def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
             raise OutputError(f"{path} is named twice; give every output its own name")
         seen.add(target)
         with _explained(path):
+            if inputs is not None:
+                inputs.refuse(path)
             if target.exists() and not target.is_file():
                 what = "a folder" if target.is_dir() else "not a regular file"
                 raise OutputError(f"cannot write {path}: it is {what}; give a file name")
@@ -67,15 +93,16 @@ def check_targets(paths: Iterable[Path], *, replace: bool = False) -> None:
                 raise OSError(errno.EACCES, "")
 
 
-def write_files(contents: Mapping[Path, bytes], *, replace: bool = False) -> None:
+def write_files(contents: Mapping[Path, bytes], *, replace: bool = False, inputs: Inputs | None = None) -> None:
     """Write all files, or none if one cannot be written; ``replace`` allows existing files to be replaced.
 
-    A replaced file keeps its permissions, and links are followed. Only a failure while the finished files are moved
-    into place, one after the other, can leave some new and some old; even then each of them is whole.
+    The ``inputs`` never are. A replaced file keeps its permissions, and links are followed. Only a failure while the
+    finished files are moved into place, one after the other, can leave some new and some old; even then each of them is
+    whole.
 
     Raises OutputError: a file cannot be written; the message says which one, why, and what to do.
     """
-    check_targets(contents, replace=replace)
+    check_targets(contents, replace=replace, inputs=inputs)
     moves: list[tuple[Path, Path, Path]] = []
     try:
         for path, data in contents.items():

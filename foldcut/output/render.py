@@ -9,9 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from foldcut.core.model import FoldedPattern
-from foldcut.exporters import JOB_EXPORTERS, export, export_job
+from foldcut.exporters import DUPLEX, JOB_EXPORTERS, export, export_duplex, export_frame, export_job
+from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout
 from foldcut.jobs.bed import Side
 from foldcut.jobs.job import Job, JobStep, Registration, make_jobs
+from foldcut.jobs.tabs import Tabs
+from foldcut.output.recipe import Recipe
 from foldcut.profiles import Action, Profile, Treatment
 
 __all__ = ["JobOptions", "Maker"]
@@ -27,19 +30,23 @@ class JobOptions:
     registration: Registration | None = None
     marks: tuple[str, ...] | None = None
     tile: bool = False
+    layout: BedLayout = IN_THE_CORNER
+    tabs: Tabs | None = None
+    framed: bool = False
 
     def sides(self, path: Path) -> dict[Side, Path]:
-        """Return the files that ``path`` stands for: one, or one for the front and one for the back."""
-        if not self.two_sided or path.suffix.lower() not in JOB_EXPORTERS:
+        """Return the files that ``path`` stands for: one, or one for the front and one for the back; a PDF has both."""
+        if not self.two_sided or path.suffix.lower() not in JOB_EXPORTERS or path.suffix.lower() == DUPLEX:
             return {"both": path}
         return {"front": path.with_stem(f"{path.stem}-front"), "back": path.with_stem(f"{path.stem}-back")}
 
     def targets(self, path: Path, profile: Profile | None) -> list[Path]:
         """Return the files that may be written for ``path``: for each side, and each tool if these have files apart."""
         sides = list(self.sides(path).values())
+        frames = [frame_path(side) for side in sides] if self.framed and path.suffix.lower() in JOB_EXPORTERS else []
         if not tools_apart(path, profile):
-            return sides
-        return [tool_path(side, tool) for side in sides for tool in dict.fromkeys(TOOLS.values())]
+            return [*frames, *sides]
+        return [*frames, *(tool_path(side, tool) for side in sides for tool in dict.fromkeys(TOOLS.values()))]
 
 
 TOOLS: dict[Action, str] = {"mark": "mark", "score": "score", "draw": "score", "perforate": "cut", "cut": "cut"}
@@ -57,6 +64,11 @@ def tool_path(path: Path, tool: str) -> Path:
     return path.with_stem(f"{path.stem}-{tool}")
 
 
+def frame_path(path: Path) -> Path:
+    """Return the file that goes round the job of another file, with the tool off."""
+    return path.with_stem(f"{path.stem}-frame")
+
+
 def job_files(job: Job, path: Path, profile: Profile) -> dict[Path, Job]:
     """Return what of a job is in which file: all of it in one, or the steps of each tool in a file of its own."""
     if not tools_apart(path, profile):
@@ -70,19 +82,26 @@ def job_files(job: Job, path: Path, profile: Profile) -> dict[Path, Job]:
 class Maker:
     """Makes the files of a pattern.
 
-    ``jobs``: its jobs for the machine, by side, once a file has needed them; ``jobs_of``: what of them is in each file.
+    ``recipe``: how they are made, if that is to stand in them. ``jobs``: the pattern's jobs for the machine, by side,
+    once a file has needed them; ``jobs_of``: what of them is in each file.
     """
 
-    def __init__(self, pattern: FoldedPattern, profile: Profile | None, options: JobOptions) -> None:
-        self.pattern, self.profile, self.options = pattern, profile, options
+    def __init__(
+        self, pattern: FoldedPattern, profile: Profile | None, options: JobOptions, recipe: Recipe | None = None
+    ) -> None:
+        self.pattern, self.profile, self.options, self.recipe = pattern, profile, options, recipe
         self.jobs: dict[Side, Job] = {}
         self.jobs_of: dict[Path, Job] = {}
 
     def files(self, path: Path) -> dict[Path, bytes]:
-        """Return the bytes of each file that ``path`` stands for; its ending says the format.
+        """Return the bytes of each file that ``path`` stands for, with their recipe; its ending says the format.
 
         Raises FileFormatError and JobError, as exporters do.
         """
+        recipe, made = self.recipe, self._without_recipe(path)
+        return made if recipe is None else {p: recipe.put_into(data, path.name, p.name) for p, data in made.items()}
+
+    def _without_recipe(self, path: Path) -> dict[Path, bytes]:
         profile, options = self.profile, self.options
         if profile is None or not profile.operations or path.suffix.lower() not in JOB_EXPORTERS:
             return {path: export(self.pattern, path.suffix, profile)}
@@ -96,10 +115,20 @@ class Maker:
                 registration=options.registration,
                 marks=options.marks,
                 tile=options.tile,
+                layout=options.layout,
+                tabs=options.tabs,
+                framed=options.framed,
             )
             self.jobs = {job.side: job for job in made}
-        parts: dict[Path, Job] = {}
+        if options.two_sided and path.suffix.lower() == DUPLEX:
+            front, back = self.jobs["front"], self.jobs["back"]
+            self.jobs_of[path] = replace(front, side="both")
+            return {path: export_duplex(front, back, profile)}
+        files: dict[Path, bytes] = {}
         for side, name in options.sides(path).items():
-            parts |= job_files(self.jobs[side], name, profile)
-        self.jobs_of |= parts
-        return {name: export_job(job, path.suffix, profile) for name, job in parts.items()}
+            if options.framed:
+                files[frame_path(name)] = export_frame(self.jobs[side], path.suffix, profile)
+            parts = job_files(self.jobs[side], name, profile)
+            files |= {part: export_job(job, path.suffix, profile) for part, job in parts.items()}
+            self.jobs_of |= parts
+        return files

@@ -11,7 +11,7 @@ then on top is the one to the left of the first line, beside its second half.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -72,15 +72,35 @@ def letters_of_wedge(count: int) -> dict[int, str]:
 
     They have the numbers of the sectors that follow them, and come in the order in which the fan's folds crease them.
     """
-    letters = {0: "M", count: "M"}
+    letters: dict[int, str] = {}
+    for _, half, letter in _creased(count):
+        letters.setdefault(half, letter)
+    return letters
+
+
+def fold_numbers(count: int) -> list[int]:
+    """Return the number of the fold that creases each of ``count`` lines, counted from 1, in the lines' order.
+
+    One fold of a wedge creases several lines; that of a line which is creased twice is the first.
+    """
+    if count < FEWEST_OF_WEDGE:
+        return list(range(1, count + 1))
+    folds: dict[int, int] = {}
+    for fold, half, _ in _creased(count):
+        folds.setdefault(half % count, fold)
+    return list(folds.values())
+
+
+def _creased(count: int) -> Iterator[tuple[int, int, str]]:
+    """Yield what each fold of a fan creases: the fold's number, counted from 1, a half-line, and its letter."""
+    yield from ((1, 0, "M"), (1, count, "M"))
     row = [[number, 2 * count - 1 - number] for number in range(count)]
-    for left in sectors_left(count):
+    for fold, left in enumerate(sectors_left(count), start=2):
         # every other sector of a column lies turned over: its first border is the one away from column 0
         turned = {sector: (sector - left) % 2 for sector in row[left]}
         for sector in sorted(turned, key=lambda one: (one + turned[one]) % count):
-            letters.setdefault((sector + turned[sector]) % (2 * count), "V" if turned[sector] else "M")
+            yield fold, (sector + turned[sector]) % (2 * count), "V" if turned[sector] else "M"
         row = _folded(row, left)
-    return letters
 
 
 def _folded(row: Sequence[list[int]], left: int) -> list[list[int]]:

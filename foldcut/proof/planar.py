@@ -9,12 +9,18 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers
+from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers, blocks
 from foldcut.core.model import CreasePattern, Finding
 from foldcut.geometry.planar_graph import Keys, half_edges, pair_keys, signed_areas
 from foldcut.proof.findings import at_edge, finding
 
 __all__ = ["check_edges", "check_planar", "short_edges"]
+
+MOST_FINDINGS = 1_000
+"""Of edges that cross, and of vertices that lie on edges, no more are looked for once there are so many."""
+
+_BATCH = 256
+"""The number of edges or vertices in one query, which bounds the memory that a tangle takes."""
 
 MANY_SIDES = 64
 """In faces with more sides than this, a tree finds sides that a corner comes close to; else all pairs are compared."""
@@ -131,11 +137,20 @@ def _come_close(x: Floats, y: Floats, ax: Floats, ay: Floats, tolerance: float) 
 
 
 def _comes_close(coords: Floats, outline: Ints, tolerance: float) -> bool:
-    """Whether a corner of one polygon, with many sides, comes close to a side that it does not end."""
+    """Whether a corner of one polygon, with many sides, comes close to a side that it does not end.
+
+    It does if it names a vertex twice.
+    """
+    if len(np.unique(outline)) < len(outline):
+        return True
     ends = np.stack([outline, np.roll(outline, -1)], axis=1)
     tree = shapely.STRtree(shapely.linestrings(coords[ends]))
-    vertex, side = tree.query(shapely.points(coords[outline]), predicate="dwithin", distance=tolerance * (1 + 1e-9))
-    return bool((ends[side] != outline[vertex][:, None]).all(axis=1).any())
+    corners = shapely.points(coords[outline])
+    for some in blocks(len(outline), _BATCH):
+        vertex, side = tree.query(corners[some], predicate="dwithin", distance=tolerance * (1 + 1e-9))
+        if (ends[side] != outline[some][vertex][:, None]).all(axis=1).any():
+            return True
+    return False
 
 
 def _check_face_outlines(pattern: CreasePattern, convex: Bools) -> list[Finding]:
@@ -213,14 +228,19 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
     coords, edges = pattern.vertices_coords, pattern.edges_vertices
     lines = shapely.linestrings(coords[edges])
     tree = shapely.STRtree(lines)
-    one, other = tree.query(lines, predicate="crosses")
-    once = one < other
-    one, other = one[once], other[once]
-    places = shapely.get_coordinates(shapely.centroid(shapely.intersection(lines[one], lines[other])))
-    findings = [
-        finding("planar", f"edges {a} and {b} cross; divide both there", place)
-        for a, b, place in zip(one.tolist(), other.tolist(), places, strict=True)
-    ]
+    findings: list[Finding] = []
+    for some in blocks(len(lines), _BATCH):
+        one, other = tree.query(lines[some], predicate="crosses")
+        one = one + some.start
+        once = np.flatnonzero(one < other)[: MOST_FINDINGS - len(findings)]
+        one, other = one[once], other[once]
+        places = shapely.get_coordinates(shapely.centroid(shapely.intersection(lines[one], lines[other])))
+        findings += [
+            finding("planar", f"edges {a} and {b} cross; divide both there", place)
+            for a, b, place in zip(one.tolist(), other.tolist(), places, strict=True)
+        ]
+        if len(findings) >= MOST_FINDINGS:
+            break
     return [*findings, *_vertices_on_edges(pattern, tolerance, tree)]
 
 
@@ -228,12 +248,19 @@ def _vertices_on_edges(pattern: CreasePattern, tolerance: float, tree: shapely.S
     """Find vertices that lie on an edge without being one of its ends; ``tree``, if given, holds all edges."""
     coords, edges = pattern.vertices_coords, pattern.edges_vertices
     tree = tree or shapely.STRtree(shapely.linestrings(coords[edges]))
-    vertex, edge = tree.query(shapely.points(coords), predicate="dwithin", distance=tolerance)
-    apart = (edges[edge] != vertex[:, None]).all(axis=1)
-    return [
-        finding("planar", f"vertex {v} lies on edge {e}; divide the edge there", coords[v])
-        for v, e in zip(vertex[apart].tolist(), edge[apart].tolist(), strict=True)
-    ]
+    points = shapely.points(coords)
+    findings: list[Finding] = []
+    for some in blocks(len(points), _BATCH):
+        vertex, edge = tree.query(points[some], predicate="dwithin", distance=tolerance)
+        vertex = vertex + some.start
+        apart = np.flatnonzero((edges[edge] != vertex[:, None]).all(axis=1))[: MOST_FINDINGS - len(findings)]
+        findings += [
+            finding("planar", f"vertex {v} lies on edge {e}; divide the edge there", coords[v])
+            for v, e in zip(vertex[apart].tolist(), edge[apart].tolist(), strict=True)
+        ]
+        if len(findings) >= MOST_FINDINGS:
+            break
+    return findings
 
 
 def _check_outline(pattern: CreasePattern, sides: Numbers) -> list[Finding]:

@@ -9,26 +9,30 @@ The checks, each of which relies on those before it:
 - the faces tile the sheet (``proof.planar``);
 - each face, folded, meets its neighbours (here);
 - angles, mountains and valleys around every vertex fold flat (``proof.vertices``);
-- the layers can lie in their order (``proof.layers``);
+- the layers can lie in their order (``proof.layers``; an order of pairs: ``proof.pairwise``);
 - the boundary of the shape comes to lie on one line, and nothing else does (``proof.cut``).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
-from foldcut.core.arrays import Bools, Ints, blocks
+from foldcut.core.arrays import Bools, Ints, Numbers, blocks
 from foldcut.core.model import CreasePattern, Finding, Shape
 from foldcut.geometry.planar_graph import edge_lengths, edge_sides, faces_of_sides
 from foldcut.pattern.face_maps import FaceMaps, fold_faces, folded_edges
 from foldcut.proof.cut import check_cut
 from foldcut.proof.findings import at_edge
 from foldcut.proof.layers import check_layer_order, check_mountains, check_stacking
+from foldcut.proof.pairwise import check_pairs
 from foldcut.proof.planar import check_edges, check_planar, short_edges
 from foldcut.proof.tolerance import COINCIDENT
 from foldcut.proof.vertices import check_vertices, is_flat_at_vertices
 
-__all__ = ["CHECKS", "verify"]
+__all__ = ["CHECKS", "PairOrder", "verify"]
 
 CHECKS = (
     "arrays",
@@ -49,18 +53,31 @@ ASSIGNMENTS = ("B", "M", "V", "F", "U")
 """FOLD's letters for edges: border, mountain, valley, flat and unassigned; cuts and joins are not supported."""
 
 
-def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = None) -> list[Finding]:
+@dataclass(frozen=True, eq=False)
+class PairOrder:
+    """An order of faces that need not be one list: ``pairs`` ``(n, 2)``, in each of which the first face is above."""
+
+    pairs: Numbers
+
+
+def verify(
+    pattern: CreasePattern,
+    layers: Ints | PairOrder | None,
+    shape: Shape | None = None,
+    tolerances: Sequence[float] = COINCIDENT,
+) -> list[Finding]:
     """Return all that keeps the pattern from folding flat and from being cut right; an empty list means valid.
 
-    ``layers`` are the face numbers from bottom to top, where up is the side that the front of face 0 shows; ``shape``
-    is on the sheet, in mm. Without a shape, the cut is not checked. Without layers, the pattern is not verified, and a
-    finding says so. Edges assigned F or U count as not folded.
+    ``layers`` are the face numbers from bottom to top, where up is the side that the front of face 0 shows, or the
+    order of pairs of faces; ``shape`` is on the sheet, in mm. Without a shape, the cut is not checked. Without layers,
+    the pattern is not verified, and a finding says so. Edges assigned F or U count as not folded. One of the
+    ``tolerances``, relative to the sheet's diagonal, the coarsest first, has to find nothing.
     """
     findings = check_arrays(pattern)
     if findings:
         return findings
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
-    coarse, *finer = (share * diagonal for share in COINCIDENT)
+    coarse, *finer = (share * diagonal for share in tolerances)
     lengths, loose = edge_lengths(pattern), check_edges(pattern)
 
     def found_within(tolerance: float, *, places: bool) -> list[Finding]:
@@ -72,7 +89,7 @@ def verify(pattern: CreasePattern, layers: Ints | None, shape: Shape | None = No
 
 
 def _verify_within(
-    tolerance: float, pattern: CreasePattern, layers: Ints | None, shape: Shape | None, *, places: bool
+    tolerance: float, pattern: CreasePattern, layers: Ints | PairOrder | None, shape: Shape | None, *, places: bool
 ) -> list[Finding]:
     """Verify with one tolerance, in mm; with ``places``, also find where edges cross, the cause of many faults."""
     sides = edge_sides(pattern)
@@ -89,6 +106,8 @@ def _verify_within(
         return findings
     if layers is None:
         findings = [Finding("layers", "no layer order: whether the layers can lie flat is not verified")]
+    elif isinstance(layers, PairOrder):
+        findings = check_pairs(pattern, faces_of_edges, maps, layers.pairs, tolerance)
     else:
         findings = check_layer_order(layers, len(pattern.faces_vertices))
         if not findings:

@@ -8,7 +8,8 @@ are a valid shape is for ``make_shape`` to say. To add a format, add a module wi
 
 from __future__ import annotations
 
-import sys
+import hashlib
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +17,8 @@ from typing import NamedTuple
 from shapely.errors import ShapelyError
 
 from foldcut.core.errors import BadInputError, FileFormatError
+from foldcut.core.files import is_standard_input, read_bytes
+from foldcut.core.text import as_title
 from foldcut.readers.base import Drawing, ReadOptions, Source
 
 __all__ = ["READERS", "Drawing", "ReadOptions", "read_shape"]
@@ -43,9 +46,6 @@ READERS = {
 }
 """By suffix. In text, numbers are counted before anything is parsed; an SVG, in any encoding, counts its own."""
 
-STANDARD_INPUT = "-"
-"""The path that stands for standard input."""
-
 
 def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes | None = None) -> Drawing:
     """Return the drawing in the file ``path``; raises ``FileFormatError`` with the path and the remedy.
@@ -62,6 +62,7 @@ def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes
             options.limits.check_numbers(source.data)
         drawing: Drawing = import_module(f"foldcut.readers.{reader.module}").read(source, options)
         options.limits.check_loops(drawing.loops)
+        drawing = replace(drawing, title=as_title(drawing.title))
     except FileFormatError as error:
         raise FileFormatError(f"{path}: {' '.join(str(error).split())}") from None
     except OSError as error:
@@ -75,7 +76,7 @@ def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes
         ) from None
     except MemoryError:
         raise FileFormatError(f"{path}: the drawing takes more memory than there is; give a simpler one") from None
-    return drawing
+    return replace(drawing, sha256=hashlib.sha256(source.data).hexdigest())
 
 
 def _suffix(path: Path, options: ReadOptions) -> str:
@@ -86,7 +87,7 @@ def _suffix(path: Path, options: ReadOptions) -> str:
         if suffix not in READERS:
             raise FileFormatError(f"there is no format {options.suffix!r}; give --from one of {known}")
         return suffix
-    if str(path) == STANDARD_INPUT:
+    if is_standard_input(path):
         raise FileFormatError(f"standard input has no suffix; give the format with --from, one of {known}")
     if path.is_dir():
         raise FileFormatError("is a folder; give a file in it")
@@ -98,20 +99,16 @@ def _suffix(path: Path, options: ReadOptions) -> str:
 def _source(path: Path, options: ReadOptions, data: bytes | None) -> Source:
     """Return the bytes of a file, or of standard input, without reading more of them than the limit."""
     most = options.limits.bytes
-    size = None if data is None else len(data)
     if data is not None:
-        name = path.stem
-    elif str(path) == STANDARD_INPUT:
-        data, name = sys.stdin.buffer.read(most + 1), "drawing"
+        size, name = len(data), path.stem
+    elif is_standard_input(path):
+        data = read_bytes(path, most)
+        size, name = len(data), "drawing"
     elif not path.exists():
         raise FileFormatError("there is no such file; check the path")
-    elif not path.is_file():
-        raise FileFormatError("is not an ordinary file; give one, or - for standard input")
     else:
-        with path.open("rb") as file:
-            data, name = file.read(most + 1), path.stem
-    if size is None:
-        size = len(data) if str(path) == STANDARD_INPUT else path.stat().st_size
+        data = read_bytes(path, most)
+        size, name = path.stat().st_size, path.stem
     options.limits.check_size(size)
     if not data.strip():
         raise FileFormatError("the file is empty; give a file with at least one closed loop")

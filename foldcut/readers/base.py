@@ -6,7 +6,6 @@ import json
 import re
 from collections import Counter
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -78,7 +77,7 @@ class Source:
 
     def text(self) -> str:
         """Return the text; raises ``FileFormatError`` if it is not UTF-8 or if it is empty."""
-        return _decoded(self.data)
+        return decoded(self.data)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +89,7 @@ class Drawing:
     had to be mended, which ``--strict`` refuses. ``y_down``: the y axis of the file points down, so y has changed sign.
     ``curves``: what the loops were flattened from, in the same order; empty if all of them are straight lines, or if
     that is not known. ``lost``: outlines that the file has and that are not among the loops, since others cover them.
+    ``sha256``: the hash of the file's bytes, "" if there is no file.
     """
 
     loops: tuple[Floats, ...]
@@ -101,6 +101,7 @@ class Drawing:
     repairs: tuple[str, ...] = ()
     curves: tuple[CurvedLoop, ...] = ()
     lost: tuple[Floats, ...] = ()
+    sha256: str = ""
 
     @property
     def size(self) -> tuple[float, float]:
@@ -137,7 +138,17 @@ def json_of(source: Source, options: ReadOptions, example: str) -> Any:
     try:
         return json.loads(text)
     except ValueError as error:
-        raise FileFormatError(f"not JSON: {error}; {example}") from None
+        raise FileFormatError(f"not JSON: {why_not_json(error)}; {example}") from None
+
+
+def why_not_json(error: Exception) -> str:
+    """Return what is wrong with a text that ``json.loads`` refused."""
+    if isinstance(error, json.JSONDecodeError):
+        return str(error)
+    if isinstance(error, RecursionError):
+        return "brackets are nested too deep"
+    digits = "Exceeds the limit" in str(error)  # of Python's own, with a remedy for programmers
+    return "a number has thousands of digits" if digits else str(error)
 
 
 def brackets_depth(text: str, opening: str, closing: str) -> int:
@@ -147,12 +158,8 @@ def brackets_depth(text: str, opening: str, closing: str) -> int:
     return int(steps.cumsum().max(initial=0))
 
 
-def read_text(path: Path) -> str:
+def decoded(data: bytes) -> str:
     """Return the text of a UTF-8 file; raises ``FileFormatError`` if it is not UTF-8 or if it is empty."""
-    return _decoded(path.read_bytes())
-
-
-def _decoded(data: bytes) -> str:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

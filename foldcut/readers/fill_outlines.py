@@ -17,10 +17,8 @@ import shapely
 
 from foldcut.core.arrays import Floats, points_array
 from foldcut.drawing.shape import polygon_loops
+from foldcut.geometry.crossings import are_tangled, faces_of_lines, winding
 from foldcut.geometry.union_find import groups
-
-MOST_CROSSINGS = 10_000
-"""Outlines with more crossings are left as they are; ``make_shape`` refuses them and says where."""
 
 MOST_NAMED = 5
 """A note names this many outlines; the others are counted."""
@@ -30,9 +28,6 @@ MOST_JUDGED = 2_000
 
 ALL = 1 - 1e-9
 """An outline is covered if more than this share of its area is."""
-
-_BATCH = 256
-"""The greatest number of segments in one query."""
 
 Place = Callable[[Floats], str]
 """Tells a point in the coordinates of the file."""
@@ -78,7 +73,7 @@ def fill(loops: Sequence[Floats], *, even_odd: bool) -> list[Floats]:
         return list(loops)
     if shapely.is_simple(shapely.multilinestrings(rings)) and min(map(len, loops)) > 2:
         return list(loops) if even_odd or len(loops) == 1 else _nonzero(loops)
-    if _crossings(rings) > MOST_CROSSINGS:
+    if are_tangled(loops):
         return list(loops)
     return list(polygon_loops(shapely.get_parts(_filled_area(loops, rings, even_odd))))
 
@@ -97,7 +92,7 @@ def unite(parts: Sequence[Part], place: Place) -> United:
         return United(loops, [], [])
     is_simple = bool(shapely.is_simple(shapely.multilinestrings(rings)))
     mixed = len({part.paint is Paint.WHITE for part in parts}) == 2
-    if (is_simple and not mixed) or (not is_simple and _crossings(rings) > MOST_CROSSINGS):
+    if (is_simple and not mixed) or (not is_simple and are_tangled(loops)):
         return United(loops, [], [])
     groups = [[number] for number in range(len(parts))] if is_simple else _groups(parts)
     ground = _Ground(parts) if mixed else None
@@ -240,38 +235,13 @@ def _closed_lines(loops: Sequence[Floats]) -> list[shapely.LineString] | None:
     return [shapely.linestrings(np.concatenate([loop, loop[:1]])) for loop in loops]
 
 
-def _crossings(rings: Sequence[shapely.LineString]) -> int:
-    """Return how many pairs of segments meet that are not neighbours; stop counting beyond ``MOST_CROSSINGS``."""
-    coords = [shapely.get_coordinates(ring) for ring in rings]
-    segments = shapely.linestrings(np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in coords]))
-    tree, count, start, batch = shapely.STRtree(segments), 0, 0, 1
-    segments = np.random.default_rng(0).permutation(segments)  # at random: if all lie in one place, a few suffice
-    while start < len(segments) and count <= 2 * MOST_CROSSINGS:
-        asked = segments[start : start + batch]
-        one, _ = tree.query(asked, predicate="intersects")
-        count += max(len(one) - 3 * len(asked), 0)
-        start, batch = start + batch, min(2 * batch, _BATCH)
-    return count // 2
-
-
 def _filled_area(
     loops: Sequence[Floats], lines: Sequence[shapely.LineString] | None, even_odd: bool
 ) -> shapely.Geometry:
     """Return the area that the loops fill: those faces between all lines whose winding number says so."""
-    faces = shapely.get_parts(shapely.polygonize([shapely.union_all(lines)]))
-    inside = shapely.get_coordinates(shapely.point_on_surface(faces))
-    winding = sum((_winding(inside, loop) for loop in loops), np.zeros(len(inside), dtype=np.int64))
-    return shapely.union_all(faces[winding % 2 == 1 if even_odd else winding != 0])
-
-
-def _winding(points: Floats, loop: Floats) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
-    """Return the winding number of ``loop`` around each point: how often it goes around it, counter-clockwise."""
-    (x, y), (to_x, to_y) = loop.T, np.roll(loop, -1, axis=0).T
-    turns = np.zeros(len(points), dtype=np.int64)
-    for number, (px, py) in enumerate(points.tolist()):
-        left = (to_x - x) * (py - y) - (px - x) * (to_y - y)
-        turns[number] = np.sum((y <= py) & (to_y > py) & (left > 0)) - np.sum((y > py) & (to_y <= py) & (left < 0))
-    return turns
+    faces, inside = faces_of_lines(lines or ())
+    turns = sum((winding(inside, loop) for loop in loops), np.zeros(len(inside), dtype=np.int64))
+    return shapely.union_all(faces[turns % 2 == 1 if even_odd else turns != 0])
 
 
 def _nonzero(loops: Sequence[Floats]) -> list[Floats]:

@@ -64,7 +64,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     traced: str = vtracer.convert_raw_image_to_svg(
         buffer.getvalue(), img_format="png", colormode="binary", mode="polygon", filter_speckle=0, path_precision=3
     )
-    paths = "".join(re.findall(r"<path[^>]*>", traced))
+    paths = "".join(re.findall(r"<path[^<>]*>", traced))
     text = f'<svg viewBox="0 0 {width} {height}">{paths}</svg>'
     drawing = svg.read(Source(text.encode(), source.name), options)
     return replace(drawing, unit_mm=MM_PER_INCH / dpi if dpi > 1 else None, ignored=counted(ignored))

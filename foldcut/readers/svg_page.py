@@ -36,7 +36,7 @@ from foldcut.readers.svg_style import (
 )
 from foldcut.readers.svg_transforms import PROPERTIES, Box, UnreadableError, about, of_attribute, of_css, origin_of
 
-MOST_ELEMENTS = 200_000
+MOST_ELEMENTS = 100_000
 """A file that shows more elements is refused; clones count as often as they are shown."""
 
 SEEN = 1 / 510
@@ -53,7 +53,7 @@ _UNSEEN = {"title", "desc", "metadata", "style", "view", "defs", "clipPath", "ma
     "linearGradient", "radialGradient"
 }  # fmt: skip
 _GRADIENTS = ("linearGradient", "radialGradient")
-_URL = re.compile(r"url\(\s*[\"']?\s*#?([^)\"'\s]*)\s*[\"']?\s*\)\s*(.*)", re.DOTALL | re.IGNORECASE)
+_URL = re.compile(r"url\(\s*+[\"']?+\s*+#?+([^)\"'\s]*+)\s*+[\"']?+\s*+\)\s*+(.*)", re.DOTALL | re.IGNORECASE)
 _PATH_VALUE = re.compile(r"path\(\s*(?:(?:evenodd|nonzero)\s*,\s*)?([\"'])(.*)\1\s*\)", re.DOTALL)
 
 

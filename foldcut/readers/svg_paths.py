@@ -49,7 +49,7 @@ _PATH = re.compile(
     rf"(?:\s*+(?=[Mm])(?:[\s,]*+(?:[Zz]|[HhVv](?:{NEXT})++|[MmLlTt](?:{NEXT}{NEXT})++"
     rf"|[QqSs](?:(?:{NEXT}){{4}})++|[Cc](?:(?:{NEXT}){{6}})++|[Aa](?:{_ARC})++))++)?+[\s,]*+"
 )
-_LENGTH = re.compile(rf"\s*({NUMBER})\s*(mm|cm|in|px|pt|pc|%)?\s*")
+_LENGTH = re.compile(rf"\s*+({NUMBER})\s*+(mm|cm|in|px|pt|pc|%)?+\s*+")
 
 
 def tag_of(element: ET.Element) -> str:

@@ -40,7 +40,7 @@ _CSS_ONLY = frozenset(("translate", "rotate", "scale", "d", *GEOMETRY))
 _LENGTH = re.compile(rf"(?:{NUMBER})(?:px|mm|cm|in|pt|pc|%)?")
 _SHARE = re.compile(rf"(?:{NUMBER})%?")
 _PLAIN = re.compile(r"[^\"'/\\!{}@]*")
-_URL = re.compile(r"url\(\s*[\"']?([^)\"']*)[\"']?\s*\)\s*(.*)", re.DOTALL | re.IGNORECASE)
+_URL = re.compile(r"url\(\s*+[\"']?+([^)\"']*+)[\"']?+\s*+\)\s*+(.*)", re.DOTALL | re.IGNORECASE)
 _VARIABLE = re.compile(r"var\(\s*(--[\w-]+)\s*(?:,([^()]*))?\)")
 _GLOBAL = ("inherit", "initial", "unset", "revert", "revert-layer")
 _SILENT = ("charset", "font-face", "keyframes", "-webkit-keyframes", "page", "counter-style", "property")
@@ -264,7 +264,7 @@ class Cascade:
 
     def _add(self, found: list[tuple[str, str, bool]], name: str, value: str, important: bool) -> None:
         """Add a declaration if browsers would take it; one that they may take and that is not understood is counted."""
-        value = re.sub(r"/\*.*?\*/", " ", value, flags=re.DOTALL).strip()
+        value = re.sub(r"/\*.*?(?:\*/|\Z)", " ", value, flags=re.DOTALL).strip()
         if name.startswith("--"):
             found.append((name, value, important))
         elif name in CHECKS:
@@ -277,7 +277,7 @@ class Cascade:
     def inline(self, text: str) -> list[tuple[str, str, bool]]:
         """Return the declarations in a ``style`` attribute."""
         if text not in self._inline:
-            if not _PLAIN.fullmatch(text) or re.search(r"\([^)]*;", text):
+            if not _PLAIN.fullmatch(text) or re.search(r"\([^();]*;", text):
                 self._inline[text] = self._declared(text)
             else:
                 found: list[tuple[str, str, bool]] = []
@@ -336,7 +336,9 @@ class Cascade:
 
 def _query(text: str) -> bool | None:
     """Whether a media query holds for a screen; None if it is not understood."""
-    match = re.fullmatch(r"\s*(?:(not|only)\s+)?([a-z-]+)?\s*(?:\band\b)?\s*((?:\([^()]*\)\s*(?:and\s*)?)*)", text)
+    match = re.fullmatch(
+        r"\s*+(?:(not|only)\s++)?+([a-z-]++)?+\s*+(?:\band\b)?+\s*+((?:\([^()]*+\)\s*+(?:and\s*+)?+)*+)", text
+    )
     if match is None or not (match[2] or match[3]):
         return None
     holds: bool | None = match[2] in (None, "screen", "all")

@@ -34,7 +34,7 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16-be"),
 )
 _WIDE = re.compile(r"utf[-_]?(16|32)|ucs[-_]?[24]|iso-10646-ucs-[24]", re.IGNORECASE)
-_DECLARATION = re.compile(r"\s*<\?xml\s[^>]*?\?>")
+_DECLARATION = re.compile(r"<\?xml\s[^<>]*?\?>")
 _ENCODING = re.compile(rb"<\?xml\s[^>]*?\bencoding\s*=\s*[\"']([A-Za-z][A-Za-z0-9._-]*)[\"']")
 _REFERENCE = re.compile(r"&([^&;\s#]{1,100});")
 _NESTED = re.compile("<|&(?!#)")

@@ -149,6 +149,11 @@ def font_families() -> tuple[str, ...]:
     return tuple(sorted({line for one in found for line in one.stdout.splitlines() if line}, key=str.casefold))
 
 
+def font_file(font: str) -> Path | None:
+    """Return the file of a font, or None if it comes with foldcut; raises ``FileFormatError`` if there is none."""
+    return None if font == NAME else find_font(font)
+
+
 def find_font(font: str) -> Path:
     """Return the file of a font, given as a path or as the name of a family."""
     path = Path(font)

@@ -12,7 +12,7 @@ from foldcut.core.errors import FileFormatError
 from foldcut.readers.base import Drawing, ReadOptions, Source
 from foldcut.readers.wkt import read_geometry
 
-_HEX = re.compile(rb"\s*0[01](?:[0-9A-Fa-f]{2})+\s*")
+_HEX = re.compile(rb"\s*+0[01](?:[0-9A-Fa-f]{2})++\s*+")
 _POINT, _LINES, _POLYGON, _COLLECTIONS = 1, (2, 8), 3, (4, 5, 6, 7, 9, 10, 11, 12)
 _Z, _M, _SRID = 0x80000000, 0x40000000, 0x20000000
 _BYTE_ORDERS = {0: ">", 1: "<"}

@@ -7,6 +7,7 @@ read the answers (DNS rebinding).
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import time
 from collections.abc import AsyncIterator, Callable
@@ -19,14 +20,14 @@ import anyio
 from starlette.applications import Starlette
 from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from foldcut.core.errors import BadInputError
 from foldcut.jobs.marks import MARKS
-from foldcut.profiles import Treatment, load_profile
+from foldcut.profiles import Treatment, known_profiles
 from foldcut.readers import READERS
 from foldcut.samples import sample_names
 from foldcut.web.errors import RefusedError
@@ -67,15 +68,29 @@ def _require_own_page(request: Request) -> None:
         raise RefusedError(403, "this request did not come from foldcut's own page")
 
 
-async def _receive(request: Request, file: Path, most: int) -> None:
+async def _receive(request: Request, file: Path, settings: Settings) -> None:
     """Write a request's body into a file piece by piece, so that many at once do not fill the memory."""
-    size = 0
-    async with await anyio.open_file(file, "wb") as to:
-        async for piece in request.stream():
-            size += len(piece)
-            if size > most:
-                raise RefusedError(413, f"the drawing is larger than {most / 1e6:g} MB; simplify it")
-            await to.write(piece)
+    size, most = 0, settings.upload_bytes
+    pieces = request.stream()
+    try:
+        async with asyncio.timeout(settings.upload_seconds), await anyio.open_file(file, "wb") as to:
+            while True:
+                async with asyncio.timeout(settings.stall_seconds):
+                    piece = await anext(pieces, None)
+                if piece is None:
+                    return
+                size += len(piece)
+                if size > most:
+                    raise RefusedError(413, f"the drawing is larger than {most / 1e6:g} MB; simplify it")
+                await to.write(piece)
+    except TimeoutError:
+        raise RefusedError(408, "the drawing did not arrive in time; send it again") from None
+    except ClientDisconnect:
+        raise RefusedError(400, "the drawing did not arrive as a whole") from None  # nobody is there to read it
+
+
+def _client(request: Request) -> str:
+    return request.client.host if request.client else ""
 
 
 async def index(request: Request) -> Response:
@@ -86,7 +101,8 @@ async def index(request: Request) -> Response:
 
 async def choices(request: Request) -> Response:
     """Answer with what the page lets people choose from."""
-    known = {name: load_profile(name) for name in machines()}
+    profiles, _ = known_profiles()  # one may have been broken since the server started
+    known = {name: profiles[name] for name in machines() if name in profiles}
     return JSONResponse(
         {
             "samples": sample_names(),
@@ -110,13 +126,14 @@ async def create(request: Request) -> Response:
         raise RefusedError(400, f"drawings end in {', '.join(READERS)}")
     if not (ending or "sample" in query or "text" in query):
         raise RefusedError(400, "give a drawing with its ending, a sample or a text")
-    jobs.require_room()
+    client = _client(request)
+    jobs.require_room(client)
     if not ending:
-        return JSONResponse({"job": jobs.add(read_query(query, uploaded=False))}, status_code=201)
+        return JSONResponse({"job": jobs.add(read_query(query, uploaded=False), client=client)}, status_code=201)
     received = jobs.new_path()
     try:
-        await _receive(request, received, jobs.settings.upload_bytes)
-        token = jobs.add(read_query(query, uploaded=True), received, ending)
+        await _receive(request, received, jobs.settings)
+        token = jobs.add(read_query(query, uploaded=True), received, ending, client)
     finally:
         received.unlink(missing_ok=True)
     return JSONResponse({"job": token}, status_code=201)
@@ -179,20 +196,30 @@ async def _bad_input(request: Request, error: Exception) -> Response:
 
 
 class SafeHeaders:
-    """Middleware that gives every answer the headers that keep other sites out."""
+    """Middleware that gives every answer the headers that keep other sites out.
+
+    A request that is still under way when the server stops is told so.
+    """
 
     def __init__(self, app: ASGIApp) -> None:
         self.app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one request."""
+        started = False
 
         async def with_headers(message: Message) -> None:
+            nonlocal started
             if message["type"] == "http.response.start":
+                started = True
                 MutableHeaders(scope=message).update(HEADERS)
             await send(message)
 
-        await self.app(scope, receive, with_headers)
+        try:
+            await self.app(scope, receive, with_headers)
+        except asyncio.CancelledError:  # by uvicorn, which would log a traceback
+            if not started:
+                await JSONResponse({"error": "the server is stopping"}, 503)(scope, receive, with_headers)
 
 
 def make_app(settings: Settings | None = None) -> Starlette:

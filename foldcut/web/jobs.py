@@ -18,6 +18,8 @@ import signal
 import sys
 import tempfile
 import time
+from collections import deque
+from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -40,6 +42,11 @@ GUIDES = {"guide.pdf": "guide", "guide.html": "guide", "pictures.svg": "draw", "
 """Files that other commands than ``make`` write, and these commands."""
 GRACE_S = 5.0
 """How long a command may take, once it is told to end, to verify the best pattern so far and to write it."""
+START = (
+    "import sys; from foldcut.core.processes import die_with_parent; die_with_parent(); "
+    "from foldcut.cli.main import main; sys.exit(main())"
+)
+"""What a process runs: the command line, which ends with the server even if that is killed."""
 TOKEN_BYTES = 16
 """A drawing's token is so long that nobody can guess it: whoever knows it may take the files."""
 
@@ -50,7 +57,9 @@ class Settings:
 
     ``upload_bytes``: the size of a drawing; ``job_seconds`` and ``job_bytes``: the time and memory to fold it;
     ``quick_seconds``: the time for a quick look while the drawing is being changed; ``workers``: how many are folded
-    at once; ``most_jobs``: how many are kept; ``keep_seconds``: how long; ``hosts``: the names of this machine.
+    at once; ``most_jobs``: how many are kept, and ``most_jobs_each`` of one client; ``keep_seconds``: how long;
+    ``hosts``: the names of this machine. ``stall_seconds``: how long to wait for more of a drawing, or for a request;
+    ``upload_seconds``: how long a drawing may be on its way; ``connections_each``: how many one client may have.
     """
 
     upload_bytes: int = 5_000_000
@@ -59,8 +68,12 @@ class Settings:
     quick_seconds: float = 10.0
     workers: int = 2
     most_jobs: int = 200
+    most_jobs_each: int = 100
     keep_seconds: float = 1800.0
     hosts: tuple[str, ...] = ("127.0.0.1", "localhost", "[::1]")
+    stall_seconds: float = 10.0
+    upload_seconds: float = 60.0
+    connections_each: int = 100
 
 
 @dataclass
@@ -69,7 +82,7 @@ class Upload:
 
     ``state`` is "waiting", "folding", "done" or "failed"; ``stage`` and ``fraction``, from 0 to 1, are what the command
     tells of its progress, ``patterns`` the numbers of those found so far; ``started`` is in seconds of the monotonic
-    clock.
+    clock; ``client``: the address that it came from.
     """
 
     folder: Path
@@ -83,6 +96,7 @@ class Upload:
     started: float = field(default_factory=time.monotonic)
     process: asyncio.subprocess.Process | None = None
     task: asyncio.Task[None] | None = None
+    client: str = ""
 
     @property
     def made(self) -> Path:
@@ -99,6 +113,46 @@ class Upload:
         return [*GUIDES, *patterns, *([f"job{ending}" for ending in JOB_EXPORTERS] if self.wanted.machine else [])]
 
 
+class _Turns:
+    """Who may fold: so many at once, and clients in turn, so that nobody waits for all drawings of another."""
+
+    def __init__(self, free: int) -> None:
+        self.free = free
+        self.waiting: dict[str, deque[asyncio.Future[None]]] = {}
+
+    @contextlib.asynccontextmanager
+    async def turn(self, client: str) -> AsyncIterator[None]:
+        """Wait for a turn, and give it back."""
+        if self.free:
+            self.free -= 1
+        else:
+            mine: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self.waiting.setdefault(client, deque()).append(mine)
+            try:
+                await mine
+            except asyncio.CancelledError:
+                if mine.done() and not mine.cancelled():
+                    self._give_back()
+                raise
+        try:
+            yield
+        finally:
+            self._give_back()
+
+    def _give_back(self) -> None:
+        """Let the next one have a turn: of the client that had none for longest."""
+        while self.waiting:
+            client = next(iter(self.waiting))
+            queue = self.waiting.pop(client)
+            following = queue.popleft()
+            if queue:
+                self.waiting[client] = queue  # at the end
+            if not following.done():
+                following.set_result(None)
+                return
+        self.free += 1
+
+
 class Jobs:
     """All drawings of a server, by token."""
 
@@ -106,26 +160,28 @@ class Jobs:
         self.settings = settings
         self.root = Path(tempfile.mkdtemp(prefix="foldcut-"))
         self.uploads: dict[str, Upload] = {}
-        self.free = asyncio.Semaphore(settings.workers)
+        self.turns = _Turns(settings.workers)
 
-    def require_room(self) -> None:
-        """Forget old drawings; raises ``RefusedError`` where there is no room for another."""
+    def require_room(self, client: str = "") -> None:
+        """Forget old drawings; raises ``RefusedError`` where there is no room for another, or none of this client."""
         oldest = time.monotonic() - self.settings.keep_seconds
         for token, upload in list(self.uploads.items()):
             if upload.started < oldest and upload.state in ("done", "failed"):
                 shutil.rmtree(self.uploads.pop(token).folder, ignore_errors=True)
         if len(self.uploads) >= self.settings.most_jobs:
             raise RefusedError(503, "the server has too many drawings; try again in a while")
+        if sum(upload.client == client for upload in self.uploads.values()) >= self.settings.most_jobs_each:
+            raise RefusedError(429, "the server has too many of your drawings; close some, or try again in a while")
 
     def new_path(self) -> Path:
         """Return a new path for the bytes of a drawing, to write them to before it is added."""
         return self.root / f"upload-{secrets.token_urlsafe(TOKEN_BYTES)}"
 
-    def add(self, wanted: Wanted, received: Path | None = None, ending: str = "") -> str:
+    def add(self, wanted: Wanted, received: Path | None = None, ending: str = "", client: str = "") -> str:
         """Start to fold what is wanted and return its token; a ``received`` drawing is moved, and gets its ending."""
-        self.require_room()
+        self.require_room(client)
         token = secrets.token_urlsafe(TOKEN_BYTES)
-        upload = Upload(self.root / token, wanted)
+        upload = Upload(self.root / token, wanted, client=client)
         drawing = upload.folder / f"drawing{ending}"
         upload.made.mkdir(parents=True)
         if received is not None:
@@ -145,17 +201,20 @@ class Jobs:
         ]
         command = ["make", *source, *wanted.options, "--progress", "--json", *machine, *outputs]
         seconds = self.settings.quick_seconds if wanted.quick else self.settings.job_seconds
-        upload.report, upload.error = await self._run(upload, command, seconds)
+        try:
+            upload.report, upload.error = await self._run(upload, command, seconds)
+        except RefusedError as error:
+            upload.error = str(error)
         upload.state = "failed" if upload.error else "done"
 
     async def _run(self, upload: Upload, command: list[str], seconds: float) -> tuple[dict[str, Any], str]:
         """Run one command for a drawing when its turn comes; return its report, and its error or an empty text."""
-        async with self.free:
+        async with self.turns.turn(upload.client):
             if not upload.folder.is_dir():
                 raise RefusedError(404, "this drawing is gone; send it again")
             upload.state = "folding" if upload.state == "waiting" else upload.state
             process = upload.process = await asyncio.create_subprocess_exec(
-                *(sys.executable, "-m", "foldcut.cli", *command),
+                *(sys.executable, "-c", START, *command),
                 stdin=asyncio.subprocess.DEVNULL,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.PIPE,

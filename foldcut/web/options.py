@@ -15,7 +15,7 @@ from foldcut.core.units import parse_length
 from foldcut.drawing.placement import parse_sheet
 from foldcut.exporters import JOB_EXPORTERS
 from foldcut.jobs.marks import MARKS
-from foldcut.profiles import Treatment, load_profile, profile_names
+from foldcut.profiles import Treatment, known_profiles, load_profile
 from foldcut.readers.folding_font import NAME as FOLDING_FONT
 from foldcut.readers.typed_text import font_families
 from foldcut.redraw.bounds import LEVELS, SMALL_PARTS
@@ -118,7 +118,7 @@ def require_known(name: str, what: str, names: Collection[str]) -> str:
 @cache
 def machines() -> tuple[str, ...]:
     """Return the names of the profiles that jobs are made for."""
-    profiles = {name: load_profile(name) for name in profile_names()}
+    profiles, _ = known_profiles()
     return tuple(name for name, p in profiles.items() if p.operations and f".{p.format}" in JOB_EXPORTERS)
 
 

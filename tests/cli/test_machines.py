@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import zipfile
 from argparse import Namespace
 from pathlib import Path
 
@@ -115,3 +117,91 @@ def test_a_card_for_a_cutter_with_one_holder_is_a_file_for_each_tool(tmp_path: P
     assert main(["coupon", "--profile", "drag-knife", "-o", str(tmp_path / "card.hpgl"), "--quiet"]) == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["card-cut.hpgl", "card-mark.hpgl", "card-score.hpgl"]
     assert main(["coupon", "--profile", "drag-knife", "-o", str(tmp_path / "card.hpgl"), "--quiet"]) == 2
+
+
+def test_copies_with_tabs_and_a_frame_go_into_an_archive_that_explains_them(tmp_path: Path) -> None:
+    options = ["--sheet", "100x70mm", "--profile", "grbl-laser", "--copies", "3", "--tabs", "2x1mm", "--frame"]
+    (data,) = made_with(tmp_path / "zip", *options, "-o", str(tmp_path / "zip/a.zip")).values()
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        assert archive.namelist() == ["README.txt", "a-frame.gcode", "a.gcode"]
+        text = " ".join(archive.read("README.txt").decode().split())
+    assert "1. a-frame.gcode: goes round the job with the tool off 2. a.gcode" in text
+    assert "3 sheets lie with their lower left corners at (0, 0), (102, 0), (204, 0)" in text
+    assert "The outline of each sheet is not cut at 2 tabs of 1 mm" in text
+    assert "Together about " in text
+
+
+def test_a_pattern_that_is_opened_is_placed_like_a_drawing(tmp_path: Path) -> None:
+    sheet, pattern = ("--sheet", "100x70mm"), tmp_path / "one/a.fold"
+    placed = ("--profile", "laser-dxf", "--at", "1cm,20", "--tabs", "4x1")
+    files = made_with(tmp_path / "one", *sheet, *placed, "-o", str(pattern), "-o", str(tmp_path / "one/a.dxf"))
+    again = tmp_path / "again.dxf"
+    assert main(["make", str(pattern), *placed, "--quiet", "-o", str(again)]) == 0
+    assert again.read_bytes() == files["a.dxf"]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--profile", "laser-dxf", "--at", "3"), "--at 3 is not a pair; give X,Y"),
+        (("--profile", "laser-dxf", "--frame"), "--frame needs moves with the tool off"),
+        (("--profile", "printer-a4", "--copies", "2"), "are for a bed, and Home printer, A4 prints pages"),
+        (("--profile", "grbl-laser", "--copies", "5"), "use --copies 1, or a smaller --sheet"),
+        (("--at", "3,3"), "--at goes with a machine"),
+    ],
+)
+def test_what_cannot_be_placed_is_told_before_the_search(
+    options: tuple[str, ...],
+    words: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["make", "star", *options]) == 2
+    assert words in capsys.readouterr().err
+    assert not [*tmp_path.iterdir()]
+
+
+def error_of(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    capsys.readouterr()
+    assert main([*words]) == 2
+    return capsys.readouterr().err
+
+
+def test_a_format_of_another_machine_is_refused_with_machines_that_take_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for machine, other, first in (("grbl-laser", "hpgl", "drag-knife"), ("axidraw-a4", "gcode", "grbl-laser")):
+        error = error_of(capsys, "make", "star", "--profile", machine, "-o", "a.svg", "-o", f"b.{other}")
+        assert f"make .{other} files by a command of their own, with --profile {first} or" in error
+        assert main(["make", "star", "--effort", "fast", "--quiet", "--profile", first, "-o", f"b.{other}"]) == 0
+    assert not Path("a.svg").exists()
+
+
+def test_a_pattern_on_too_large_a_sheet_is_told_what_it_can_still_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["make", "star", "--sheet", "a1", "--effort", "fast", "--quiet", "-o", "a.fold"]) == 0
+    for machine in ("hp-7475a", "glowforge", "printer-a4"):
+        error = error_of(capsys, "make", "a.fold", "--profile", machine)
+        assert "fold the drawing again with --sheet" in error
+        assert "use --sheet" not in error
+    assert main(["make", "a.fold", "--profile", "printer-a4", "--tile", "--quiet"]) == 0
+
+
+def test_a_test_card_in_an_archive_has_all_its_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    assert main(["coupon", "--profile", "drag-knife", "-o", "card.zip", "--quiet"]) == 0
+    assert main(["coupon", "--profile", "drag-knife", "-o", "card.hpgl", "--quiet"]) == 0
+    with zipfile.ZipFile("card.zip") as archive:
+        names = [name for name in archive.namelist() if name != "README.txt"]
+        assert sorted(names) == sorted(path.name for path in Path().glob("*.hpgl"))
+        assert all(archive.read(name) == Path(name).read_bytes() for name in names)
+        text = archive.read("README.txt").decode()
+    assert all(name in text for name in names)
+    assert "foldcut coupon --profile=drag-knife" in text
+    assert main(["coupon", "--profile", "drag-knife", "-o", "folder"]) == 2

@@ -31,11 +31,11 @@ from support.programs import missing, require_program, run_node, run_program
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export_job
-from foldcut.exporters.job.pdf import tiles
 from foldcut.jobs.bed import Side
 from foldcut.jobs.blade import holder_path
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.job import Job, make_jobs
+from foldcut.jobs.pages import tiles
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.pipeline import fold
 from foldcut.profiles import Profile, load_profile, profile_names

@@ -6,6 +6,7 @@ import io
 import itertools
 import math
 import re
+import xml.etree.ElementTree as ET
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -61,6 +62,10 @@ def layers_in(data: bytes, profile: Profile) -> set[str]:
     if profile.format == "svg":
         svg = svgelements.SVG.parse(io.BytesIO(data), ppi=25.4)
         return {path.stroke.hex for path in svg.elements(lambda found: isinstance(found, svgelements.Path))}
+    if profile.format == "lbrn2":
+        settings = {one.find("index"): one.find("name") for one in ET.fromstring(data).iter("CutSetting")}
+        names = {index.get("Value"): name.get("Value") for index, name in settings.items()}  # type: ignore[union-attr]
+        return {str(names[shape.get("CutIndex")]) for shape in ET.fromstring(data).iter("Shape")}
     if profile.format == "pdf":
         with pikepdf.open(io.BytesIO(data)) as pdf:
             return {str(group.Name) for group in pdf.Root.OCProperties.OCGs}
@@ -121,11 +126,39 @@ def test_a_setting_is_in_the_file_or_told(machine: str) -> None:
         line for line in instructions(profile, jobs) if line.startswith(f"{jobs[0].steps[-1].operation.layer} (")
     )
     text = b"\n".join(files(jobs, profile).values()).decode("latin-1")
+    if profile.format == "lbrn2":
+        values = {one.tag: one.get("Value") for one in ET.fromstring(text).findall("CutSetting")[-1]}
+        assert (values["speed"], values["maxPower"], values["minPower"], values["numPasses"]) == ("33", "44", "44", "3")
+        assert "33 mm/s" not in words
+        assert "44 %" not in words
+        return
     cut = text.rpartition("CUT")[2] if profile.format == "gcode" else text.rpartition("SP2")[2]
     assert "33 mm/s" in words or "VS3;" in cut or f"F{33 * 60}" in cut
     assert "44 %" in words or "S440" in cut
     assert "55 g" in words or "FS55;" in cut
     assert "3 passes" in words or len(re.findall(r"^G0 X0 |^PU", cut, re.M)) >= 3
+
+
+@pytest.mark.parametrize("machine", [name for name in MACHINES if load_profile(name).materials["paper-80g"].cut])
+def test_a_setting_is_told_unless_every_file_has_room_for_it(machine: str) -> None:
+    profile = load_profile(machine)
+    jobs = make_jobs(folded("star"), profile)
+    setting = jobs[0].steps[-1].setting
+    assert setting is not None
+    told = {name: " ".join(instructions(profile, jobs, [name])) for name in ("svg", "dxf", "lbrn2", "gcode", "hpgl")}
+    for name in ("svg", "dxf"):
+        assert f"{setting.speed_mm_s:g} mm/s" in told[name]
+        assert f"{setting.speed_mm_s:g} mm/s" in " ".join(instructions(profile, jobs, [name, "lbrn2"]))
+    for name, lines in told.items():  # how to load a file is said of the machine's own format only
+        assert (profile.instructions[0] in lines) == (name == profile.format)
+    assert not any("mm/s" in told[name] for name in ("lbrn2", "gcode", "hpgl"))
+    if setting.power_percent is not None:
+        power = f"{setting.power_percent:g} % of the power"
+        assert power in told["svg"]
+        assert power not in told["lbrn2"]
+    elif setting.force_g is not None:
+        assert f"{setting.force_g:g} g" in told["svg"]
+        assert f"{setting.force_g:g} g" not in told["hpgl"]
 
 
 # The back

@@ -19,6 +19,7 @@ from foldcut.jobs.job import make_jobs
 from foldcut.jobs.marks import MARKS
 from foldcut.pattern.cut_line import fold_boundary
 from foldcut.pattern.face_maps import fold_faces
+from foldcut.pattern.first_folds import first_fold_count
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 from foldcut.samples import sample_path
@@ -100,6 +101,20 @@ def test_numbers_of_first_folds_that_cross_do_not_lie_on_each_other(sample: str,
     boxes = [shapely.box(*shapely.LineString(stroke).bounds) for stroke in marks.numbers(bare)]
     labels = shapely.get_parts(shapely.unary_union(shapely.buffer(boxes, 1.0)))
     assert len(labels) >= count
+
+
+@pytest.mark.parametrize(("sample", "folds"), [("rosette", "12334444"), ("plus", "1233"), ("letter-a", "1")])
+def test_the_numbers_of_first_folds_are_those_of_the_folds_that_crease_them(
+    sample: str, folds: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pattern = folded(sample, "mirror")
+    bare = dataclasses.replace(pattern, creases=book_fold().creases, sheet=book_fold().sheet)
+    written: list[str] = []
+    monkeypatch.setattr(marks, "text", lambda words, size: written.append(words) or [np.zeros((2, 2))])
+    marks.numbers(bare)
+    first = first_fold_count(pattern.first_folds)
+    assert written[: len(folds)] == [*folds]
+    assert written[len(folds) :] in ([], [str(first + 1)]), "what comes next is the next fold"
 
 
 def test_arrowheads_point_at_both_ends_of_each_first_fold() -> None:

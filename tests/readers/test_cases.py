@@ -16,8 +16,8 @@ from support.programs import run_module
 from foldcut.core.errors import FoldcutError
 from foldcut.drawing.mend import Preparation, prepare
 from foldcut.drawing.shape import invariant_faults, make_shape
+from foldcut.foldfile.decide import decide
 from foldcut.foldfile.read import read_fold
-from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 
 LONGEST_S = 10
@@ -54,9 +54,9 @@ def test_the_library_takes_or_refuses(name: str, tmp_path: Path) -> None:
     path.write_bytes(case.data)
     try:
         if name.endswith(".fold"):
-            read = read_fold(path)
-            said = "; ".join(map(str, verify(read.pattern, read.layers)))
-            assert case.taken == (not said)
+            decision = decide(read_fold(path))
+            said = "; ".join([decision.sentence, *map(str, decision.findings)])
+            assert case.taken == decision.folds
         else:
             drawing = read_shape(path)
             prepared = prepare(drawing.loops, Preparation())

@@ -33,7 +33,7 @@ COMMAND = ["make", "box.json", "--profile", "laser-dxf", "--force", "--quiet"]
 LONGEST_S = 0.15
 
 
-def write_carelessly(contents: Mapping[Path, bytes], *, replace: bool) -> None:
+def write_carelessly(contents: Mapping[Path, bytes], *, replace: bool, inputs: object) -> None:
     """Write in place, half of each file first."""
     for path, data in contents.items():
         with path.open("wb", buffering=0) as file:

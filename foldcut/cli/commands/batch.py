@@ -5,8 +5,9 @@ from __future__ import annotations
 from argparse import ArgumentParser, Namespace
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
@@ -17,6 +18,7 @@ from foldcut.cli.signals import Terminated
 from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
+    from foldcut.batch.nest import NestedBed, Nesting
     from foldcut.batch.run import Batch
     from foldcut.profiles import Profile
 
@@ -31,6 +33,7 @@ examples:
   foldcut batch 'icons/*-fill.svg' -o out --format svg,fold --sheet a5 --tolerance 1mm
   foldcut batch icons -o out --dask tcp://scheduler:8786 --parquet
   foldcut batch --text HELLO --font foldcut -o out --profile printer-a4
+  foldcut batch icons -o out --sheet a6 --profile grbl-laser --nest --tabs 4x0.5mm
 
 With --text each letter gets a sheet of its own, named after it: H, E, L and O; the report says to print L twice.
 OUT gets the files of each drawing under its name, results.csv with a row for each, contact-sheet.svg, and
@@ -46,13 +49,19 @@ def add_options(command: ArgumentParser) -> None:
         nargs="*",
         help="a folder, with all its subfolders, a pattern of names, or a drawing",
     )
-    options.add_text(command, "fold the letters of this text instead, each once and on a sheet of its own")
+    add_letters(command)
     command.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
     command.add_argument(
         "--format",
         dest="formats",
         metavar="NAME,...",
         help="the formats to write (default: the profile's, or svg,fold)",
+    )
+    command.add_argument(
+        "--nest",
+        action="store_true",
+        help="lay the sheets of all drawings, each as often as --copies says, on as few beds of the machine as they "
+        "take: bed-1, bed-2, ... in the --format; beds.txt says what lies where, and each drawing gets a .fold",
     )
     command.add_argument("--jobs", metavar="N", type=int, help="how many processes (default: one for each core)")
     command.add_argument("--dask", metavar="ADDRESS", help="use the workers of this dask scheduler (extra: batch)")
@@ -75,12 +84,19 @@ def add_options(command: ArgumentParser) -> None:
     options.add_console(command)
 
 
+def add_letters(command: ArgumentParser) -> None:
+    """Add the text and its font."""
+    options.add_text(command, "fold the letters of this text instead, each once and on a sheet of its own")
+
+
 def batch(args: Namespace) -> int:
     """Fold many drawings."""
     from foldcut.batch.drawings import letters_of
     from foldcut.batch.run import run_batch
     from foldcut.batch.worker import Recipe
     from foldcut.cli.progress import ProgressBar
+    from foldcut.jobs.arrange import IN_THE_CORNER
+    from foldcut.output.recipe import Recipe as FileRecipe
     from foldcut.readers.typed_text import letter_names
     from foldcut.redraw.compiling import get_ready
 
@@ -90,10 +106,17 @@ def batch(args: Namespace) -> int:
     letters = [] if args.text is None else letters_of(args.text, args.font)
     console, machine, folding = options.console(args), asked_machine(args), options.folding(args)
     formats = endings(args.formats, machine.profile)
-    Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", machine).check_formats(folding.sheet)
+    nesting = None if not args.nest else asked_nesting(formats, machine, names)
+    # with --nest copies may lie on several beds
+    checked = machine if nesting is None else replace(machine, job=replace(machine.job, layout=IN_THE_CORNER))
+    Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", checked).check_formats(folding.sheet)
+    if nesting is not None:
+        formats = tuple(dict.fromkeys((".fold", *(ending for ending in formats if ending not in nesting.endings))))
     out = Path(args.output)
     fold = folding.keywords() | {"next_level": False}  # nobody reads what it would cost
-    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job)
+    made = FileRecipe("make").also(*options.words(args, add_letters, text=None))
+    made = made.also(*options.folding_words(args)).also(*machine.words)
+    recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job, made)
     done = ""
     with ProgressBar(console.draws_progress) as bar:
 
@@ -105,11 +128,12 @@ def batch(args: Namespace) -> int:
         try:
             if not folding.exact:
                 get_ready(lambda text: progress(text, 0.0))  # once, and not in each process
-            made = run_batch(
+            outcome = run_batch(
                 args.drawings,
                 out,
                 recipe,
                 letters=letters,
+                inputs_beside=read_beside(args, machine),
                 jobs=args.jobs,
                 timeout=args.drawing_timeout,
                 cluster=args.dask,
@@ -117,23 +141,36 @@ def batch(args: Namespace) -> int:
                 retry=args.retry,
                 parquet=args.parquet,
                 sheet=f".{args.contact_sheet}",
+                nesting=nesting,
                 progress=progress,
             )
         except (KeyboardInterrupt, Terminated) as error:
             error.add_note(f"{done}the same command again goes on from there")
             raise
-    failed = failures(made)
+    failed = failures(outcome)
     report = {
         "ok": not failed,
-        "counts": made.counts,
-        "resumed": made.resumed,
-        "files": list(map(str, made.written)),
-        "rows": made.rows,
+        "counts": outcome.counts,
+        "resumed": outcome.resumed,
+        "files": list(map(str, outcome.written)),
+        "rows": outcome.rows,
     }
     if names:
         report["letters"] = names
-    console.report(report, [*lines(made, out), *repeated(names)])
+    if nesting is not None:
+        report["beds"] = [bed_report(bed) for bed in outcome.beds]
+    console.report(report, [*lines(outcome, out), *([] if nesting else repeated(names)), *bed_lines(outcome, out)])
     return FAILED if failed else DONE
+
+
+def read_beside(args: Namespace, machine: Machine) -> list[Path]:
+    """Return the files that are read beside the drawings: the font, and the user's own profile."""
+    from foldcut.profiles import profile_file
+    from foldcut.readers.typed_text import font_file
+
+    font = None if args.text is None else font_file(args.font)
+    profile = None if machine.name is None else profile_file(machine.name)
+    return [path for path in (font, profile) if path is not None]
 
 
 def asked_machine(args: Namespace) -> Machine:
@@ -141,6 +178,41 @@ def asked_machine(args: Namespace) -> Machine:
     wanted = endings(args.formats, None)
     usual = options.usual_machines(args, wanted)
     return next(iter(usual.values())) if len(usual) == 1 and ".svg" not in wanted else options.machine(args)
+
+
+def asked_nesting(formats: Sequence[str], machine: Machine, letters: Sequence[str]) -> Nesting:
+    """Return how sheets are laid on beds together; raises what is wrong with that."""
+    from foldcut.batch.nest import Nesting, check_nesting
+    from foldcut.exporters import JOB_EXPORTERS
+
+    check_nesting(machine.profile, machine.job)
+    endings = tuple(ending for ending in formats if ending in JOB_EXPORTERS)
+    if not endings:
+        raise BadInputError(
+            f"--nest writes jobs; give one of {', '.join(JOB_EXPORTERS)} with --format, or leave it out"
+        )
+    return Nesting(endings, Counter(letters))
+
+
+def bed_report(bed: NestedBed) -> dict[str, Any]:
+    """Return what a program wants to know of a bed."""
+    return {
+        "files": list(bed.files),
+        "sheets": [asdict(sheet) for sheet in bed.sheets],
+        "seconds": None if bed.seconds is None else round(bed.seconds, 1),
+    }
+
+
+def bed_lines(made: Batch, out: Path) -> list[str]:
+    """Return a line for every bed, and where to read what to do with them."""
+    from foldcut.batch.nest import BEDS
+    from foldcut.jobs.duration import about
+
+    lines = []
+    for number, bed in enumerate(made.beds, 1):
+        lasts = "" if bed.seconds is None else f", {about(bed.seconds)} on the machine"
+        lines.append(f"  bed {number:<6} {len(bed.sheets)} sheet{'s' * (len(bed.sheets) != 1)}{lasts}")
+    return [*lines, f"  next       {out / BEDS} says which sheet lies where, and what to do"] if lines else []
 
 
 def repeated(letters: Sequence[str]) -> list[str]:

@@ -1,49 +1,69 @@
-"""``foldcut check``: verify a FOLD file, of foldcut's or of any other program."""
+"""``foldcut check``: whether a FOLD file folds flat, of foldcut's or of any other program."""
 
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
 
 if TYPE_CHECKING:
+    from foldcut.cli.console import Console
     from foldcut.core.arrays import Floats
-    from foldcut.core.model import Finding
+    from foldcut.foldfile.decide import Decision
     from foldcut.foldfile.read import FoldFile
 
 EXAMPLES = """\
 examples:
   foldcut check fish.fold
   foldcut check star.fold --shape star     also check that the cut gives this shape
+  foldcut check crane.fold --tolerance 1e-3   of coordinates that are good to a thousandth of the sheet
+  foldcut check crane.fold --states        in how many layer orders does it fold flat?
   foldcut check fish.fold --json
+exit status: 0 it folds flat, 1 it does not, 2 the file cannot be read, 3 not decided
 """
+
+MOST_TOLERANCE = 0.01
+"""The largest ``--tolerance``: a pattern that is farther off than this is another pattern."""
+
+CUT_WRONG = "is not cut as the drawing"
+"""What is said of a pattern of which only the cut is wrong."""
 
 MOST_MOVED = 0.02
 """An outline that was moved by more than this part of a drawing's diagonal is not taken as that drawing's."""
 
 
 def add_options(command: ArgumentParser) -> None:
-    """Add the FOLD file, and the drawing that its cut must give."""
+    """Add the FOLD file, the drawing that its cut must give, and how exact its coordinates have to be."""
     command.add_argument("file", metavar="FILE.fold", help="the crease pattern")
     command.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
+    command.add_argument(
+        "--tolerance",
+        metavar="SHARE",
+        help=(
+            "how far vertices may be from a pattern that folds flat exactly, relative to the sheet's diagonal "
+            "(default: 3e-5, which accepts coordinates rounded to 1e-5 of the sheet)"
+        ),
+    )
+    command.add_argument("--states", action="store_true", help="also count the layer orders in which it folds flat")
     options.add_reading(command)
     options.add_timeout(command)
     options.add_console(command)
 
 
 def check(args: Namespace) -> int:
-    """Verify a FOLD file."""
+    """Decide whether the pattern of a FOLD file folds flat."""
     from foldcut.cli import report
     from foldcut.drawing.mend import Preparation, prepare
     from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.judge import judge
-    from foldcut.foldfile.read import read_fold
+    from foldcut.foldfile.decide import TOLERANCE, decide, states_of
+    from foldcut.foldfile.read import read_fold_apart
 
-    read = read_fold(Path(args.file))
+    tolerance = TOLERANCE if args.tolerance is None else share(args.tolerance)
+    read = read_fold_apart(Path(args.file))
     shape, notes = None, read.notes
     if args.shape:
         drawing = options.named_source(args.shape).read(options.reading(args))
@@ -56,27 +76,65 @@ def check(args: Namespace) -> int:
         prepared = prepare(loops, Preparation())
         notes += prepared.changes
         shape = make_shape(prepared.loops)
-    findings = judge(read, shape)
+    decision = decide(read, shape, tolerance)
+    findings = decision.findings
     if findings and shape is not None and read.loops and all(finding.check == "cut" for finding in findings):
-        findings, more = judge_moved(read, shape.loops, findings)
+        decision, more = judge_moved(read, shape.loops, decision, tolerance)
         notes += more
-    checked = report.check_report(read.pattern, findings, shape is not None, notes)
-    remedy = "mend the pattern"
-    if args.shape:
-        remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --exact)"
-    return options.console(args).verdict(checked, report.check_lines(checked), findings, remedy)
+    checked = report.decision_report(decision, shape is not None, notes + decision.notes)
+    if args.states and decision.folds:
+        checked |= report.states_report(states_of(read, decision))
+    return tell(options.console(args), checked, report.decision_lines(checked), decision, with_shape=bool(args.shape))
+
+
+def share(text: str) -> float:
+    """Return a tolerance: a part of the sheet's diagonal."""
+    from foldcut.core.errors import BadInputError
+
+    try:
+        number = float(text)
+    except ValueError:
+        number = -1.0
+    if not 0 <= number <= MOST_TOLERANCE:
+        raise BadInputError(
+            f"--tolerance {text}: give a part of the sheet's diagonal from 0 to {MOST_TOLERANCE:g}, such as 1e-4"
+        )
+    return number
+
+
+def tell(
+    console: Console, report: dict[str, Any], lines: Sequence[str], decision: Decision, *, with_shape: bool
+) -> int:
+    """Print the report and, unless the pattern folds, an error that sums it up; return the exit status."""
+    from foldcut.cli.console import DONE, FAILED, UNDECIDED, print_error
+
+    if decision.folds:
+        console.report(report, lines)
+        return DONE
+    message, kind, status = decision.sentence, "UndecidedError", UNDECIDED
+    if decision.folds is False:
+        more = f" (and {len(decision.findings) - 1} more)" if len(decision.findings) > 1 else ""
+        remedy = "mend the pattern"
+        if with_shape:
+            remedy += ", or give the drawing it was made from, with no corners moved (foldcut make --exact)"
+        message, kind, status = f"the pattern {decision.sentence}{more}; {remedy}", "VerificationError", FAILED
+    console.report(report | {"error": {"type": kind, "message": message}}, lines)
+    print_error(message)
+    return status
 
 
 def judge_moved(
-    read: FoldFile, drawing: Sequence[Floats], before: list[Finding]
-) -> tuple[list[Finding], tuple[str, ...]]:
+    read: FoldFile, drawing: Sequence[Floats], before: Decision, tolerance: float
+) -> tuple[Decision, tuple[str, ...]]:
     """Judge the outline that a file cuts out instead of the drawing, if it is as near to it as the file states.
 
-    Returns what is wrong and notes; ``before`` is what is wrong if the drawing itself is to be cut out.
+    Returns the decision and notes; ``before`` is the decision if the drawing itself is to be cut out.
     """
+    from dataclasses import replace
+
     from foldcut.core.model import Finding
     from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.judge import judge
+    from foldcut.foldfile.decide import decide
     from foldcut.redraw.deviation import EXACT, drawing_size, left_out, moved_by
 
     assert read.loops is not None
@@ -88,15 +146,20 @@ def judge_moved(
     slack = 2 * EXACT * drawing_size(drawing)
     if stated is None or moved > min(stated, most) + slack:
         said = "does not state by how much" if stated is None else f"states {stated:.3g} mm"
-        what = f"the outline was moved from the drawing by {moved:.3g} mm, and the file {said}; {before[0].message}"
-        return [Finding("cut", what, before[0].place, moved)], notes
+        first = before.findings[0]
+        what = f"the outline was moved from the drawing by {moved:.3g} mm, and the file {said}; {first.message}"
+        finding = Finding("cut", what, first.place, moved)
+        return replace(before, sentence=f"{CUT_WRONG}: {finding}", findings=(finding,)), notes
     notes += (f"the outline is at most {moved:.3g} mm off the drawing, as the file states",)
     far = left_out(read.loops, drawing, moved)
     if far:
         notes += (f"parts of the drawing narrower than {2 * moved:.3g} mm are left out, up to {far:.3g} mm from it",)
-    return judge(read, make_shape(read.loops)), notes
+    return decide(read, make_shape(read.loops), tolerance), notes
 
 
 CHECK = Command(
-    "Verify that a crease pattern folds flat as it says, and with --shape also its cut.", EXAMPLES, add_options, check
+    "Decide whether a crease pattern folds flat, and with --shape also whether its cut is right.",
+    EXAMPLES,
+    add_options,
+    check,
 )

@@ -28,6 +28,13 @@ examples:
 def add_options(command: ArgumentParser) -> None:
     """Add the output, what to show, the drawing and the search."""
     command.add_argument("-o", "--output", metavar="OUT", help="a .svg or .png (default: NAME-pictures.svg)")
+    add_show(command)
+    options.add_request(command)
+    options.add_console(command)
+
+
+def add_show(command: ArgumentParser) -> None:
+    """Add what to show."""
     constructed = " or ".join(method.name for method in METHODS.values() if method.construction)
     command.add_argument(
         "--show",
@@ -38,8 +45,6 @@ def add_options(command: ArgumentParser) -> None:
         f"that were tried, side by side; and with --method {constructed} also packing, molecules, "
         "rabbit-ear, gusset, inset, trees, matching, ribbon",
     )
-    options.add_request(command)
-    options.add_console(command)
 
 
 def draw(args: Namespace) -> int:
@@ -50,6 +55,7 @@ def draw(args: Namespace) -> int:
     from foldcut.profiles import load_profile
 
     request = options.request(args)
+    recipe = options.recipe(args).also(*options.words(args, add_show))
     output = Path(args.output or f"{request.source.stem}-pictures.svg")
     if output.suffix.lower() not in (".svg", ".png"):
         raise BadInputError(f"{output}: pictures are SVG or PNG; give a name that ends in .svg or .png")
@@ -63,7 +69,7 @@ def draw(args: Namespace) -> int:
         svg, size = pictures.draw(result.folded_pattern, show, load_profile(), stages, ladder)
         return svg if output.suffix.lower() == ".svg" else rendered(svg, size)
 
-    return fold_and_write(request, output, drawn, options.console(args), replace=args.force)
+    return fold_and_write(request, output, drawn, options.console(args), recipe, replace=args.force)
 
 
 DRAW = Command(

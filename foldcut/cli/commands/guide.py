@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.making import fold_and_write
 from foldcut.core.errors import BadInputError
+
+if TYPE_CHECKING:
+    from foldcut.foldfile.reopen import Reopened
+    from foldcut.pipeline import Result
 
 EXAMPLES = """\
 examples:
@@ -28,13 +33,15 @@ def guide(args: Namespace) -> int:
     """Fold a drawing and write how a person folds it."""
     from foldcut.exporters.pictures.guide import GUIDES
 
-    request = options.request(args)
+    request, recipe = options.request(args), options.recipe(args)
     output = Path(args.output or f"{request.source.stem}-guide.pdf")
     if output.suffix.lower() not in GUIDES:
         raise BadInputError(f"{output}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
-    write = GUIDES[output.suffix.lower()]
-    console = options.console(args)
-    return fold_and_write(request, output, lambda result: write(result.folded_pattern), console, replace=args.force)
+
+    def written(result: Result | Reopened) -> bytes:
+        return GUIDES[output.suffix.lower()](result.folded_pattern)
+
+    return fold_and_write(request, output, written, options.console(args), recipe, replace=args.force)
 
 
 GUIDE = Command(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
-from foldcut.cli.making import fold_or_open, write_and_report
+from foldcut.cli.making import fold_or_open, recipe_of, write_and_report
 from foldcut.cli.options import PATTERN_STEM, FoldRequest, Machine, Request, Source
 from foldcut.cli.outputs import Outputs
 from foldcut.core.errors import BadInputError
@@ -43,6 +43,9 @@ examples:
   foldcut make fish -o fish.pdf -o fish.dxf -o fish.fold
   foldcut make fish --profile axidraw-a4 --marks outline,numbers,title
   foldcut make fish --profile grbl-laser --two-sided --set bed.width_mm=300
+  foldcut make star --sheet a6 --profile grbl-laser --copies 4 --tabs 4x0.5mm --frame -o stars.zip
+  foldcut make star --sheet a6 --profile xtool-s1 --at 30mm,2cm
+  foldcut make fish-creases.svg --again
 
 Without -o it writes NAME-creases.svg and, unless SHAPE is a .fold, NAME-creases.fold into the current folder, or with
 --profile NAME-PROFILE with the ending of the machine's format.
@@ -55,6 +58,13 @@ examples:
   foldcut view logo.svg --sheet a5 -o out/logo.html
   foldcut view logo.fold                   a pattern that foldcut made before
 """
+
+
+ANOTHER_SHEET = (
+    "a pattern has its sheet already: fold the drawing again with --sheet, or take a larger machine, or a printer and "
+    "--tile"
+)
+"""What to do with a pattern whose sheet is too large for a machine."""
 
 
 def add_options(command: ArgumentParser) -> None:
@@ -73,6 +83,14 @@ def add_options(command: ArgumentParser) -> None:
         help="also draw the drawing before (red) and after (black) it was mended and drawn anew, and outlines that "
         "others cover (blue)",
     )
+    command.add_argument(
+        "--again",
+        metavar="DRAWING",
+        nargs="?",
+        const="",
+        help="SHAPE is a file that foldcut wrote: make it again from the recipe in it, and say whether it is the same; "
+        "the drawing is beside it, or is given here",
+    )
     options.add_request(command)
     options.add_machine(command)
     options.add_console(command)
@@ -80,27 +98,40 @@ def add_options(command: ArgumentParser) -> None:
 
 def make(args: Namespace) -> int:
     """Fold a drawing and write its files."""
+    if args.again is not None:
+        from foldcut.cli.again import make_again
+
+        return make_again(args)
     from foldcut.drawing.mend import preview
     from foldcut.foldfile.reopen import Reopened
-    from foldcut.output.atomic import check_targets
+    from foldcut.jobs.errors import TooLargeError
+    from foldcut.output.atomic import Inputs, check_targets
 
     console, request = options.console(args), options.request(args)
     source = request.source
     usual = options.usual_machines(args, (Path(out).suffix for out in args.output or ()))
     machine = options.no_machine() if usual else options.machine(args)
     default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
-    outputs = Outputs(output_paths(args.output or default, source), source.stem, machine, usual)
+    outputs = Outputs(output_paths(args.output or default), source.stem, machine, usual)
+    inputs = Inputs([*source.files(), *outputs.profile_files()])
     outputs.check_formats(request_sheet(request))
     preview_path = None if not args.preview else Path(args.preview)
     if preview_path is not None and preview_path.suffix.lower() != ".svg":
         raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
-    check_targets([*outputs.targets(), *([preview_path] if preview_path else [])], replace=args.force)
+    targets = [*outputs.targets(), *([preview_path] if preview_path else [])]
+    check_targets(targets, replace=args.force, inputs=inputs)
 
     result = fold_or_open(request, console)
     contents: dict[Path, bytes] = {}
     made: list[MadeFor] = outputs.machines()
     if result.verified:
-        contents, made = outputs.contents(result.folded_pattern)
+        recipe = recipe_of(options.recipe(args), request, result)
+        try:
+            contents, made = outputs.contents(result.folded_pattern, recipe)
+        except TooLargeError as error:
+            if not source.is_pattern:
+                raise
+            raise BadInputError(f"{error.what}; {ANOTHER_SHEET}") from None
         if preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
             pattern, drawing = result.folded_pattern, result.drawing
             before, after = result.prepared.drawn, result.prepared.loops
@@ -108,7 +139,7 @@ def make(args: Namespace) -> int:
                 before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
                 after = pattern.shape.loops
             contents[preview_path] = preview(before, after, _lost(result, before))
-    return write_and_report(result, contents, console, replace=args.force, made=made)
+    return write_and_report(result, contents, console, replace=args.force, inputs=inputs, made=made)
 
 
 def request_sheet(request: Request) -> Sheet:
@@ -142,14 +173,11 @@ def default_names(source: Source, machine: Machine) -> list[str]:
     return [f"{source.stem}-{Path(machine.name).stem}.{machine.profile.format}"]
 
 
-def output_paths(names: list[str], source: Source) -> tuple[Path, ...]:
-    """Return the paths of the outputs; raises BadInputError for folders that do not exist, and for the source."""
+def output_paths(names: list[str]) -> tuple[Path, ...]:
+    """Return the paths of the outputs; raises BadInputError for folders that do not exist."""
     for name in names:
         if name.endswith(("/", os.sep)) and not Path(name).is_dir():
             raise BadInputError(f"cannot write into {name}: there is no such folder; create it first")
-    for path in map(Path, names):
-        if path.is_file() and source.path.is_file() and path.samefile(source.path):
-            raise BadInputError(f"{path} is the drawing itself; give the output another name")
     return tuple(map(Path, names))
 
 

@@ -7,7 +7,7 @@ from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
 from foldcut.cli.commands import Command
-from foldcut.cli.console import DONE, Console
+from foldcut.cli.console import DONE, Console, print_error
 from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ def profiles(args: Namespace) -> int:
     profile = load_profile(args.name, args.set)
     if args.action == "show":
         shown = profile.model_dump(exclude_none=True)
-        console.report({"ok": True, "profile": shown}, [json.dumps(shown, indent=2, ensure_ascii=False)])
+        console.report({"ok": True, "profile": shown}, json.dumps(shown, indent=2, ensure_ascii=False).split("\n"))
     else:
         console.report({"ok": True, "profile": args.name}, [f"{args.name}: valid"])
     return DONE
@@ -49,9 +49,9 @@ def profiles(args: Namespace) -> int:
 
 def list_profiles(console: Console) -> int:
     """Print all profiles: name, format, size of the bed or of the papers, numbers that are unverified, and title."""
-    from foldcut.profiles import load_profile, profile_names
+    from foldcut.profiles import known_profiles
 
-    known = {name: load_profile(name) for name in profile_names()}
+    known, broken = known_profiles()
     rows = [(name, p.format, bed_size(p), p.title, unverified(p)) for name, p in known.items()]
     wide, bed = (max(len(row[column]) for row in rows) for column in (0, 2))
     lines = [f"{n:<{wide}}  {form:<5}  {size:<{bed}}  {title}{doubt}" for n, form, size, title, doubt in rows]
@@ -71,7 +71,9 @@ def list_profiles(console: Console) -> int:
     about = (
         "Unverified numbers were not compared with what the maker says; foldcut profiles show NAME has every source."
     )
-    console.report({"ok": True, "profiles": listed}, [*lines, "", about])
+    for message in broken.values():
+        print_error(f"left out: {message}")
+    console.report({"ok": True, "profiles": listed, "broken": broken}, [*lines, "", about])
     return DONE
 
 

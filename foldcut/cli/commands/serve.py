@@ -13,6 +13,12 @@ from foldcut.core.errors import BadInputError
 MOST_REQUESTS = 200
 """More requests than this at a time are turned away."""
 
+SHUTDOWN_S = 2
+"""After Ctrl-C, requests that are under way have so many seconds."""
+
+UNTAKEN_S = 60.0
+"""A client may take so many seconds for an answer, beside what it takes to make it."""
+
 EXAMPLES = """\
 examples:
   foldcut serve                            then open the address that it prints
@@ -42,6 +48,7 @@ def serve(args: Namespace) -> int:
         import uvicorn
 
         from foldcut.web.app import make_app
+        from foldcut.web.connections import bounded_protocol
         from foldcut.web.jobs import Settings
     except ModuleNotFoundError as error:
         raise BadInputError(f"serve needs the extra 'serve' ({error.name}): pip install 'foldcut[serve]'") from None
@@ -56,7 +63,13 @@ def serve(args: Namespace) -> int:
     everywhere = host in ("0.0.0.0", "::")
     settings = Settings(job_seconds=job_seconds, hosts=("*",) if everywhere else (*own, name))
     config = uvicorn.Config(
-        make_app(settings), log_level="warning", server_header=False, limit_concurrency=MOST_REQUESTS
+        make_app(settings),
+        http=bounded_protocol(settings.connections_each, settings.stall_seconds, job_seconds + UNTAKEN_S),
+        ws="none",
+        log_level="warning",
+        server_header=False,
+        limit_concurrency=MOST_REQUESTS,
+        timeout_graceful_shutdown=SHUTDOWN_S,
     )
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     try:

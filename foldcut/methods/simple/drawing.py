@@ -18,6 +18,7 @@ import shapely
 from shapely.geometry.base import BaseGeometry
 
 from foldcut.core.arrays import Floats, Indices
+from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
 from foldcut.geometry.mirror_axes import ROUNDING
 from foldcut.geometry.vectors import cross
@@ -28,6 +29,9 @@ __all__ = ["FoldedDrawing", "drawing_on", "filled"]
 
 GRID = 1e-10
 """The outlines of paper are rounded to this part of the sheet's diagonal, so that pieces that touch are joined."""
+
+MOST_OFF = 0.25
+"""Corners may be off by no more than this part of a drawing's smaller side."""
 
 QUARTER_CIRCLE = 2
 """The number of segments with which a quarter of a circle is drawn where outlines are shrunk."""
@@ -125,9 +129,17 @@ def _areas(geometry: BaseGeometry) -> BaseGeometry:
 
 
 def drawing_on(shape: Shape, sheet: Sheet, symmetry: float = 0.0) -> FoldedDrawing:
-    """Return a shape on its sheet before the first fold; ``symmetry``: how far corners may be off, in mm."""
+    """Return a shape on its sheet before the first fold; ``symmetry``: how far corners may be off, in mm.
+
+    Raises UnfoldableError: that is much of the shape, whose sides would be nothing.
+    """
     sides = sides_of(shape)
     tie = max(symmetry, ROUNDING * float(np.ptp(sides.reshape(-1, 2), axis=0).max()))
+    least = float(np.ptp(sides.reshape(-1, 2), axis=0).min())
+    if tie > MOST_OFF * least:
+        raise UnfoldableError(
+            f"--symmetry lets corners be {tie:.3g} mm off, too far where the drawing is {least:.3g} mm"
+        )
     joined, line, origins = merged_sides(sides, np.arange(len(sides)), tie)
     return FoldedDrawing(
         shapely.Polygon(sheet.corners), filled(shape), joined, line, origins, tie, GRID * sheet.diagonal
