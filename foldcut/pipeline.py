@@ -192,13 +192,13 @@ def fold(
     try the tolerance after the one that is taken, to say what it would cost.
 
     How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
-    the rest through all layers; "simple" folds across the whole sheet only; "compact" makes few creases;
-    "skeleton" is the method of Demaine, Demaine and Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and
-    "gate" the same for several loops. "auto" takes the pattern of the first four that is easiest to fold, and if they
-    make none, "paper" for one loop and "gate" for several. ``ribbon`` is the half-width of the strip along the shape's
-    boundary that is not folded; None is the method's default, which for "paper" and "gate" is a narrow one, since
-    without it creases fold onto the cut line. ``min_crease`` is the shortest crease allowed, None the method's default
-    (0.5 for "compact" and where "mirror" folds the half like that, else 0).
+    the rest through all layers; "simple" folds across the whole sheet only; "compact" makes few creases; "skeleton" is
+    the method of Demaine, Demaine and Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and "gate" the same
+    for several loops. "auto" takes the pattern of the first four that is easiest to fold; those of the last two have
+    thousands of folds and are made only where they are asked for. ``ribbon`` is the half-width of the strip along the
+    shape's boundary that is not folded; None is the method's default, which for "paper" and "gate" is a narrow one,
+    since without it creases fold onto the cut line. ``min_crease`` is the shortest crease allowed, None the method's
+    default (0.5 for "compact" and where "mirror" folds the half like that, else 0).
 
     These are bounds within the same search: ``adjust`` is how far "skeleton" may move corners so that creases meet,
     None a part of the drawing's size (about 1/500); ``symmetry`` is how far corners may be off in a drawing that is
@@ -256,9 +256,9 @@ def fold(
         laying.lay()
     stages.up_to(READ)
 
-    def fold_outline(laying: Laying, wishes: Wishes, effort: Effort, stages: Stages, only: str) -> Tried:
+    def fold_outline(laying: Laying, wishes: Wishes, effort: Effort, stages: Stages) -> Tried:
         problem = Problem(laying.lay(), laying.lay, wishes, may_turn, stages)
-        return _on_less_paper(method, problem, effort, laying, only)
+        return _on_less_paper(method, problem, effort, laying)
 
     ladder = redraw_and_fold(drawn, bounds, wishes, fold_outline, exertion, stages, on_pattern=on_pattern)
     stages.seconds["build"] = sum(stages.seconds.values()) - stages.seconds.get("verify", 0.0)
@@ -306,7 +306,7 @@ def _moved_by(pattern: FoldedPattern, drawn: object) -> float | None:
         return None
 
 
-def _on_less_paper(method: str, problem: Problem, effort: Effort, laying: Laying, only: str) -> Tried:
+def _on_less_paper(method: str, problem: Problem, effort: Effort, laying: Laying) -> Tried:
     """Do as ``_folded``, on the sheet cut down if it does not fold otherwise, or takes more folds than hands like.
 
     A note says so. A drawing that is to lie at a certain place stays there.
@@ -314,7 +314,7 @@ def _on_less_paper(method: str, problem: Problem, effort: Effort, laying: Laying
     smaller = cut_down(problem.laid) if laying.layout.offset is None else None
     whole: Tried | UnfoldableError
     try:
-        whole = _folded(method, problem, effort, only)
+        whole = _folded(method, problem, effort)
         made = whole.made
         may_help = method == AUTO or METHODS[made.method].cuts_down
         if not may_help or _folds(made) <= HANDS_FOLDS or made.interrupted:
@@ -324,7 +324,7 @@ def _on_less_paper(method: str, problem: Problem, effort: Effort, laying: Laying
     if smaller is not None:
         ends_the_search = () if isinstance(whole, UnfoldableError) else (KeyboardInterrupt,)
         with suppress(FoldcutError, *ends_the_search):
-            part = _folded(method, _laid_on(problem, laying, *smaller), effort, only)
+            part = _folded(method, _laid_on(problem, laying, *smaller), effort)
             if isinstance(whole, UnfoldableError) or (not part.findings and _folds(part.made) < _folds(whole.made)):
                 sheet = smaller[0]
                 why = "the whole sheet has no pattern" if isinstance(whole, UnfoldableError) else "it takes fewer folds"
@@ -346,10 +346,10 @@ def _laid_on(problem: Problem, laying: Laying, sheet: Sheet, margin: float) -> P
     return replace(problem, laid=laying.lay(), lay=laying.lay)
 
 
-def _folded(method: str, problem: Problem, effort: Effort, only: str) -> Tried:
-    """Fold by a method and verify; ``only`` is that of ``auto.run``."""
+def _folded(method: str, problem: Problem, effort: Effort) -> Tried:
+    """Fold by a method and verify."""
     stages, wishes = problem.stages, problem.wishes
-    made, attempts = auto.run(method, problem, effort, only)
+    made, attempts = auto.run(method, problem, effort)
     stages.up_to(FOLDED)
     stages.up_to(1.0)
     with stages("verify"):

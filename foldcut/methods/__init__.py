@@ -18,7 +18,7 @@ from foldcut.core.errors import BadInputError
 if TYPE_CHECKING:
     from foldcut.methods.base import Effort, Made, Problem
 
-__all__ = ["AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases"]
+__all__ = ["AUTO", "CHOICES", "DEFAULT_METHOD", "EFFORTS", "METHODS", "Method", "fewer_creases", "last_resort"]
 
 AUTO = "auto"
 """Not a method: it has several methods tried and takes the pattern that is easiest to fold (``methods.auto``)."""
@@ -102,3 +102,8 @@ def check_choice(name: str) -> None:
 def fewer_creases(tried: Collection[str] = ()) -> str:
     """Return the name of the method to try where creases get too short; an empty string if it has been ``tried``."""
     return next((method.name for method in METHODS.values() if method.few_creases and method.name not in tried), "")
+
+
+def last_resort(loops: int) -> str:
+    """Return the method for drawings with this many loops that no other folds; its patterns have thousands of folds."""
+    return "paper" if loops == 1 else "gate"

@@ -1,6 +1,7 @@
 """``auto``: which methods are tried, in which order, and whose pattern is taken.
 
 ``TRIES`` is the table. Of all patterns that are made the one that is easiest to fold is taken (``pattern.ranking``).
+"paper" and "gate" are not in it: their patterns have thousands of folds, and are made only where they are asked for.
 """
 
 from __future__ import annotations
@@ -18,13 +19,7 @@ from foldcut.methods.frame import ADJUST, frame_scale
 from foldcut.pattern.foldability import COMFORTABLE_LAYERS, layers_at_cut
 from foldcut.pattern.ranking import FOLDABLE_MM, Goal, rank, shortest_crease
 
-__all__ = ["FOLDED", "HANDS", "LAST_RESORTS", "Attempt", "run"]
-
-HANDS = "for hands"
-"""The methods whose patterns people may fold."""
-
-LAST_RESORTS = "last resorts"
-"""The methods that are tried where the others make no pattern; theirs have thousands of creases."""
+__all__ = ["FOLDED", "Attempt", "run"]
 
 FOLDED = 0.98
 """The part of the whole progress, from 0 to 1, that is reached once there is a pattern; the rest is verification."""
@@ -57,20 +52,19 @@ class Attempt:
     failure: str
 
 
-def run(method: str, problem: Problem, effort: Effort, only: str = "") -> tuple[Made, tuple[Attempt, ...]]:
+def run(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
     """Return what a method makes, or with ``auto`` the best of what several make, and what came of each.
 
-    ``only``: ``HANDS`` or ``LAST_RESORTS`` if ``auto`` is to try no other methods. Raises ``UnfoldableError`` with the
-    reason of each that was tried where none makes a pattern.
+    Raises ``UnfoldableError`` with the reason of each that was tried where none makes a pattern.
     """
     if method == AUTO:
-        return _best(problem, effort, only)
+        return _best(problem, effort)
     problem.stages.up_to(FOLDED)
     made = METHODS[method].fold(problem, effort)
     return made, (_attempt(made),)
 
 
-def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Attempt, ...]]:
+def _best(problem: Problem, effort: Effort) -> tuple[Made, tuple[Attempt, ...]]:
     """Go through the table of tries."""
     made: list[Made] = []
     attempts: list[Attempt] = []
@@ -78,9 +72,7 @@ def _best(problem: Problem, effort: Effort, only: str) -> tuple[Made, tuple[Atte
     scale = frame_scale(problem.laid)
     effort = replace(effort, goal=Goal(enough=_fewest(problem).folds))
     for row in TRIES:
-        if not row.when(problem) or only == (HANDS if row.last_resort else LAST_RESORTS):
-            continue
-        if made and (row.last_resort or row.unless(problem, made)):
+        if not row.when(problem) or (made and row.unless(problem, made)):
             continue
         problem.stages.up_to(row.until)
         try:
@@ -177,10 +169,9 @@ class _Try:
     """A row of the table.
 
     ``when``: whether the method is worth a try. ``unless``: what has been made is so good that it is not. ``until``:
-    the progress that is reached after it. ``instead``: what to call instead of the method. ``last_resort``: try it only
-    if there is no pattern yet. ``is_best``: no other pattern can be better than one that it made, so nothing more is
-    tried. ``unsaid``: if it
-    fails, that is not reported.
+    the progress that is reached after it. ``instead``: what to call instead of the method. ``is_best``: no other
+    pattern can be better than one that it made, so nothing more is tried. ``unsaid``: if it fails, that is not
+    reported.
     """
 
     method: str
@@ -188,7 +179,6 @@ class _Try:
     when: Callable[[Problem], bool] = lambda _: True
     unless: Callable[[Problem, Sequence[Made]], bool] = lambda *_: False
     instead: Callable[[Problem, Effort], Made] | None = None
-    last_resort: bool = False
     is_best: Callable[[Problem, Made], bool] = lambda *_: False
     unsaid: bool = False
 
@@ -198,14 +188,6 @@ class _Try:
 
 def _has_few_corners(problem: Problem) -> bool:
     return problem.shape.corner_count <= FEW_CORNERS
-
-
-def _has_one_loop(problem: Problem) -> bool:
-    return len(problem.shape.loops) == 1
-
-
-def _has_several_loops(problem: Problem) -> bool:
-    return len(problem.shape.loops) > 1
 
 
 def _halves_are_simpler(problem: Problem, made: Sequence[Made]) -> bool:
@@ -232,7 +214,5 @@ TRIES = (
     _Try("simple", until=0.08, when=_has_few_corners, instead=_row, unsaid=True),
     _Try("mirror", until=0.6, unless=_is_row),
     _Try("skeleton", until=0.75, unless=_parts_are_simpler),
-    _Try("compact", until=0.9, unless=_parts_are_simpler),
-    _Try("paper", until=FOLDED, when=_has_one_loop, last_resort=True),
-    _Try("gate", until=FOLDED, when=_has_several_loops, last_resort=True),
+    _Try("compact", until=FOLDED, unless=_parts_are_simpler),
 )

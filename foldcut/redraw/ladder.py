@@ -28,14 +28,15 @@ from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.geometry.curves import CurvedLoop
 from foldcut.geometry.dihedral import dihedral
 from foldcut.geometry.mirror_axes import mirror_axes
-from foldcut.methods.auto import HANDS, LAST_RESORTS, Attempt
+from foldcut.methods import last_resort
+from foldcut.methods.auto import Attempt
 from foldcut.methods.base import AS_TOLERATED, Effort, Made, Wishes
 from foldcut.methods.frame import ADJUST
 from foldcut.methods.progress import Stages
 from foldcut.pattern.foldability import layers_at_cut
 from foldcut.pattern.ranking import Rank, rank, shortest_crease
 from foldcut.proof.verify import verify
-from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_CREASE_MM, HANDS_FOLDS, Bounds
+from foldcut.redraw.bounds import ANY_METHOD, FOLD_REDRAWN, HANDS_CREASE_MM, HANDS_FOLDS, Bounds
 from foldcut.redraw.distance import apart
 
 if TYPE_CHECKING:
@@ -87,6 +88,9 @@ in mm of the frame."""
 SEEN_MM = 0.05
 """What moved by less than this, in mm on the sheet, is not drawn as it was before."""
 
+SIMPLER = (1.0, 4.0, 8.0, 16.0)
+"""The tolerances, in mm of the frame, among which one is looked for that helps where nothing folds."""
+
 MOST_STEPS = 300
 """Folds that can be made one after another are counted in patterns with at most this many creases."""
 
@@ -116,8 +120,8 @@ class Tried:
     notes: tuple[str, ...] = ()
 
 
-Fold = Callable[[Laying, Wishes, Effort, Stages, str], Tried]
-"""Folds an outline as it is laid, and verifies the pattern; the last argument is ``only`` of ``methods.auto.run``.
+Fold = Callable[[Laying, Wishes, Effort, Stages], Tried]
+"""Folds an outline as it is laid, and verifies the pattern.
 
 Raises ``UnfoldableError`` where there is no pattern, or one with too short a crease.
 """
@@ -249,9 +253,9 @@ def redraw_and_fold(
 ) -> Ladder:
     """Fold a drawing at one tolerance after another and return what each costs.
 
-    If no tolerance has a pattern, the drawing as it is is folded by the methods that are not for hands. ``on_pattern``
-    is called with each verified pattern that is easier to fold, or nearer to the drawing, than those before: the first
-    one at once. Raises the error of the drawing as it is where there is no pattern at all.
+    ``on_pattern`` is called with each verified pattern that is easier to fold, or nearer to the drawing, than those
+    before: the first one at once. Where no tolerance has a pattern, the error of the drawing as it is is raised, with a
+    larger tolerance that has one if there is any.
     """
     return _Search(drawn, bounds, wishes, fold, effort, stages, on_pattern).run()
 
@@ -324,9 +328,6 @@ class _Search:
                 break
             if self._is_enough():
                 break
-        if not any(level.tried for level in self.levels) and not alone and not self.interrupted:
-            self._keep(self._folded(replace(self.levels.pop(0), failure=""), only=LAST_RESORTS))
-            self.levels.insert(0, self.levels.pop())
         ladder = Ladder(tuple(self.levels), self._taken(), self.bounds.folds, self.interrupted)
         self.until = 1.0
         self._progress("verify", 1.0)  # as each of them was
@@ -350,7 +351,7 @@ class _Search:
                 if look.folds is None or look.folds > PROMISING * self.bounds.folds:
                     return look
                 self._tell(look)
-        return self._folded(start, only="" if alone else HANDS)
+        return self._folded(start)
 
     def _corners_beside_axes(self) -> float:
         """Return how many corners the drawing has in a sector between its mirror axes, or on one side of one."""
@@ -473,12 +474,12 @@ class _Search:
     def _has_few_corners(self, outline: Shape) -> bool:
         return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
 
-    def _folded(self, level: Level, *, effort: Effort | None = None, only: str = HANDS) -> Level:
-        """Fold the drawing as it is; the last argument is ``only`` of ``methods.auto.run``."""
+    def _folded(self, level: Level, *, effort: Effort | None = None) -> Level:
+        """Fold the drawing as it is."""
         started = time.perf_counter()
         laying, within = self.drawn.laying, Stages(self._progress)
         try:
-            tried = self.fold(laying, self._wishes(), self._part(effort or self.effort), within, only)
+            tried = self.fold(laying, self._wishes(), self._part(effort or self.effort), within)
         except UnfoldableError as error:
             self.error = error
             return replace(level, laid=laying.lay(), failure=str(error), seconds=time.perf_counter() - started)
@@ -571,13 +572,36 @@ class _Search:
             raise UnfoldableError(
                 f"no pattern was found in {self.effort.seconds:g} s; allow more with --seconds, or a larger --tolerance"
             )
-        error = self.error or UnfoldableError(self.levels[-1].failure)
-        if len(self.levels) == 1:
-            raise error
-        text = f"{error}; an outline within {self.levels[-1].tolerance_mm:.3g} mm of the drawing has no pattern, either"
+        raise self._failure()
+
+    def _failure(self) -> UnfoldableError:
+        """Return the error where nothing folds, with what helps."""
+        error, off = self.error, f"{self.levels[-1].tolerance_mm:.3g} mm"
+        if error is None:  # as it is, the drawing has too many corners to be tried
+            text = f"no outline within {off} of the drawing was found that has a pattern"
+        elif len(self.levels) > 1:
+            text = f"{error}; an outline within {off} of the drawing has no pattern, either"
+        else:
+            text = str(error)
+        if self.bounds.method == ANY_METHOD:
+            text += self._remedies()
         if isinstance(error, CreaseTooShortError):
-            raise CreaseTooShortError(text, error.length, error.place)
-        raise UnfoldableError(text)
+            return CreaseTooShortError(text, error.length, error.place)
+        return UnfoldableError(text)
+
+    def _remedies(self) -> str:
+        """Return what helps where nothing folds: the least of some larger tolerances that has a pattern."""
+        text = ""
+        for tolerance in SIMPLER:
+            off = float(f"{tolerance * self.scale:.2g}")
+            if off > self.levels[-1].tolerance_mm and not self._is_late():
+                level = self._redrawn(off / self.scale, last=True)
+                if level.verified:
+                    text = f"; {'leave out --exact' if self.bounds.is_exact else 'allow more'}: "
+                    text += f"--tolerance {off:g}mm gives a pattern of {level.folds} folds"
+                    break
+        method = last_resort(len(self.drawn.whole.loops))
+        return f"{text}; --method {method} may fold the drawing as it is, with thousands of folds"
 
     # ---- time ----
 

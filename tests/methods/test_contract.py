@@ -205,10 +205,10 @@ def nothing_folds(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_where_nothing_folds_the_error_has_every_reason() -> None:
     with pytest.raises(UnfoldableError) as one:
         auto.run(AUTO, problem(LOPSIDED), FAST)
-    assert str(one.value) == "mirror: no mirror; skeleton: no skeleton; compact: no compact; paper: no paper"
+    assert str(one.value) == "mirror: no mirror; skeleton: no skeleton; compact: no compact"
     with pytest.raises(UnfoldableError) as several:
         auto.run(AUTO, problem(TWO_SQUARES), FAST)
-    assert str(several.value) == "mirror: no mirror; skeleton: no skeleton; compact: no compact; gate: no gate"
+    assert str(several.value) == "mirror: no mirror; skeleton: no skeleton; compact: no compact"
 
 
 def test_what_is_asked_for_must_make_sense() -> None:

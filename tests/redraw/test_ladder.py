@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -23,7 +24,6 @@ from foldcut.drawing.laying import Laid, Laying
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.drawing.shape import make_shape
 from foldcut.drawing.simplify import simplify
-from foldcut.methods.auto import HANDS, LAST_RESORTS
 from foldcut.methods.base import Effort, Made, Wishes
 from foldcut.methods.progress import Stages
 from foldcut.pattern.ranking import shortest_crease
@@ -65,19 +65,19 @@ class Folder:
 
     def __init__(self, folds: Callable[[int], int | None], shortest: Callable[[int], float] = lambda _: 5.0) -> None:
         self.folds, self.shortest = folds, shortest
-        self.asked: list[tuple[int, Wishes, Effort, str]] = []
+        self.asked: list[tuple[int, Wishes, Effort]] = []
         self.interrupted = False
 
-    def __call__(self, laying: Laying, wishes: Wishes, effort: Effort, stages: Stages, only: str) -> Tried:
+    def __call__(self, laying: Laying, wishes: Wishes, effort: Effort, stages: Stages) -> Tried:
         stages.up_to(1.0)
         with stages("pretending"):
-            return self.fold(laying.lay(), wishes, effort, only)
+            return self.fold(laying.lay(), wishes, effort)
 
-    def fold(self, laid: Laid, wishes: Wishes, effort: Effort, only: str) -> Tried:
+    def fold(self, laid: Laid, wishes: Wishes, effort: Effort) -> Tried:
         corners = laid.shape.corner_count
-        self.asked.append((corners, wishes, effort, only))
+        self.asked.append((corners, wishes, effort))
         count = self.folds(corners)
-        if count is None and only != LAST_RESORTS:
+        if count is None:
             raise UnfoldableError(f"{corners} corners do not fold")
         pattern = square_out_of_square()
         ends = pattern.creases.vertices_coords[pattern.creases.edges_vertices[pattern.creases.edges_assignment != "B"]]
@@ -89,8 +89,7 @@ class Folder:
             pattern.creases.faces_vertices,
         )
         folded = FoldedState(points_array(pattern.folded.vertices_coords * size), pattern.folded.layers)
-        folds = 9999 if count is None else count
-        made = Made("compact", creases, folded, laid, 0.0, folds, (), {}, interrupted=self.interrupted)
+        made = Made("compact", creases, folded, laid, 0.0, count, (), {}, interrupted=self.interrupted)
         return Tried(made, ())
 
 
@@ -101,7 +100,7 @@ def pretended(folder: Folder) -> Callable[..., None]:
         shape = simplify(drawing.frame.shape, tolerance).shape
         laid = replace(drawing.laid, shape=drawing.frame.on_sheet(shape))
         try:
-            made = folder.fold(laid, Wishes(), Effort("fast"), HANDS).made
+            made = folder.fold(laid, Wishes(), Effort("fast")).made
         except UnfoldableError:
             return
         off = apart(shape.loops, drawing.frame.shape.loops)
@@ -301,10 +300,10 @@ def test_ctrl_c_takes_the_best_so_far(at: int) -> None:
 
 def test_ctrl_c_takes_the_pattern_of_the_short_look_at_the_drawing_as_it_is() -> None:
     class Impatient(Folder):
-        def fold(self, laid: Laid, wishes: Wishes, effort: Effort, only: str) -> Tried:
+        def fold(self, laid: Laid, wishes: Wishes, effort: Effort) -> Tried:
             if effort.name != "fast":
                 raise KeyboardInterrupt
-            return super().fold(laid, wishes, effort, only)
+            return super().fold(laid, wishes, effort)
 
     ladder = climb(drawn(CIRCLES["circle"]), Impatient(lambda _: 65), Effort("normal"))
     assert ladder.interrupted
@@ -353,7 +352,7 @@ def test_a_limit_in_seconds_takes_the_best_so_far(monkeypatch: pytest.MonkeyPatc
     folder.folds = folds
     ladder = climb(drawn(CIRCLES["oval"]), folder, Effort("fast", 5.0))
     assert (len(ladder.levels), ladder.interrupted, ladder.taken) == (3, True, 2)
-    given = [effort.seconds for _, _, effort, _ in folder.asked]
+    given = [effort.seconds for _, _, effort in folder.asked]
     assert given[0] == 2.0, "not all of it is for the drawing as it is"
 
 
@@ -363,14 +362,26 @@ def test_if_there_is_no_pattern_when_the_seconds_are_over_that_is_said_plainly()
         climb(drawn(many), Folder(lambda _: None), Effort("fast", 0.001))
 
 
-def test_if_nothing_folds_the_drawing_as_it_is_is_left_to_the_last_resorts() -> None:
-    folder = Folder(lambda _: None)
-    ladder = climb(drawn(CIRCLES["oval"]), folder)
-    assert told(ladder) == [0, 0.25, 0.5, 1, 2, 4]
-    assert (ladder.taken, ladder.level.folds) == (0, 9999)
-    assert [only for *_, only in folder.asked] == [HANDS] * (len(folder.asked) - 1) + [LAST_RESORTS]
-    assert ladder.levels[3].failure == "no outline with a pattern was found"
-    assert ladder.levels[3].laid is not None, "so that there is a picture of it"
+@pytest.mark.parametrize("sheet", ["a4", "a3"])
+def test_if_nothing_folds_the_error_has_a_larger_tolerance_that_does(sheet: str) -> None:
+    oval = drawn(CIRCLES["oval"], sheet)
+    folder = Folder(lambda corners: 30 if corners <= 8 else None)
+    with pytest.raises(UnfoldableError, match="has no pattern, either; allow more: --tolerance") as caught:
+        climb(oval, folder)
+    found = re.search("--tolerance ([0-9.]+)mm gives a pattern of 30 folds; --method paper may fold", str(caught.value))
+    assert found is not None
+    ladder = climb(oval, folder, tolerance=float(found[1]))
+    assert (ladder.level.tolerance_mm, ladder.level.folds) == (pytest.approx(float(found[1])), 30)
+
+
+def test_what_helps_where_nothing_folds_is_only_what_was_asked_for() -> None:
+    oval = drawn(CIRCLES["oval"])
+    with pytest.raises(UnfoldableError, match=r"do not fold; leave out --exact: --tolerance 4mm gives a pattern of 9"):
+        climb(oval, Folder(lambda corners: 9 if corners <= 12 else None), exact=True)
+    with pytest.raises(UnfoldableError, match=r"no pattern, either; --method paper may fold the drawing as it is"):
+        climb(oval, Folder(lambda _: None))
+    with pytest.raises(UnfoldableError, match=r"corners do not fold$"):
+        climb(oval, Folder(lambda _: None), method="compact")
 
 
 def test_a_drawing_with_too_many_corners_is_not_tried_as_it_is_unless_it_is_asked_for() -> None:

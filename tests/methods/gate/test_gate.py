@@ -74,10 +74,10 @@ def no_skeleton(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("no_skeleton")
-def test_auto_takes_the_gate_where_nothing_else_helps() -> None:
-    result = foldcut.fold(TRIANGULAR_HOLE, effort="fast")
-    assert result.findings == ()
-    assert [attempt.method for attempt in result.attempts] == ["mirror", "skeleton", "compact", "gate"]
+def test_the_gate_is_made_only_where_it_is_asked_for() -> None:
+    with pytest.raises(UnfoldableError, match="--method gate may fold the drawing as it is, with thousands of folds$"):
+        foldcut.fold(TRIANGULAR_HOLE, effort="fast")
+    assert foldcut.fold(TRIANGULAR_HOLE, effort="fast", method="gate").verified
 
 
 def test_rings_are_equal_disks_that_touch_and_the_packing_is_one() -> None:
