@@ -596,7 +596,7 @@ class _Search:
             off = float(f"{tolerance * self.scale:.2g}")
             if off > self.levels[-1].tolerance_mm and not self._is_late():
                 level = self._redrawn(off / self.scale, last=True)
-                if level.verified:
+                if level is not None and level.verified:
                     text = f"; {'leave out --exact' if self.bounds.is_exact else 'allow more'}: "
                     text += f"--tolerance {off:g}mm gives a pattern of {level.folds} folds"
                     break
