@@ -58,6 +58,15 @@ class Place(NamedTuple):
     find: Callable[[bytes], str]
 
 
+IN_MARKUP = re.compile(rb"<!-- " + MARK.encode() + rb"(\{.*\}) -->")
+IN_STEP = re.compile(rb"/\* " + MARK.encode() + rb"(\{.*\}) \*/")
+IN_DXF = re.compile(rb"^[ \t]*999\r?\n" + MARK.encode() + rb"(.*?)\r?$", re.MULTILINE)
+IN_GCODE = re.compile(rb"^; " + MARK.encode() + rb"(.*?)\r?$", re.MULTILINE)
+IN_FOLD = re.compile(rb'"' + FOLD_KEY.encode() + rb'": (\{.*\})')
+IN_LBRN2 = re.compile(rb'Notes="' + MARK.encode() + rb'([^"]*)"')
+IN_3MF = re.compile(rb'<metadata name="Description">' + MARK.encode() + rb"(.*?)</metadata>")
+
+
 def with_recipe(data: bytes, suffix: str, recipe: str) -> bytes:
     """Return the bytes of a file with this ending with a recipe in them; the same bytes if there is no place."""
     place = PLACES.get(suffix.lower())
@@ -78,7 +87,7 @@ def _put_markup(data: bytes, recipe: str) -> bytes:
 
 
 def _find_markup(data: bytes) -> str:
-    return _first(rb"<!-- " + MARK.encode() + rb"(\{.*\}) -->", data[:100_000])
+    return _first(IN_MARKUP, data[:100_000])
 
 
 def _put_step(data: bytes, recipe: str) -> bytes:
@@ -89,7 +98,7 @@ def _put_step(data: bytes, recipe: str) -> bytes:
 
 
 def _find_step(data: bytes) -> str:
-    return _first(rb"/\* " + MARK.encode() + rb"(\{.*\}) \*/", data[:100_000])
+    return _first(IN_STEP, data[:100_000])
 
 
 def _put_dxf(data: bytes, recipe: str) -> bytes:
@@ -98,7 +107,7 @@ def _put_dxf(data: bytes, recipe: str) -> bytes:
 
 
 def _find_dxf(data: bytes) -> str:
-    return _joined(rb"^\s*999\r?\n" + MARK.encode() + rb"(.*?)\r?$", data)
+    return _joined(IN_DXF, data)
 
 
 def _put_gcode(data: bytes, recipe: str) -> bytes:
@@ -109,7 +118,7 @@ def _put_gcode(data: bytes, recipe: str) -> bytes:
 
 
 def _find_gcode(data: bytes) -> str:
-    return _joined(rb"^; " + MARK.encode() + rb"(.*?)\r?$", data)
+    return _joined(IN_GCODE, data)
 
 
 def _put_fold(data: bytes, recipe: str) -> bytes:
@@ -117,7 +126,7 @@ def _put_fold(data: bytes, recipe: str) -> bytes:
 
 
 def _find_fold(data: bytes) -> str:
-    return _first(rb'"' + FOLD_KEY.encode() + rb'": (\{.*\})', data)
+    return _first(IN_FOLD, data)
 
 
 def _put_lbrn2(data: bytes, recipe: str) -> bytes:
@@ -128,7 +137,7 @@ def _put_lbrn2(data: bytes, recipe: str) -> bytes:
 
 
 def _find_lbrn2(data: bytes) -> str:
-    return unescape(_first(rb'Notes="' + MARK.encode() + rb'([^"]*)"', data), {"&quot;": '"'})
+    return unescape(_first(IN_LBRN2, data), {"&quot;": '"'})
 
 
 def _put_pdf(data: bytes, recipe: str) -> bytes:
@@ -183,7 +192,7 @@ def _find_3mf(data: bytes) -> str:
             start = model.read(100_000)
     except BROKEN_ARCHIVE:
         return ""
-    return unescape(_first(rb'<metadata name="Description">' + MARK.encode() + rb"(.*?)</metadata>", start))
+    return unescape(_first(IN_3MF, start))
 
 
 def _put_zip(data: bytes, recipe: str) -> bytes:
@@ -214,13 +223,13 @@ def _parts(text: str, size: int) -> list[str]:
     return [text[at : at + size] for at in range(0, len(text), size)]
 
 
-def _first(pattern: bytes, data: bytes) -> str:
-    found = re.search(pattern, data)
+def _first(pattern: re.Pattern[bytes], data: bytes) -> str:
+    found = pattern.search(data)
     return "" if found is None else found[1].decode("ascii", "replace")
 
 
-def _joined(pattern: bytes, data: bytes) -> str:
-    return b"".join(re.findall(pattern, data[:100_000], re.MULTILINE)).decode("ascii", "replace")
+def _joined(pattern: re.Pattern[bytes], data: bytes) -> str:
+    return b"".join(pattern.findall(data[:100_000])).decode("ascii", "replace")
 
 
 MARKUP = Place(_put_markup, _find_markup)

@@ -31,6 +31,9 @@ from foldcut.core.errors import FoldcutError, UnfoldableError
 TRACEBACK = "FOLDCUT_TRACEBACK"
 """Where this is set in the environment, errors end with a traceback: for those who look for a mistake in foldcut."""
 
+NO_MEMORY = "failed to map segment from shared object"
+"""What the system says where there is not enough memory to load a library."""
+
 LONGEST_CHAIN = 100
 """How many errors are looked at, each of which was raised while the next was handled."""
 
@@ -79,7 +82,7 @@ def told(error: BaseException) -> tuple[str, int]:
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
         return f"{where}{error.strerror or error}", BAD_INPUT
-    if isinstance(error, MemoryError):
+    if isinstance(error, MemoryError) or NO_MEMORY in str(error):
         return "there is not enough memory, and no file is half-written; simplify the drawing", FAILED
     what = " ".join(f"{type(error).__name__}: {error}".split())
     return (
