@@ -64,7 +64,7 @@ IN_DXF = re.compile(rb"^[ \t]*999\r?\n" + MARK.encode() + rb"(.*?)\r?$", re.MULT
 IN_GCODE = re.compile(rb"^; " + MARK.encode() + rb"(.*?)\r?$", re.MULTILINE)
 IN_FOLD = re.compile(rb'"' + FOLD_KEY.encode() + rb'": (\{.*\})')
 IN_LBRN2 = re.compile(rb'Notes="' + MARK.encode() + rb'([^"]*)"')
-IN_3MF = re.compile(rb'<metadata name="Description">' + MARK.encode() + rb"(.*?)</metadata>")
+IN_3MF = re.compile(rb'<metadata name="Description">' + MARK.encode() + rb"([^<]*)</metadata>")
 
 
 def with_recipe(data: bytes, suffix: str, recipe: str) -> bytes:
