@@ -87,13 +87,14 @@ ONE_LOOP = sorted(set(sample_names()) - {"letter-a", "ring", "rosette", "snowfla
 
 @pytest.mark.parametrize(
     ("name", "method"),
-    [(name, method) for name in ONE_LOOP for method in ("paper", "compact")]
+    [(name, "compact") for name in ONE_LOOP]
+    + [(name, "paper") for name in ONE_LOOP[::4]]  # thousands of creases each
     + [
         (name, "mirror")
         for name in ("letter-a", "ring", "rosette", "snowflake", "two-triangles", "tree", "plus", "heart")
     ],
 )
-def test_rabbit_ear_and_the_fold_package_accept_every_sample(name: str, method: str, tmp_path: Path) -> None:
+def test_rabbit_ear_and_the_fold_package_accept_samples(name: str, method: str, tmp_path: Path) -> None:
     pattern = folded_sample(name, method=method)
     path = write(tmp_path, pattern, ".fold")
     seen = run_node("rabbit_ear.cjs", path, "local")

@@ -191,7 +191,7 @@ def read_with_node(script: str, kind: str, sample: str, folder: Path) -> list[tu
     return list(zip(MACHINES_OF[kind], run_node(script, *paths), strict=True))
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", sorted({*sample_names()} - {"marlin"}))  # it has the strokes of ten others
 def test_every_stroke_is_read_back_on_every_machine(sample: str) -> None:
     for machine in MACHINES:
         suffix = f".{load_profile(machine).format}"
@@ -200,7 +200,7 @@ def test_every_stroke_is_read_back_on_every_machine(sample: str) -> None:
             assert differences(READERS[suffix](data, job), job, suffix) == [], machine
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", sorted({*sample_names()} - {"marlin"}))
 def test_dxf_parser_reads_every_stroke_in_mm(sample: str, tmp_path: Path) -> None:
     for machine, seen in read_with_node("dxf_parser.cjs", "dxf", sample, tmp_path):
         ((job, _),) = made(machine, sample).values()
