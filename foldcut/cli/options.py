@@ -676,6 +676,10 @@ class Machine:
     job: JobOptions
     words: Words = NO_WORDS
 
+    def output_name(self, stem: str) -> str:
+        """Return what the file for this machine is called, in its format, when none is asked for; "" without one."""
+        return f"{stem}-{Path(self.name).stem}.{self.profile.format}" if self.name and self.profile else ""
+
     @property
     def with_jobs(self) -> Profile | None:
         """The profile, if it is a machine's that carries out jobs, and not of the pattern alone."""

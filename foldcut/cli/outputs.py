@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -61,7 +61,8 @@ class Outputs:
         from foldcut.exporters import JOB_EXPORTERS, check_job_export, check_suffix
 
         in_bundles = [member for path in self.paths if is_bundle(path) for member in self._members(path)]
-        for path in [*in_bundles, *(path for path in self.paths if not is_bundle(path))]:
+        files = [*in_bundles, *(path for path in self.paths if not is_bundle(path))]
+        for path in files:
             machine = self.machine_for(path)
             check_suffix(path.suffix, machine.with_jobs, machine.profile, sheet)
             if machine.with_jobs is not None and path.suffix.lower() in JOB_EXPORTERS:
@@ -78,6 +79,23 @@ class Outputs:
                     tabs=job.tabs,
                     framed=job.framed,
                 )
+
+        self._check_job_options(files)
+
+    def _check_job_options(self, files: Iterable[Path]) -> None:
+        """Raise BadInputError if options for the machine's job are given and none of the ``files`` is a job."""
+        from foldcut.exporters import JOB_EXPORTERS
+        from foldcut.output.render import JOB_WORDS
+
+        given = dict.fromkeys(word.partition("=")[0] for word in self.machine.words.options)
+        wrong = [name for name in given if name in JOB_WORDS]
+        if self.machine.with_jobs is None or not wrong or any(path.suffix.lower() in JOB_EXPORTERS for path in files):
+            return
+        verb, them = ("is", "it") if len(wrong) == 1 else ("are", "them")
+        raise BadInputError(
+            f"{' and '.join(wrong)} {verb} for a job, and no file for the machine is asked for; leave {them} out, or "
+            f"add -o NAME.{self.machine.with_jobs.format}"
+        )
 
     def targets(self) -> list[Path]:
         """Return every file that may be written."""

@@ -95,6 +95,13 @@ def _parsers(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
     return parser, commands
 
 
+def output_name(text: str) -> str:
+    """Return the name of an output; an empty one, which would be the current folder, is an error."""
+    if not text:
+        raise argparse.ArgumentTypeError("its name is empty; give a name")
+    return text
+
+
 def nearest(name: str, known: Sequence[str], what: str = "") -> str:
     """Return "did you mean ...?" with the known name that is most like this one; an empty text if none is."""
     from difflib import get_close_matches

@@ -50,6 +50,10 @@ class Recipe:
         """Return the recipe with more options, and the hashes of the files that they name."""
         return replace(self, options=self.options + options, hashes={**self.hashes, **hashes})
 
+    def without(self, names: tuple[str, ...]) -> Recipe:
+        """Return the recipe without the options of these names."""
+        return replace(self, options=tuple(word for word in self.options if word.partition("=")[0] not in names))
+
     def lines(self) -> list[str]:
         """Return how the file was made as lines for people."""
         made_of = [self.drawing] if self.drawing else []

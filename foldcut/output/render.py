@@ -20,6 +20,21 @@ from foldcut.profiles import Action, Profile, Treatment
 __all__ = ["JobOptions", "Maker"]
 
 
+JOB_WORDS = (
+    "--material",
+    "--treatment",
+    "--two-sided",
+    "--registration",
+    "--marks",
+    "--tile",
+    "--at",
+    "--copies",
+    "--tabs",
+    "--frame",
+)
+"""The options of the command line that only a job can follow."""
+
+
 @dataclass(frozen=True)
 class JobOptions:
     """The options of ``make_jobs`` beside the pattern and the profile; None: as the profile says."""
@@ -99,6 +114,8 @@ class Maker:
         Raises FileFormatError and JobError, as exporters do.
         """
         recipe, made = self.recipe, self._without_recipe(path)
+        if recipe is not None and path.suffix.lower() not in JOB_EXPORTERS:
+            recipe = recipe.without(JOB_WORDS)  # they are refused where there is no job
         return made if recipe is None else {p: recipe.put_into(data, path.name, p.name) for p, data in made.items()}
 
     def _without_recipe(self, path: Path) -> dict[Path, bytes]:

@@ -13,10 +13,12 @@ from support.recipes import without_recipe
 
 from foldcut.cli import options
 from foldcut.cli.main import main
-from foldcut.cli.parser import parse
+from foldcut.cli.parser import Parser, parse
 from foldcut.drawing.placement import parse_sheet
 from foldcut.jobs.bed import Lay
+from foldcut.output.render import JOB_WORDS
 from foldcut.profiles import load_profile, profile_names
+from foldcut.samples import sample_path
 
 
 def arguments(*words: str) -> Namespace:
@@ -206,3 +208,48 @@ def test_a_test_card_in_an_archive_has_all_its_files(tmp_path: Path, monkeypatch
     assert all(name in text for name in names)
     assert "foldcut coupon --profile=drag-knife" in text
     assert main(["coupon", "--profile", "drag-knife", "-o", "folder"]) == 2
+
+
+def test_job_options_without_a_job_are_refused_and_not_in_recipes_of_patterns(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ("--sheet", "a6", "--profile", "grbl-laser", "--frame", "--tabs", "4x1mm")
+    for names in (("a.fold",), ("a.png", "a.html"), ("a.cp",)):
+        error = error_of(capsys, "make", "star", *words, *(word for name in names for word in ("-o", name)))
+        assert "--tabs and --frame are for a job" in error
+        assert "-o NAME.gcode" in error
+    error = error_of(capsys, "batch", str(sample_path("star")), "-o", "out", "--format", "fold", *words)
+    assert "are for a job" in error
+    assert not [*tmp_path.iterdir()]
+    quick = ("--effort", "fast", "--quiet")
+    assert main(["make", "star", *words, *quick, "-o", "a.fold", "-o", "a.gcode"]) == 0
+    assert b"tabs" not in Path("a.fold").read_bytes()
+    assert main(["make", "a.fold", "--again", "--quiet"]) == 0
+    assert main(["make", "a.gcode", "--again", "--quiet"]) == 0
+
+
+def test_job_words_are_all_options_of_a_machine_but_the_profile() -> None:
+    parser = Parser(add_help=False)
+    options.add_machine(parser)
+    assert {*parser.option_strings()} - {"--profile", "--set"} == {*JOB_WORDS}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("make", "star", "--profile", "laser-dxf"),
+        ("batch", "*.svg"),
+        ("solve", "a.fold"),
+        ("guide", "star"),
+        ("draw", "star"),
+        ("coupon", "--profile", "laser-dxf"),
+    ],
+)
+def test_an_output_without_a_name_is_refused(
+    words: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for empty in (("-o", ""), ("--output=",)):
+        assert "its name is empty" in error_of(capsys, *words, *empty)
+    assert not [*tmp_path.iterdir()]

@@ -88,3 +88,11 @@ def test_a_solved_pattern_cannot_be_cut(folder: Path, capsys: pytest.CaptureFixt
     assert main(["solve", "stamps.fold"]) == 0
     assert main(["make", "stamps-solved.fold", "-o", "b.svg"]) == 2
     assert "what the cut cuts out" in capsys.readouterr().err
+
+
+def test_with_a_machine_and_no_output_its_own_format_is_written(folder: Path) -> None:
+    before = {*folder.iterdir()}
+    for machine, name in (("grbl-laser", "gcode"), ("printer-a4", "pdf"), ("hp-7475a", "hpgl")):
+        assert main(["solve", "stamps.fold", "--width", "9cm", "--profile", machine, "--quiet"]) == 0
+        assert (folder / f"stamps-{machine}.{name}").exists()
+    assert len({*folder.iterdir()} - before) == 3

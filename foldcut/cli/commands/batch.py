@@ -14,6 +14,7 @@ from foldcut.cli.commands import Command
 from foldcut.cli.console import DONE, FAILED
 from foldcut.cli.options import Machine
 from foldcut.cli.outputs import Outputs
+from foldcut.cli.parser import output_name
 from foldcut.cli.signals import Terminated
 from foldcut.core.errors import BadInputError
 
@@ -50,7 +51,9 @@ def add_options(command: ArgumentParser) -> None:
         help="a folder, with all its subfolders, a pattern of names, or a drawing",
     )
     add_letters(command)
-    command.add_argument("-o", "--output", metavar="OUT", required=True, help="the folder to write into")
+    command.add_argument(
+        "-o", "--output", type=output_name, metavar="OUT", required=True, help="the folder to write into"
+    )
     command.add_argument(
         "--format",
         dest="formats",

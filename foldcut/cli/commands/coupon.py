@@ -10,6 +10,7 @@ from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.console import DONE
 from foldcut.cli.outputs import is_bundle
+from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument(
         "-o",
         "--output",
+        type=output_name,
         metavar="FILE",
         help="a file, or a .zip for it and a README.txt (default: coupon-PROFILE in the machine's format)",
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.making import fold_and_write
+from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError
 from foldcut.methods import METHODS
 
@@ -27,7 +28,9 @@ examples:
 
 def add_options(command: ArgumentParser) -> None:
     """Add the output, what to show, the drawing and the search."""
-    command.add_argument("-o", "--output", metavar="OUT", help="a .svg or .png (default: NAME-pictures.svg)")
+    command.add_argument(
+        "-o", "--output", type=output_name, metavar="OUT", help="a .svg or .png (default: NAME-pictures.svg)"
+    )
     add_show(command)
     options.add_request(command)
     options.add_console(command)

@@ -12,6 +12,7 @@ from foldcut.cli.commands import Command
 from foldcut.cli.making import fold_or_open, recipe_of, write_and_report
 from foldcut.cli.options import PATTERN_STEM, FoldRequest, Machine, Request, Source
 from foldcut.cli.outputs import Outputs
+from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument(
         "-o",
         "--output",
+        type=output_name,
         metavar="OUT",
         action="append",
         help="a file to write, in the format that its ending names, or a folder or a .zip for all files of a job and a "
@@ -173,10 +175,11 @@ def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
 
 def default_names(source: Source, machine: Machine) -> list[str]:
     """Return the outputs when none are asked for; never the drawing's own name."""
-    if machine.name is None or machine.profile is None:
-        pattern = f"{source.stem}{PATTERN_STEM}"
-        return [f"{pattern}.svg"] if source.is_pattern else [f"{pattern}.svg", f"{pattern}.fold"]
-    return [f"{source.stem}-{Path(machine.name).stem}.{machine.profile.format}"]
+    own = machine.output_name(source.stem)
+    if own:
+        return [own]
+    pattern = f"{source.stem}{PATTERN_STEM}"
+    return [f"{pattern}.svg"] if source.is_pattern else [f"{pattern}.svg", f"{pattern}.fold"]
 
 
 def output_paths(names: list[str]) -> tuple[Path, ...]:

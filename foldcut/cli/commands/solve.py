@@ -13,6 +13,7 @@ from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.commands.check import add_pattern, add_tolerance, tell, tolerance_of
 from foldcut.cli.outputs import Outputs, is_bundle
+from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError, UnfoldableError
 from foldcut.core.files import is_standard_input
 
@@ -40,9 +41,11 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument(
         "-o",
         "--output",
+        type=output_name,
         metavar="OUT",
         action="append",
-        help="a file to write, in the format that its ending names (default: NAME-solved.fold; repeatable)",
+        help="a file to write, in the format that its ending names (default: NAME-solved.fold, or with "
+        "--profile NAME-PROFILE in the machine's format; repeatable)",
     )
     add_judging(command)
     options.add_force(command)
@@ -69,10 +72,10 @@ def solve(args: Namespace) -> int:
     console, path = options.console(args), Path(args.file)
     width_mm = None if args.width is None else parse_length(args.width)
     stem = "pattern" if is_standard_input(path) else path.stem
-    names = [Path(name) for name in args.output or [f"{stem}-solved.fold"]]
     args.sheet = None
-    usual = options.usual_machines(args, (name.suffix for name in names))
+    usual = options.usual_machines(args, (Path(name).suffix for name in args.output or ()))
     machine = options.no_machine() if usual else options.machine(args)
+    names = [Path(name) for name in args.output or [machine.output_name(stem) or f"{stem}-solved.fold"]]
     outputs = Outputs(tuple(names), stem, machine, usual)
     inputs = Inputs([path, *outputs.profile_files()])
     check_targets(outputs.targets(), replace=args.force, inputs=inputs)
