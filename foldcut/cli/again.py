@@ -13,6 +13,7 @@ import tempfile
 from argparse import Namespace
 from collections.abc import Iterator
 from contextlib import redirect_stdout
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,7 +22,7 @@ from foldcut.cli.commands import load
 from foldcut.cli.console import DONE
 from foldcut.cli.parser import Parser, parse
 from foldcut.core.errors import BadInputError, FileFormatError
-from foldcut.core.files import read_bytes
+from foldcut.core.files import is_standard_input, read_bytes
 
 if TYPE_CHECKING:
     from foldcut.output.recipe import Recipe
@@ -41,9 +42,9 @@ def make_again(args: Namespace) -> int:
 
     path, given = asked(args)
     recipe = recipe_of(path)
-    drawing = None if not recipe.drawing else found_drawing(recipe, path, given)
     if given and not recipe.drawing:
         raise BadInputError(f"{path} was made of no drawing; leave {given} out")
+    drawing = None if not recipe.drawing else found_drawing(recipe, path, given)
     with tempfile.TemporaryDirectory(prefix="foldcut-") as folder:
         made = run(recipe, drawing, path, Path(folder))
     if made is None:
@@ -57,8 +58,9 @@ def make_again(args: Namespace) -> int:
     target = path if args.output is None else Path(args.output[0])
     contents = {} if same and target == path else {target: own}
     beside = {path.parent / name: data for name, data in made.items()} if args.output is None else {}
-    kept = [place for place, data in beside.items() if place.is_file() and place.read_bytes() == data]
-    contents |= {place: data for place, data in beside.items() if place not in kept}
+    there = [place for place in beside if place.exists()]
+    changed = [place for place in there if not place.is_file() or place.read_bytes() != beside[place]]
+    contents |= {place: data for place, data in beside.items() if place not in there}
     if not same and target == path and not args.force:
         reason = other or "it was changed since, or the computer or its libraries are others"
         raise BadInputError(
@@ -66,14 +68,25 @@ def make_again(args: Namespace) -> int:
             "replace it with --force"
         )
     files = [{"path": str(name), "bytes": len(data), "replaced": name.exists()} for name, data in contents.items()]
-    inputs = Inputs([*([] if drawing is None else [drawing]), *files_beside(recipe, path)])
+    inputs = Inputs([*([] if drawing is None else [drawing.path]), *files_beside(recipe, path)])
+    for place in changed:
+        inputs.refuse(place)
+    if changed and not args.force:
+        names = " and ".join(map(str, changed))
+        have, them = ("has", "it") if len(changed) == 1 else ("have", "them")
+        raise BadInputError(
+            f"{path} is the same, but {names} beside it, made by the same command, {have} other bytes; move "
+            f"{them} away to have {them} made again, or use --force, which replaces only {path.name}"
+        )
     write_files(contents, replace=args.force, inputs=inputs)
     report = {"ok": True, "again": str(path), "same": same, "foldcut": recipe.version, "files": files}
+    report["changed"] = list(map(str, changed))
     lines = [
         str(path),
         f"  made      {recipe.lines()[0]}",
-        *([f"  drawing   {drawing}, the same bytes"] if drawing else []),
+        *([f"  drawing   {drawing.path}, the same bytes"] if drawing else []),
         *([f"  warning   {other}"] if other else []),
+        *(f"  warning   {place}, which the same command makes, has other bytes and is left" for place in changed),
         f"  again     {'the same bytes' if same else 'other bytes'}, {len(own):,} of them",
         *(f"  written   {file['path']} ({file['bytes']:,} bytes)" for file in files),
     ]
@@ -117,7 +130,7 @@ def recipe_of(path: Path) -> Recipe:
     if not text:
         why = "foldcut did not write it, or it has several drawings, or a program has saved it since"
         if suffix in NO_PLACE:
-            why = f"{NO_PLACE[suffix]}; give another file that was made with it"
+            why = f"{NO_PLACE[suffix]}; give another file that was made with it, or give the drawing and its options"
         raise FileFormatError(f"{path} has no recipe: {why}")
     try:
         recipe = read_recipe(text)
@@ -150,23 +163,29 @@ def is_name(text: str) -> bool:
     return Path(text).name == text and text != ".." and "\0" not in text
 
 
-def found_drawing(recipe: Recipe, path: Path, given: str) -> Path:
+@dataclass(frozen=True)
+class Found:
+    """The drawing of a recipe: its ``path``, "-" for standard input, and its bytes."""
+
+    path: Path
+    data: bytes
+
+
+def found_drawing(recipe: Recipe, path: Path, given: str) -> Found:
     """Return the drawing of a recipe: the one that is given, or else beside the file, or else a sample.
 
     Raises BadInputError: there is none, or it has changed.
     """
-    if given:
-        candidates = [Path(given)]
-        if not candidates[0].is_file():
-            raise BadInputError(f"{given}: there is no such file; give the drawing of {path}, {recipe.drawing}")
-    else:
-        candidates = list(places(recipe, path))
+    candidates = [options.named_source(given).path] if given else list(places(recipe, path))
     for place in candidates:
-        if hashed(place) == recipe.sha256:
-            return place
+        data = read_bytes(place, LARGEST)
+        if hashlib.sha256(data).hexdigest() == recipe.sha256:
+            return Found(place, data)
     if candidates:
+        name = "standard input" if is_standard_input(candidates[0]) else candidates[0]
+        other = "is another drawing, or has changed" if given else "has changed"
         raise BadInputError(
-            f"{candidates[0]} has changed since {path} was made of it; give the drawing as it was: foldcut make {path} "
+            f"{name} {other} since {path} was made of it; give the drawing as it was: foldcut make {path} "
             f"--again DRAWING, or make a new file: {recipe.lines()[0].partition(': ')[2]}"
         )
     raise BadInputError(
@@ -199,14 +218,14 @@ def files_beside(recipe: Recipe, path: Path) -> list[Path]:
     return [path.parent / value for name, _, value in parted if name in recipe.hashes and name in options.FILES_OF]
 
 
-def run(recipe: Recipe, drawing: Path | None, path: Path, folder: Path) -> dict[str, bytes] | None:
+def run(recipe: Recipe, drawing: Found | None, path: Path, folder: Path) -> dict[str, bytes] | None:
     """Run the command of a recipe in a folder; return what it wrote, by name, or None if it is not verified."""
     into, out = folder / "in", folder / "out"
     into.mkdir()
     out.mkdir()
     words = [recipe.command]
     if drawing is not None:
-        (into / recipe.drawing).write_bytes(drawing.read_bytes())
+        (into / recipe.drawing).write_bytes(drawing.data)
         words.append(str(into / recipe.drawing))
     for word in recipe.options:
         name, _, value = word.partition("=")

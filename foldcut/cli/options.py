@@ -644,10 +644,10 @@ def recipe(args: Namespace) -> Recipe:
 
     The sheet and the margin are there even if they were not asked for: they hang on the other outputs.
     """
-    from foldcut.output.recipe import Recipe
+    from foldcut.output.recipe import UNNAMED, Recipe
 
     asked = source(args)
-    name = "" if asked.text is not None else "drawing" if is_standard_input(asked.path) else asked.path.name
+    name = "" if asked.text is not None else UNNAMED if is_standard_input(asked.path) else asked.path.name
     made = Recipe(args.command, drawing=name).also(*words(args, add_source))
     return made if asked.is_pattern else made.also(*folding_words(args))
 

@@ -22,6 +22,10 @@ LONGEST = 10_000
 """The most letters of a recipe: as many as a zip archive's comment or a PDF has easily."""
 
 
+UNNAMED = "drawing"
+"""What a drawing is called in a recipe that came from standard input; solve names none."""
+
+
 def version_now() -> str:
     """Return the version of this foldcut."""
     return version("foldcut")
@@ -56,9 +60,15 @@ class Recipe:
 
     def lines(self) -> list[str]:
         """Return how the file was made as lines for people."""
-        made_of = [self.drawing] if self.drawing else []
+        made_of = [self.typed_drawing()] if self.drawing or self.command == "solve" else []
         lines = [f"Made by foldcut {self.version}: {shlex.join(['foldcut', self.command, *made_of, *self.options])}"]
         return [*lines, f"SHA-256 of {self.drawing}: {self.sha256}"] if self.sha256 else lines
+
+    def typed_drawing(self) -> str:
+        """Return the drawing as it is typed: "-" for standard input, and "./--a.svg" for a name like an option."""
+        if self.drawing in ("", UNNAMED):
+            return "-"
+        return f"./{self.drawing}" if self.drawing.startswith("-") else self.drawing
 
     def text(self) -> str:
         """Return the recipe as one line of JSON in ASCII; what is empty is left out."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import shlex
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,6 +14,7 @@ from support.places import ROOT
 
 from foldcut.cli.main import main
 from foldcut.exporters.recipe_place import with_recipe
+from foldcut.output.recipe import Recipe
 
 SQUARE = '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="40mm" viewBox="0 0 40 40">%s</svg>'
 DRAWING = SQUARE % '<path d="M0 0 H40 V40 H0 Z"/>'
@@ -126,6 +128,7 @@ def test_errors_say_what_to_do(capsys: pytest.CaptureFixture[str]) -> None:
     make("make", "logo.svg", "-o", "a.svg", "-o", "a.cp", "-o", "a.stl")
     assert "a .cp file has no comments" in refused("a.cp", "--again", capsys=capsys)
     assert "no more than the drawing's hash" in refused("a.stl", "--again", capsys=capsys)
+    assert "or give the drawing and its options" in refused("a.stl", "--again", capsys=capsys)
     assert "foldcut did not write it" in refused("logo.svg", "--again", capsys=capsys)
     assert "there is no such file" in refused("b.svg", "--again", capsys=capsys)
     assert "--sheet: --again takes all options" in refused("a.svg", "--again", "--sheet", "a3", capsys=capsys)
@@ -166,3 +169,64 @@ def test_a_profile_beside_the_file_is_not_replaced_by_what_is_made_of_it(capsys:
     Path("a-back.dxf").unlink()
     Path("a-back.dxf").symlink_to("mine.toml")
     assert "it is read" in refused("a-front.dxf", "--again", "--force", capsys=capsys)
+
+
+def test_a_file_beside_it_with_other_bytes_is_told_and_left(capsys: pytest.CaptureFixture[str]) -> None:
+    make("make", "logo.svg", "--profile", "laser-dxf", "--two-sided", "-o", "a.dxf")
+    front, back = Path("a-front.dxf"), Path("a-back.dxf")
+    whole = front.read_bytes()
+    back.write_bytes(b"mine")
+    error = refused("a-front.dxf", "--again", capsys=capsys)
+    assert "a-front.dxf is the same, but a-back.dxf beside it, made by the same command, has other bytes" in error
+    front.write_bytes(whole + b"999\nmine\n")
+    assert "a-front.dxf is not what its recipe makes here" in refused("a-front.dxf", "--again", capsys=capsys)
+    assert again("a-front.dxf", "--again", "--force", capsys=capsys)["changed"] == ["a-back.dxf"]
+    assert (front.read_bytes(), back.read_bytes()) == (whole, b"mine")
+    back.unlink()
+    assert again("a-front.dxf", "--again", capsys=capsys)["changed"] == []
+    assert back.read_bytes() != b"mine"
+
+
+def test_the_drawing_may_be_a_sample_or_come_from_standard_input(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def pipe(data: str) -> None:
+        monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(data.encode())))
+
+    make("make", "logo.svg", "-o", "a.svg")
+    Path("logo.svg").unlink()
+    pipe(DRAWING)
+    assert again("a.svg", "--again", "-", capsys=capsys)["same"] is True
+    pipe("another")
+    assert "standard input is another drawing, or has changed" in refused("a.svg", "--again", "-", capsys=capsys)
+    assert "is another drawing, or has changed" in refused("a.svg", "--again", "star", capsys=capsys)
+    assert "there is no such file" in refused("a.svg", "--again", "b.svg", capsys=capsys)
+    make("make", "triangle", "-o", "t.svg")
+    assert again("t.svg", "--again", "triangle", capsys=capsys)["same"] is True
+
+
+def test_the_line_of_a_recipe_runs_as_it_is_written(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("--x--.svg", "-.svg", "a b.svg"):
+        Path(name).write_text(DRAWING)
+        make("make", f"./{name}", "-o", "out.svg")
+        run_line("out.svg", capsys=capsys)
+        Path("out.svg").unlink()
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(DRAWING.encode())))
+    make("make", "-", "--from", "svg", "-o", "p.svg")
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(DRAWING.encode())))
+    run_line("p.svg", "logo.svg", capsys=capsys)
+    assert Recipe("solve").lines()[0].endswith("foldcut solve -")
+    assert Recipe("coupon").lines()[0].endswith("foldcut coupon")
+
+
+def run_line(name: str, *drawing: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Run the line that the report of ``--again`` says a file was made with."""
+    data = Path(name).read_bytes()
+    capsys.readouterr()
+    assert main(["make", name, "--again", *drawing]) == 0
+    line = next(line for line in capsys.readouterr().out.splitlines() if "Made by foldcut" in line)
+    Path(name).unlink()
+    make(*shlex.split(line.partition(": ")[2])[1:], "-o", name)
+    assert Path(name).read_bytes() == data
