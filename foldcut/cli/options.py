@@ -818,10 +818,11 @@ def add_solid(command: ArgumentParser) -> None:
     )
 
 
-def solid_machines(args: Namespace, endings: Iterable[str]) -> dict[str, Machine]:
+def solid_machines(args: Namespace, endings: Iterable[str], bundles: Iterable[str] = ()) -> dict[str, Machine]:
     """Return whom files with the endings of solids are made for, if the user asks for another solid than usual.
 
-    Raises BadInputError: there is no solid among the files, or the groove has no such form.
+    ``bundles``: the endings of archives and folders, which have a solid in them if that is the profile's format. Raises
+    BadInputError: there is no solid among the files, the named profile has none, or the groove has no such form.
     """
     from foldcut.exporters import SOLIDS
     from foldcut.output.render import JobOptions
@@ -830,12 +831,23 @@ def solid_machines(args: Namespace, endings: Iterable[str]) -> dict[str, Machine
     asked = given(args, add_solid)
     if not asked:
         return {}
-    known = sorted({ending.lower() for ending in endings} & {*SOLIDS})
+    named = None if args.profile is None else load_profile(args.profile, args.set)
+    solid = None if named is None else named.solid
+    own = solid is not None
+    in_bundles = {*bundles} if named is not None and own and f".{named.format}" in SOLIDS else set()
+    known = sorted({ending.lower() for ending in endings} & {*SOLIDS} | in_bundles)
     if not known:
         verb = "is" if len(asked) == 1 else "are"
         raise BadInputError(f"{', '.join(asked)} {verb} for solids: give an -o that ends in {', '.join(SOLIDS)}")
-    named = None if args.profile is None else load_profile(args.profile, args.set)
-    own = named is not None and named.solid is not None
+    if named is not None and not own:
+        raise BadInputError(
+            f"{', '.join(asked)}: {args.profile} makes no solids; make them by a command of their own, without "
+            f"--profile or with --profile {USUAL_SOLID}"
+        )
+    folded = args.folded or (solid is not None and solid.folded)
+    if folded and (args.groove or args.one_sided):
+        which = "--groove" if args.groove else "--one-sided"
+        raise BadInputError(f"{which} is for the flat sheet, and a folded one has no grooves; leave one of them out")
     name = args.profile if own else USUAL_SOLID
     changes = [*(args.set if own else ()), *_groove(args.groove)]
     changes += [f"solid.{key}=true" for key in ("one_sided", "folded") if getattr(args, key)]

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import sys
+import zipfile
 from functools import cache
 from pathlib import Path
 
@@ -316,13 +317,43 @@ def test_the_options_for_solids_are_those_of_the_profile(
     assert main(["make", "star", *quick, *profile, "-o", "b.stl"]) == 0
     assert Path("a.stl").read_bytes() == Path("b.stl").read_bytes()
     assert main(["make", "a.svg", "--again", "--quiet"]) == 0
-    assert main(["make", "star", *quick, "--folded", "--profile", "glowforge", "-o", "c.3mf", "-o", "c.svg"]) == 0
+    assert main(["make", "star", *quick, "--folded", "-o", "c.3mf", "-o", "c.svg"]) == 0
     assert main(["make", "c.3mf", "--again", "--quiet"]) == 0
     capsys.readouterr()
     for wrong, message in (
         (("--folded",), "--folded is for solids"),
         (("--groove", "w", "-o", "d.stl"), "--groove w is no form"),
         (("--groove", "v9", "-o", "d.stl"), "10 to 170"),
+        (("--folded", "--groove", "v", "-o", "d.stl"), "--groove is for the flat sheet"),
+        (("--folded", "--one-sided", "-o", "d.step"), "--one-sided is for the flat sheet"),
+        (("--profile", "scored-sheet", "--set", "solid.folded=true", "--groove", "u"), "--groove is for the flat"),
+        (("--folded", "-o", "d.zip"), "--folded is for solids"),
+        (("--folded", "--profile", "scored-sheet", "-o", "d.svg"), "--folded is for solids"),
+        (("--profile", "printer-a4", "--groove", "v90", "-o", "d.stl"), "printer-a4 makes no solids"),
+        (("--profile", "glowforge", "--folded", "-o", "d.3mf", "-o", "d.svg"), "glowforge makes no solids"),
     ):
         assert main(["make", "star", *wrong]) == 2
         assert message in capsys.readouterr().err
+
+
+def test_solids_of_another_form_are_made_where_the_profile_names_the_format(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder").mkdir()
+    usual, other = ("--profile", "scored-sheet"), ("--groove", "v90")
+    make = ("make", "star", "--effort", "fast", "--quiet")
+    assert main([*make, *usual, "-o", "plain.stl"]) == 0
+    assert main([*make, *usual, *other, "-o", "a.stl"]) == 0
+    assert main([*make, *usual, *other]) == 0
+    assert main([*make, *usual, *other, "-o", "a.zip", "-o", "folder"]) == 0
+    wanted = Path("a.stl").read_bytes()
+    assert wanted != Path("plain.stl").read_bytes()
+    assert Path("star-scored-sheet.stl").read_bytes() == wanted
+    assert Path("folder/star.stl").read_bytes() == wanted
+    with zipfile.ZipFile("a.zip") as archive:
+        assert archive.read("a.stl") == wanted
+        assert "--groove=v90" in archive.read("README.txt").decode()
+    assert main(["make", "a.zip", "--again", "--quiet"]) == 0
+    assert main([*make, *usual, "--folded", "-o", "b.zip"]) == 0
+    assert main(["make", "b.zip", "--again", "--quiet"]) == 0

@@ -11,7 +11,7 @@ from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.making import fold_or_open, recipe_of, write_and_report
 from foldcut.cli.options import PATTERN_STEM, FoldRequest, Machine, Request, Source
-from foldcut.cli.outputs import Outputs
+from foldcut.cli.outputs import Outputs, is_bundle
 from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError
 
@@ -114,13 +114,13 @@ def make(args: Namespace) -> int:
 
     console, request = options.console(args), options.request(args)
     source = request.source
-    endings = [Path(out).suffix for out in args.output or ()]
-    usual = options.usual_machines(args, endings)
+    usual = options.usual_machines(args, (Path(out).suffix for out in args.output or ()))
     machine = options.no_machine() if usual else options.machine(args)
     default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
-    outputs = Outputs(
-        output_paths(args.output or default), source.stem, machine, usual | options.solid_machines(args, endings)
-    )
+    paths = output_paths(args.output or default)
+    bundles = [path.suffix.lower() for path in paths if is_bundle(path)]
+    solids = options.solid_machines(args, [path.suffix for path in paths], bundles)
+    outputs = Outputs(paths, source.stem, machine, usual | solids)
     inputs = Inputs([*source.files(), *outputs.profile_files()])
     outputs.check_formats(request_sheet(request))
     preview_path = None if not args.preview else Path(args.preview)
