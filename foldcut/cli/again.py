@@ -44,6 +44,11 @@ def make_again(args: Namespace) -> int:
     recipe = recipe_of(path)
     if given and not recipe.drawing:
         raise BadInputError(f"{path} was made of no drawing; leave {given} out")
+    if recipe.command == "solve" and not recipe.drawing:
+        raise BadInputError(
+            f"{path} was made of standard input, whose hash it does not have; give the pattern and its options "
+            f"instead: {recipe.lines()[0].partition(': ')[2]}"
+        )
     drawing = None if not recipe.drawing else found_drawing(recipe, path, given)
     with tempfile.TemporaryDirectory(prefix="foldcut-") as folder:
         made = run(recipe, drawing, path, Path(folder))

@@ -10,11 +10,13 @@ import json
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from hashlib import sha256
 from importlib.metadata import version
 from typing import Any
 
 from foldcut.core.errors import FileFormatError
 from foldcut.exporters.recipe_place import with_recipe
+from foldcut.samples import sample_names, sample_path
 
 __all__ = ["Recipe", "read_recipe", "version_now"]
 
@@ -65,9 +67,14 @@ class Recipe:
         return [*lines, f"SHA-256 of {self.drawing}: {self.sha256}"] if self.sha256 else lines
 
     def typed_drawing(self) -> str:
-        """Return the drawing as it is typed: "-" for standard input, and "./--a.svg" for a name like an option."""
+        """Return the drawing as it is typed: "-" for standard input, "star" for a sample, "./--a.svg" for --a.svg."""
         if self.drawing in ("", UNNAMED):
             return "-"
+        sample = self.drawing.rpartition(".")[0]
+        if sample in sample_names():
+            path = sample_path(sample)
+            if path.name == self.drawing and sha256(path.read_bytes()).hexdigest() == self.sha256:
+                return sample
         return f"./{self.drawing}" if self.drawing.startswith("-") else self.drawing
 
     def text(self) -> str:

@@ -217,8 +217,22 @@ def test_the_line_of_a_recipe_runs_as_it_is_written(
     make("make", "-", "--from", "svg", "-o", "p.svg")
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(DRAWING.encode())))
     run_line("p.svg", "logo.svg", capsys=capsys)
+    make("make", "triangle", "-o", "t.svg")
+    run_line("t.svg", capsys=capsys)
+    Path("triangle.svg").write_text(DRAWING)
+    make("make", "triangle.svg", "-o", "own.svg")
+    run_line("own.svg", capsys=capsys)
     assert Recipe("solve").lines()[0].endswith("foldcut solve -")
     assert Recipe("coupon").lines()[0].endswith("foldcut coupon")
+
+
+def test_a_pattern_solved_from_standard_input_is_not_made_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make("make", "logo.svg", "-o", "a.fold")
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(Path("a.fold").read_bytes())))
+    assert main(["solve", "-", "-o", "s.svg", "--quiet"]) == 0
+    assert "give the pattern and its options instead: foldcut solve -" in refused("s.svg", "--again", capsys=capsys)
 
 
 def run_line(name: str, *drawing: str, capsys: pytest.CaptureFixture[str]) -> None:

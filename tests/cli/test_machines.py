@@ -250,6 +250,6 @@ def test_an_output_without_a_name_is_refused(
     words: tuple[str, ...], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    for empty in (("-o", ""), ("--output=",)):
+    for empty in (("-o", ""), ("--output=",), *([("--preview", "")] if words[0] == "make" else [])):
         assert "its name is empty" in error_of(capsys, *words, *empty)
     assert not [*tmp_path.iterdir()]

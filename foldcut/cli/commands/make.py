@@ -83,6 +83,7 @@ def add_options(command: ArgumentParser) -> None:
     )
     command.add_argument(
         "--preview",
+        type=output_name,
         metavar="FILE.svg",
         help="also draw the drawing before (red) and after (black) it was mended and drawn anew, and outlines that "
         "others cover (blue)",
