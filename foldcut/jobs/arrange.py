@@ -11,6 +11,7 @@ it: x to the right, y away from the zero. Inside, y points up from the bed's low
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import get_args
@@ -22,7 +23,7 @@ from foldcut.jobs.bed import SLACK_MM, Lay, tool_border
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.model import Job, JobStep, operation_after
 from foldcut.jobs.pen_path import travel
-from foldcut.profiles import Bed, Profile, Role
+from foldcut.profiles import Bed, Profile, Registration, Role
 
 __all__ = [
     "APART_MM",
@@ -31,6 +32,7 @@ __all__ = [
     "arranged",
     "check_bed",
     "check_copies",
+    "check_sides",
     "from_zero",
     "laid_out",
     "quarter_turned",
@@ -115,6 +117,43 @@ def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, li
             corners = [(x - border + column * step[0], y - border + row * step[1]) for row, column in places]
             return lay, [from_zero(corner, lay.size, bed) for corner in corners]
     raise JobError(_no_room(sheet, bed, border, layout, max(columns * rows for _, columns, rows in lays)))
+
+
+def check_sides(sheet: Sheet, profile: Profile, layout: BedLayout, registration: Registration) -> None:
+    """Raise JobError if sheets cannot be turned over as ``registration`` has it.
+
+    Out of jigs, which only machines that cut make, each sheet is turned over by itself. With holes or pins all of the
+    stock is, in one piece: copies lie on the places of copies only where all rows are full.
+    """
+    if registration == "jig" and not profile.draws:
+        return
+    no_jig = f"{profile.title} cuts no jig to turn the sheet over in"
+    if layout.copies == 1:
+        if registration == "jig":
+            raise JobError(f"{no_jig}; use --registration corners")
+        return
+    counts = range(layout.copies, 0, -1)
+    full = next(count for count in counts if _rows_are_full(sheet, profile, replace(layout, copies=count)))
+    if registration == "jig":
+        what = no_jig
+    elif registration == "corners":
+        what = "corner marks line up one sheet at a time"
+    elif full == layout.copies:
+        return
+    else:
+        what = f"{layout.copies} copies on {registration} are turned over together, and lie on other places then"
+    remedies = [] if profile.draws else ["--registration jig"]
+    if full > 1:
+        fewer = f" --copies {full}" if full < layout.copies else ""
+        kept = registration if registration in ("holes", "pins") else "holes"
+        remedies.append(f"--registration {kept}{fewer}")
+    raise JobError(f"{what}; use {', '.join([*remedies, ''])}or --copies 1")
+
+
+def _rows_are_full(sheet: Sheet, profile: Profile, layout: BedLayout) -> bool:
+    """Return whether as many copies lie in each row as in any other."""
+    _, corners = laid_out(sheet, profile, layout)
+    return len(set(Counter(y for _, y in corners).values())) == 1
 
 
 def from_zero(corner: tuple[float, float], size: tuple[float, float], bed: Bed) -> tuple[float, float]:
