@@ -89,7 +89,13 @@ def test_tabs_are_on_the_side_that_cuts_the_sheet_out() -> None:
     for registration, sides in (("jig", (True, False)), ("holes", (False, True))):
         jobs = make_jobs(pattern, profile, two_sided=True, registration=registration, tabs=Tabs(4, 1.0))  # type: ignore[arg-type]
         assert tuple(job.tabs is not None for job in jobs) == sides
-        assert sum("4 tabs of 1 mm" in line for line in instructions(profile, jobs)) == 1
+        told = instructions(profile, jobs)
+        cut, turned = (
+            next(n for n, line in enumerate(told) if words in line) for words in ("4 tabs of 1 mm", "turn the sheet ")
+        )
+        assert sum("4 tabs of 1 mm" in line for line in told) == 1
+        # nothing is turned over in a jig while tabs hold it
+        assert (cut < turned) == ("before you turn it over" in told[cut]) == (registration == "jig")
 
 
 @pytest.mark.parametrize("machine", [name for name in CUTTING if load_profile(name).blade is not None])
