@@ -144,9 +144,8 @@ def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
     the format needs, or a stroke leaves the sheet or the bed.
     """
     if suffix.lower() not in JOB_EXPORTERS:
-        raise FileFormatError(
-            f"{suffix or 'a name without an ending'} is no job; use one of {', '.join(JOB_EXPORTERS)}"
-        )
+        what = f"{suffix} files hold no job" if suffix else "an output file needs an ending that names its format"
+        raise FileFormatError(f"{what}; use one of {', '.join(JOB_EXPORTERS)}")
     exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
     return exporter(brought_on_bed(job, profile), profile)
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from foldcut.core.model import Sheet
 from foldcut.jobs.bed import SLACK_MM, Lay, tool_border
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.model import Job, JobStep, operation_after
 from foldcut.jobs.pen_path import travel
 from foldcut.profiles import Bed, Profile, Registration, Role
@@ -116,7 +116,7 @@ def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, li
             step = (lay.size[0] + APART_MM, lay.size[1] + APART_MM)
             corners = [(x - border + column * step[0], y - border + row * step[1]) for row, column in places]
             return lay, [from_zero(corner, lay.size, bed) for corner in corners]
-    raise JobError(_no_room(sheet, bed, border, layout, max(columns * rows for _, columns, rows in lays)))
+    raise _no_room(sheet, bed, border, layout, max(columns * rows for _, columns, rows in lays))
 
 
 def check_sides(sheet: Sheet, profile: Profile, layout: BedLayout, registration: Registration) -> None:
@@ -213,17 +213,18 @@ def _fitting(room: float, size: float) -> int:
     return max(0, math.floor((room + APART_MM + SLACK_MM) / (size + APART_MM)))
 
 
-def _no_room(sheet: Sheet, bed: Bed, border: float, layout: BedLayout, most: int) -> str:
-    """Say that sheets do not fit, and what would."""
+def _no_room(sheet: Sheet, bed: Bed, border: float, layout: BedLayout, most: int) -> JobError:
+    """Return the error that says that sheets do not fit, and what would."""
     what = f"{layout.copies} copies" if layout.copies > 1 else "the sheet"
     what = f"{what} of {sheet.width:g} x {sheet.height:g} mm" if layout.copies > 1 else f"{what} of {sheet}"
     there = f" from {layout.at[0]:g},{layout.at[1]:g} on" if layout.at is not None else ""
     goes = "does" if layout.copies == 1 else "do"
     text = f"{what} {goes} not fit the machine's {bed.width_mm:g} x {bed.height_mm:g} mm{there}"
     if most:
-        return f"{text}, {APART_MM:g} mm apart; use --copies {most}, or a smaller --sheet"
+        fewer = f"use --copies {most}"
+        return TooLargeError(f"{text}, {APART_MM:g} mm apart", f"{fewer}, or a smaller --sheet", fewer)
     x, y = (max(0.0, side - length - border) for side, length in _as_it_fits(sheet, bed, border))
-    return f"{text}; use --at {x:g},{y:g} or less"
+    return JobError(f"{text}; use --at {x:g},{y:g} or less")
 
 
 def _as_it_fits(sheet: Sheet, bed: Bed, border: float) -> list[tuple[float, float]]:

@@ -12,9 +12,10 @@ class JobError(BadInputError):
 class TooLargeError(JobError):
     """The sheet, or a line on it, goes beyond what a machine reaches.
 
-    ``what`` says how far; ``remedy`` is for drawings, which can still be laid on another sheet.
+    ``what`` says how far; ``remedy`` is for drawings, which can still be laid on another sheet, and ``keeping`` for
+    patterns, which have theirs.
     """
 
-    def __init__(self, what: str, remedy: str) -> None:
-        self.what = what
+    def __init__(self, what: str, remedy: str, keeping: str = "take a larger machine, or a printer and --tile") -> None:
+        self.what, self.keeping = what, keeping
         super().__init__(f"{what}; {remedy}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from argparse import Namespace
 from pathlib import Path
@@ -190,6 +191,18 @@ def test_a_pattern_on_too_large_a_sheet_is_told_what_it_can_still_do(
         error = error_of(capsys, "make", "a.fold", "--profile", machine)
         assert "fold the drawing again with --sheet" in error
         assert "use --sheet" not in error
+    bed = [part for side in ("width", "height") for part in ("--set", f"bed.{side}_mm=100")]
+    error = error_of(capsys, "make", "a.fold", "--profile", "scored-sheet", *bed)
+    remedy = re.search(r"take a larger bed: ((?:--set \S+ ?){2}), or", error)
+    assert remedy
+    load_profile("scored-sheet", remedy[1].split()[1::2])
+    assert "--tile" not in error
+    bed = ["--set", "bed.width_mm=900", "--set", "bed.height_mm=1200"]
+    error = error_of(capsys, "make", "a.fold", "--profile", "laser-dxf", *bed, "--copies", "7")
+    assert "its sheet already: use --copies 2, or fold the drawing again with --sheet" in error
+    assert main(["make", "a.fold", "--profile", "laser-dxf", *bed, "--copies", "2", "--quiet"]) == 0
+    error = error_of(capsys, "solve", "a.fold", "--profile", "laser-dxf", *bed, "--copies", "7", "-o", "b.dxf")
+    assert "use --copies 2, or make the sheet smaller with --width" in error
     assert main(["make", "a.fold", "--profile", "printer-a4", "--tile", "--quiet"]) == 0
 
 
@@ -206,3 +219,28 @@ def test_a_test_card_in_an_archive_has_all_its_files(tmp_path: Path, monkeypatch
     assert all(name in text for name in names)
     assert "foldcut coupon --profile=drag-knife" in text
     assert main(["coupon", "--profile", "drag-knife", "-o", "folder"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("grbl-laser", "--set", "bed.width_mm=20"), "with --set, or take a larger machine with --profile"),
+        (("printer-a4", "--set", "bed.height_mm=50"), "with --set, or take a larger machine with --profile"),
+        (("plain",), "name a machine with --profile; see foldcut profiles"),
+        (("scored-sheet",), "name a machine with --profile; see foldcut profiles"),
+        (("grbl-laser", "-o", "missing/"), "missing/ is a folder; give a file in it, or a .zip"),
+        (("grbl-laser", "-o", "card"), "an output file needs an ending that names its format"),
+    ],
+)
+def test_a_test_card_is_told_only_of_options_that_it_has(
+    options: tuple[str, ...],
+    words: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    error = error_of(capsys, "coupon", "--profile", *options)
+    assert words in error
+    assert not {"--sheet", "--tile", "leave"} & set(re.split(r"[\s,;]+", error))
+    assert not [*tmp_path.iterdir()]
