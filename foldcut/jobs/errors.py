@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from foldcut.core.errors import BadInputError
 
 
 class JobError(BadInputError):
     """The job does not suit the machine: the sheet is too large, or the profile lacks something the job needs."""
+
+
+class LackingError(JobError):
+    """A profile lacks what a format needs; ``values`` are examples of it, such as "page.margin_mm=5".
+
+    Without values nothing that could be set makes the machine one for this format.
+    """
+
+    def __init__(self, what: str, values: Sequence[str] = ()) -> None:
+        self.what, self.remedies = (
+            what,
+            [" ".join(["add it with", *(f"--set {value}" for value in values)])] * any(values),
+        )
+        super().__init__("; ".join([what, *self.remedies]))
 
 
 class TooLargeError(JobError):

@@ -16,7 +16,9 @@ from foldcut.cli import options
 from foldcut.cli.main import main
 from foldcut.cli.parser import parse
 from foldcut.drawing.placement import parse_sheet
+from foldcut.exporters import JOB_EXPORTERS, check_job_export
 from foldcut.jobs.bed import Lay
+from foldcut.jobs.errors import JobError
 from foldcut.profiles import load_profile, profile_names
 
 
@@ -182,6 +184,32 @@ def test_a_format_of_another_machine_is_refused_with_machines_that_take_it(
     assert not Path("a.svg").exists()
 
 
+@pytest.mark.parametrize("machine", [name for name in profile_names() if load_profile(name).operations])
+def test_what_a_profile_lacks_for_a_format_is_named_and_enough(machine: str) -> None:
+    profile, sheet = load_profile(machine), parse_sheet("100x80mm")
+    for suffix in JOB_EXPORTERS:
+        try:
+            check_job_export(suffix, profile, sheet)
+        except JobError as error:
+            assert re.search(rf"[;,] (or )?make {suffix} files by a command of their own, with --profile ", str(error))
+            assert "; or " not in str(error)
+            lacking = re.findall(r"--set (\S+?)(?=[ ,;]|$)", str(error))
+            assert lacking or suffix == ".lbrn2"
+            if lacking:
+                assert not {value.split(".")[0] for value in lacking} & {name for name in ("bed",) if profile.bed}
+                check_job_export(suffix, load_profile(machine, lacking), sheet)
+
+
+def test_a_laser_without_power_is_told_which_materials_lack_it() -> None:
+    profile = load_profile("grbl-laser")
+    some = {name: one.model_copy(update={"score": None}) for name, one in profile.materials.items()}
+    profile = profile.model_copy(update={"materials": some})
+    for suffix in (".gcode", ".lbrn2"):
+        with pytest.raises(JobError, match="no power for valley .*; add it with --set ") as caught:
+            check_job_export(suffix, profile, parse_sheet("100x80mm"))
+        assert all(f"materials.{name}.score.power_percent=10" in str(caught.value) for name in some)
+
+
 def test_a_pattern_on_too_large_a_sheet_is_told_what_it_can_still_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -229,6 +257,7 @@ def test_a_test_card_in_an_archive_has_all_its_files(tmp_path: Path, monkeypatch
         (("plain",), "name a machine with --profile; see foldcut profiles"),
         (("scored-sheet",), "name a machine with --profile; see foldcut profiles"),
         (("grbl-laser", "-o", "missing/"), "missing/ is a folder; give a file in it, or a .zip"),
+        (("hp-7475a", "-o", "card.lbrn2"), "by a command of their own, with --profile lightburn-co2 or"),
         (("grbl-laser", "-o", "card"), "an output file needs an ending that names its format"),
     ],
 )
