@@ -8,9 +8,9 @@ from foldcut.profiles import Profile
 
 
 def no_power(step: JobStep, profile: Profile) -> LackingError:
-    """Return the error for a step without power; that of a laser, or a machine with such files, names the values that its materials lack."""
+    """Return the error for a step without power; for lasers it names what is missing."""
     what = f"the profile {profile.title!r} has no power for {step.role} on this material"
-    if profile.kind != "laser" and profile.format not in ("gcode", "lbrn2"):
+    if profile.kind != "laser" and profile.format != "lbrn2":
         return LackingError(what)
     action, values = "score" if step.action == "draw" else step.action, []
     for name, material in profile.materials.items():
