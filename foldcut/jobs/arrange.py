@@ -86,11 +86,13 @@ def check_copies(layout: BedLayout) -> None:
         raise JobError(f"--copies {layout.copies}: give a number from 1 to {MOST_COPIES}")
 
 
-def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, list[tuple[float, float]]]:
+def laid_out(
+    sheet: Sheet, profile: Profile, layout: BedLayout, *, full_rows: bool = False
+) -> tuple[Lay, list[tuple[float, float]]]:
     """Return how all copies of a sheet lie, and the lower left corner of each on the bed, with the tool's border.
 
     The first is next to the bed's zero. All lie upright if there is room for them, otherwise all turned by a quarter.
-    Raises JobError: they do not fit.
+    ``full_rows``: rather as all rows are full, if they are in one of the two. Raises JobError: they do not fit.
     """
     bed, border = check_bed(profile), tool_border(profile)
     check_copies(layout)
@@ -102,7 +104,7 @@ def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, li
             f"use --at {max(x, border):g},{max(y, border):g}"
         )
     Lay.on(sheet, bed, border)  # one sheet has to fit by itself
-    lays = []
+    lays, fitting = [], []
     for turned in (False, True):
         width, height = (sheet.height, sheet.width) if turned else (sheet.width, sheet.height)
         lay = Lay(sheet, (width + 2 * border, height + 2 * border), (0.0, 0.0), turned, border)
@@ -115,7 +117,12 @@ def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, li
             places = [divmod(number, columns) for number in range(layout.copies)]
             step = (lay.size[0] + APART_MM, lay.size[1] + APART_MM)
             corners = [(x - border + column * step[0], y - border + row * step[1]) for row, column in places]
-            return lay, [from_zero(corner, lay.size, bed) for corner in corners]
+            found = lay, [from_zero(corner, lay.size, bed) for corner in corners]
+            if not full_rows or _rows_are_full(found[1]):
+                return found
+            fitting.append(found)
+    if fitting:
+        return fitting[0]
     raise _no_room(sheet, bed, border, layout, max(columns * rows for _, columns, rows in lays))
 
 
@@ -133,7 +140,11 @@ def check_sides(sheet: Sheet, profile: Profile, layout: BedLayout, registration:
             raise JobError(f"{no_jig}; use --registration corners")
         return
     counts = range(layout.copies, 0, -1)
-    full = next(count for count in counts if _rows_are_full(sheet, profile, replace(layout, copies=count)))
+    full = next(
+        count
+        for count in counts
+        if _rows_are_full(laid_out(sheet, profile, replace(layout, copies=count), full_rows=True)[1])
+    )
     if registration == "jig":
         what = no_jig
     elif registration == "corners":
@@ -150,9 +161,8 @@ def check_sides(sheet: Sheet, profile: Profile, layout: BedLayout, registration:
     raise JobError(f"{what}; use {', '.join([*remedies, ''])}or --copies 1")
 
 
-def _rows_are_full(sheet: Sheet, profile: Profile, layout: BedLayout) -> bool:
+def _rows_are_full(corners: Sequence[tuple[float, float]]) -> bool:
     """Return whether as many copies lie in each row as in any other."""
-    _, corners = laid_out(sheet, profile, layout)
     return len(set(Counter(y for _, y in corners).values())) == 1
 
 

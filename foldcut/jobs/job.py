@@ -77,7 +77,8 @@ def make_jobs(
     lay = Lay.for_machine(pattern.sheet, profile, tile=tile)
     corners: list[tuple[float, float]] = []
     if layout.asked_for:
-        lay, corners = laid_out(pattern.sheet, profile, layout)
+        together = two_sided and registration in HOLES_MM
+        lay, corners = laid_out(pattern.sheet, profile, layout, full_rows=together)
     stuff = _material(profile, material)
     creases, uncut = _creases(pattern, profile, stuff, treatment)
     # the cut line is part of the outline, and no line may be there twice

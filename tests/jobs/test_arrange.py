@@ -200,15 +200,21 @@ def test_copies_of_two_sides_lie_in_their_own_holes() -> None:
     for n, (x, _) in enumerate(front.corners):
         some, other = front.holes[3 * n : 3 * n + 3], back.holes[3 * n : 3 * n + 3]
         assert other == pytest.approx(some * (-1, 1) + (2 * x + SIZE[0], 0))
+    # and so they are where all of the stock is turned over in one piece
+    ends = np.array(front.corners)[:, 0]
+    turned = front.holes * (-1, 1) + (ends.min() + ends.max() + SIZE[0], 0)
+    assert shapely.hausdorff_distance(shapely.MultiPoint(turned), shapely.MultiPoint(back.holes)) < 1e-6
 
 
 @pytest.mark.parametrize("sheet", [Sheet(100.0, 70.0), Sheet(60.0, 40.0), Sheet(55.0, 130.0)])
 @pytest.mark.parametrize("machine", ["grbl-laser", "xtool-s1", "axidraw-a4", "grbl-plotter", "drag-knife"])
 def test_copies_that_are_turned_over_together_lie_on_copies(machine: str, sheet: Sheet) -> None:
     profile, refused = load_profile(machine, ["bed.width_mm=290", "bed.height_mm=280"]), 0
+    quarter = Sheet(sheet.height, sheet.width)
     for copies in range(1, 7):
         layout = BedLayout(copies=copies)
-        _, corners = laid_out(sheet, profile, layout)
+        lay, corners = laid_out(sheet, profile, layout, full_rows=True)
+        assert lay.turned_over == ("top to bottom" if lay.turned else "left to right")
         places = np.array(corners)
         middle = (places.min(axis=0) + places.max(axis=0)) / 2
         for registration in get_args(Registration):
@@ -216,6 +222,9 @@ def test_copies_that_are_turned_over_together_lie_on_copies(machine: str, sheet:
                 check_job(sheet, profile, layout=layout, registration=registration)
             except JobError as error:
                 refused += 1
+                # a drawing may turn its sheet by a quarter after this was told
+                with pytest.raises(JobError, match=re.escape(str(error).rpartition("; use ")[2])):
+                    check_job(quarter, profile, layout=layout, registration=registration)
                 for remedy in str(error).rpartition("; use ")[2].split(", "):
                     words = dict(re.findall(r"--(registration|copies) (\w+)", remedy))
                     assert words, error
@@ -228,7 +237,7 @@ def test_copies_that_are_turned_over_together_lie_on_copies(machine: str, sheet:
                 for over in ((-1, 1), (1, -1)):
                     turned = shapely.MultiPoint((places - middle) * over + middle)
                     assert shapely.hausdorff_distance(turned, shapely.MultiPoint(places)) < 1e-6
-    assert refused > 5
+    assert refused >= 5
 
 
 @pytest.mark.parametrize("machine", [n for n in MACHINES if f".{load_profile(n).format}" in FRAME_EXPORTERS])
