@@ -450,7 +450,7 @@ def add_nearness(command: ArgumentParser) -> None:
 
 def _method_help() -> str:
     """Return what each method does, from the table of methods."""
-    rows = [f"{AUTO}: the easiest to fold of the patterns that several methods make"]
+    rows = [f"{AUTO}: the easiest to fold of the patterns that methods of few creases make"]
     rows += [f"{method.name}: {method.summary}" for method in METHODS.values()]
     return "; ".join(rows) + " (default: %(default)s)"
 

@@ -44,7 +44,7 @@ def time_limit(seconds: float | None) -> Iterator[None]:
         yield
         return
     if not 0 < seconds < 1e8:
-        raise BadInputError(f"--timeout is {seconds} s; give a positive number")
+        raise BadInputError(f"--timeout is {seconds:g} s; give a positive number below 1e8")
     if not hasattr(signal, "setitimer"):
         raise BadInputError("--timeout does not work on this system; leave it out")
 

@@ -29,6 +29,9 @@ NEAREST, FARTHEST = 1e-9, 1e-4
 MOST_LINES = 100_000
 """Files with more lines are refused."""
 
+STRAYS = 0.05
+"""Lines with a free end are left out if they are at most this part of the length of all creases."""
+
 FIRST = "BMVUF"
 """Of lines that lie on each other the one with the first of these letters counts."""
 
@@ -36,7 +39,7 @@ FIRST = "BMVUF"
 def pattern_of_lines(ends: Floats, letters: Chars) -> tuple[CreasePattern, tuple[str, ...]]:
     """Return the pattern of lines, ``(n, 2, 2)`` mm and ``(n,)``, and notes on what was mended.
 
-    Raises ``FileFormatError`` where there are no faces, or far too many lines.
+    Raises ``FileFormatError`` where there are no faces, far too many lines, or too many with a free end.
     """
     if len(ends) > MOST_LINES:
         raise FileFormatError(f"the file has {len(ends):,} lines; give at most {MOST_LINES:,}")
@@ -54,7 +57,14 @@ def pattern_of_lines(ends: Floats, letters: Chars) -> tuple[CreasePattern, tuple
     if not left.all():
         gone = int((~left).sum())
         x, y = points[edges[~left][0]].mean(axis=0).tolist()
-        notes.append(f"{gone} line{'s' * (gone != 1)} with a free end left out, the first at ({x:.4g}, {y:.4g})")
+        what, where = f"{gone} line{'s' * (gone != 1)} with a free end", f"the first at ({x:.4g}, {y:.4g})"
+        creases = np.isin(letters, ("M", "V", "U"))
+        long = np.hypot(*(points[edges[:, 1]] - points[edges[:, 0]]).T)
+        if long[creases & ~left].sum() > STRAYS * long[creases].sum():
+            raise FileFormatError(
+                f"{what}, {where}: no crease ends inside the sheet; give a .fold, or whole lines without dashes"
+            )
+        notes.append(f"{what} left out, {where}")
     bare = pattern_of_edges(points, edges[left], letters[left])
     letters, outer = bare.edges_assignment, (edge_faces(bare) < 0).any(axis=1)
     inside = int(((letters == "B") & ~outer).sum())

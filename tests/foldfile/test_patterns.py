@@ -75,6 +75,9 @@ def test_black_lines_inside_are_unassigned(tmp_path: Path) -> None:
     assert decide(file).folds is True
 
 
+BORDER = "1 0 0 100 0\n1 100 0 100 100\n1 100 100 0 100\n1 0 100 0 0\n"
+
+
 def test_lines_are_divided_and_joined(tmp_path: Path) -> None:
     # a square whose sides meet in ends that are slightly apart, two diagonals drawn whole, one of them twice,
     # a line with a free end, and a point
@@ -104,7 +107,13 @@ def test_lines_are_divided_and_joined(tmp_path: Path) -> None:
         ("a.cp", "2 0 0 1 1\n2 0 0 1", "line 2: '2 0 0 1' is not a type from 0 to 4 and x y x y"),
         ("a.cp", "9 0 0 1 1", "line 1: '9 0 0 1 1' is not a type"),
         ("a.cp", "2 0 0 nan 1", "not finite"),
-        ("a.cp", "2 0 0 1 1", "enclose no face"),
+        ("a.cp", "2 0 0 1 1", "no crease ends inside the sheet; give a .fold, or whole lines without dashes"),
+        (
+            "a.cp",
+            f"{BORDER}2 0 50 40 50\n2 60 50 100 50",
+            "2 lines with a free end, the first at (20, -50): no crease ends",
+        ),
+        ("a.cp", f"{BORDER}0 0 50 40 50\n3 0 0 50 50\n3 60 60 100 100", "no crease ends inside the sheet"),
         ("a.cp", " ", "the file is empty"),
         ("a.opx", "<java/>", "no lines"),
         ("a.opx", "<java", "not XML"),

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
+from foldcut.core.errors import BadInputError
+from foldcut.core.files import is_standard_input
 
 if TYPE_CHECKING:
     from foldcut.cli.console import Console
@@ -80,6 +82,8 @@ def check(args: Namespace) -> int:
     from foldcut.foldfile.patterns import read_pattern_apart
 
     tolerance = tolerance_of(args)
+    if args.shape and is_standard_input(args.file) and is_standard_input(args.shape):
+        raise BadInputError("the pattern and --shape cannot both be standard input; give one of them as a file")
     read = read_pattern_apart(Path(args.file))
     shape, notes = None, read.notes
     if args.shape:
@@ -106,8 +110,6 @@ def check(args: Namespace) -> int:
 
 def share(text: str) -> float:
     """Return a tolerance: a part of the sheet's diagonal."""
-    from foldcut.core.errors import BadInputError
-
     try:
         number = float(text)
     except ValueError:
