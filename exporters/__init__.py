@@ -15,7 +15,7 @@ from foldcut.core.errors import FileFormatError
 from foldcut.core.model import FoldedPattern, Sheet
 from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout
 from foldcut.jobs.bed import Lay
-from foldcut.jobs.errors import JobError, TooLargeError
+from foldcut.jobs.errors import JobError, LackingError
 from foldcut.jobs.job import Job, check_job, steps_of
 from foldcut.jobs.last_door import brought_on_bed, check_pattern
 from foldcut.jobs.tabs import Tabs
@@ -122,14 +122,7 @@ def check_job_export(
     check_job(sheet, profile, material=material, tile=tile, registration=registration, layout=layout, tabs=tabs)
     lay = Lay.for_machine(sheet, profile, tile=tile)
     steps = steps_of(profile, material)
-    try:
-        export_job(Job("", lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper), suffix, profile)
-    except TooLargeError:
-        raise
-    except JobError as error:
-        others = [] if suffix.lower() == f".{profile.format}" else machines_for(suffix)
-        remedy = f", or make {suffix} files by a command of their own, with --profile {' or '.join(others)}"
-        raise JobError(f"{error}{remedy if others else ''}") from None
+    export_job(Job("", lay.size, lay.at, lay.turned, "both", steps, 0.0, 0.0, lay.paper), suffix, profile)
 
 
 def machines_for(suffix: str) -> list[str]:
@@ -144,11 +137,17 @@ def export_job(job: Job, suffix: str, profile: Profile) -> bytes:
     the format needs, or a stroke leaves the sheet or the bed.
     """
     if suffix.lower() not in JOB_EXPORTERS:
-        raise FileFormatError(
-            f"{suffix or 'a name without an ending'} is no job; use one of {', '.join(JOB_EXPORTERS)}"
-        )
+        what = f"{suffix} files hold no job" if suffix else "an output file needs an ending that names its format"
+        raise FileFormatError(f"{what}; use one of {', '.join(JOB_EXPORTERS)}")
     exporter = cast(JobExporter, _imported(JOB_EXPORTERS[suffix.lower()]))
-    return exporter(brought_on_bed(job, profile), profile)
+    try:
+        return exporter(brought_on_bed(job, profile), profile)
+    except LackingError as error:
+        others = [] if suffix.lower() == f".{profile.format}" else machines_for(suffix)
+        if not others:
+            raise
+        another = f"make {suffix} files by a command of their own, with --profile {' or '.join(others)}"
+        raise JobError(f"{error.what}; {', or '.join([*error.remedies, another])}") from None
 
 
 def export_frame(job: Job, suffix: str, profile: Profile) -> bytes:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import LackingError
 from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Gcode, Profile
 
 from ..text import number
+from .no_power import no_power
 
 SLOW_MM_S = 50.0
 """How fast a frame is traced if the profile does not say how fast the machine moves."""
@@ -55,7 +56,8 @@ def export_frame(job: Job, profile: Profile) -> bytes:
 def _code(profile: Profile) -> Gcode:
     """Return how the tool of a machine is switched; raise JobError if its profile does not say."""
     if profile.gcode is None:
-        raise JobError(f"the profile {profile.title!r} lacks what G-code needs: --set gcode.tool=laser, z or servo")
+        tool = "laser" if profile.kind == "laser" else "z"
+        raise LackingError(f"the profile {profile.title!r} lacks what G-code needs", [f"gcode.tool={tool}"])
     return profile.gcode
 
 
@@ -64,7 +66,7 @@ def _laser(job: Job, profile: Profile, code: Gcode) -> Iterator[str]:
     for step in job.steps:
         setting = step.setting
         if setting is None or setting.power_percent is None:
-            raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")
+            raise no_power(step, profile)
         power = round(setting.power_percent / 100 * code.most_power)
         yield _comment(step.operation.layer)
         for _ in range(setting.passes):

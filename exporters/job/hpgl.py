@@ -13,7 +13,7 @@ import numpy as np
 
 from foldcut.core.arrays import Floats
 from foldcut.jobs.blade import holder_path
-from foldcut.jobs.errors import JobError, TooLargeError
+from foldcut.jobs.errors import LackingError, TooLargeError
 from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Hpgl, Paper, Profile, Setting
 
@@ -35,9 +35,7 @@ def export(job: Job, profile: Profile) -> bytes:
             lines += ["PU;", hpgl.pause]
         pen = step.operation.pen
         if pen is None:
-            raise JobError(
-                f"the profile {profile.title!r} has no pen for {step.role}: --set operations.{step.role}.pen=1"
-            )
+            raise LackingError(f"the profile {profile.title!r} has no pen for {step.role}", _pens(profile))
         lines += [f"SP{pen};", *_setting(step.setting), *_strokes(step, job, profile, paper)]
     return ("\n".join([*lines, *_end(paper)]) + "\n").encode("ascii")
 
@@ -57,10 +55,15 @@ def export_frame(job: Job, profile: Profile) -> bytes:
 def _hpgl(profile: Profile) -> Hpgl:
     """Return what a profile says of HPGL; raise JobError if it lacks anything."""
     if profile.hpgl is None or (profile.bed is None and not profile.papers):
-        raise JobError(
-            f"the profile {profile.title!r} lacks what HPGL needs: hpgl.unit_mm and bed; add them with --set"
-        )
+        lacking = [] if profile.hpgl is not None else ["hpgl.unit_mm=0.025"]
+        lacking += [] if profile.bed or profile.papers else ["bed.width_mm=297", "bed.height_mm=210"]
+        raise LackingError(f"the profile {profile.title!r} lacks what HPGL needs", [*lacking, *_pens(profile)])
     return profile.hpgl
+
+
+def _pens(profile: Profile) -> list[str]:
+    """Return pens for the operations that have none."""
+    return [f"operations.{role}.pen=1" for role, operation in profile.operations.items() if operation.pen is None]
 
 
 def _beginning(paper: Paper | None) -> list[str]:

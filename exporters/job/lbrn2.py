@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 
-from foldcut.jobs.errors import JobError
 from foldcut.jobs.job import Job, JobStep
 from foldcut.profiles import Profile
+
+from .no_power import no_power
 
 COLOURS = (
     "000000 0000ff ff0000 00e000 d0d000 ff8000 00e0e0 ff00ff b4b4b4 0000a0 a00000 00a000 a0a000 c08000 00a0ff "
@@ -72,7 +73,7 @@ def _indices(job: Job) -> list[int]:
 def _cut_setting(root: ET.Element, step: JobStep, index: int, priority: int, profile: Profile) -> None:
     setting = step.setting
     if setting is None or setting.power_percent is None:
-        raise JobError(f"the profile {profile.title!r} has no power for {step.role} on this material")
+        raise no_power(step, profile)
     cut = ET.SubElement(root, "CutSetting", type="Cut")
     for name, value in (
         ("index", index),

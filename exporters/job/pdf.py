@@ -22,7 +22,7 @@ from reportlab.pdfgen.canvas import Canvas
 
 from foldcut.core.arrays import Floats
 from foldcut.jobs.dashes import mountain_pieces, valley_pieces
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import LackingError
 from foldcut.jobs.job import Job
 from foldcut.jobs.pages import Edge, Tile, flip_edge, pages_behind, tiles
 from foldcut.profiles import Profile, Role
@@ -30,6 +30,10 @@ from foldcut.profiles import Profile, Role
 from ..legend import BACKING, Ground
 from ..pattern.svg import DESCENT, shortened
 from ..text import printable
+
+A4_BED = ("bed.width_mm=210", "bed.height_mm=297")
+A_PAGE = ("page.margin_mm=5", "page.overlap_mm=10")
+"""Examples of what a profile may lack."""
 
 MEANING: dict[Role, str] = {
     "mark": "the shape, and other marks",
@@ -83,7 +87,8 @@ def export_duplex(front: Job, back: Job, profile: Profile) -> bytes:
 
 def _document(jobs: Sequence[Job], profile: Profile) -> bytes:
     if profile.bed is None or profile.page is None:
-        raise JobError(f"the profile {profile.title!r} lacks what PDF needs: bed and page; add them with --set")
+        lacking = [*(() if profile.bed else A4_BED), *(() if profile.page else A_PAGE)]
+        raise LackingError(f"the profile {profile.title!r} lacks what PDF needs", lacking)
     raw = io.BytesIO()
     canvas = Canvas(raw, invariant=True, pageCompression=0)
     canvas.setTitle(printable(jobs[0].title) or "foldcut")

@@ -8,6 +8,7 @@ Needs the extra ``solids``.
 
 from __future__ import annotations
 
+import math
 from importlib.util import find_spec
 from typing import Any
 
@@ -59,6 +60,7 @@ def check_bed(width: float, height: float, profile: Profile, what: str) -> None:
         raise TooLargeError(
             f"{what} of {width:.6g} x {height:.6g} mm does not fit the bed of {bed.width_mm:g} x {bed.height_mm:g} mm",
             f"use a smaller --sheet, such as {room[0]:g}x{room[1]:g}mm",
+            f"take a larger bed: --set bed.width_mm={math.ceil(width)} --set bed.height_mm={math.ceil(height)}",
         )
 
 

@@ -11,6 +11,7 @@ it: x to the right, y away from the zero. Inside, y points up from the bed's low
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import get_args
@@ -19,10 +20,10 @@ import numpy as np
 
 from foldcut.core.model import Sheet
 from foldcut.jobs.bed import SLACK_MM, Lay, tool_border
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.model import Job, JobStep, operation_after
 from foldcut.jobs.pen_path import travel
-from foldcut.profiles import Bed, Profile, Role
+from foldcut.profiles import Bed, Profile, Registration, Role
 
 __all__ = [
     "APART_MM",
@@ -31,6 +32,7 @@ __all__ = [
     "arranged",
     "check_bed",
     "check_copies",
+    "check_sides",
     "from_zero",
     "laid_out",
     "quarter_turned",
@@ -84,11 +86,13 @@ def check_copies(layout: BedLayout) -> None:
         raise JobError(f"--copies {layout.copies}: give a number from 1 to {MOST_COPIES}")
 
 
-def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, list[tuple[float, float]]]:
+def laid_out(
+    sheet: Sheet, profile: Profile, layout: BedLayout, *, full_rows: bool = False
+) -> tuple[Lay, list[tuple[float, float]]]:
     """Return how all copies of a sheet lie, and the lower left corner of each on the bed, with the tool's border.
 
     The first is next to the bed's zero. All lie upright if there is room for them, otherwise all turned by a quarter.
-    Raises JobError: they do not fit.
+    ``full_rows``: rather as all rows are full, if they are in one of the two. Raises JobError: they do not fit.
     """
     bed, border = check_bed(profile), tool_border(profile)
     check_copies(layout)
@@ -100,7 +104,7 @@ def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, li
             f"use --at {max(x, border):g},{max(y, border):g}"
         )
     Lay.on(sheet, bed, border)  # one sheet has to fit by itself
-    lays = []
+    lays, fitting = [], []
     for turned in (False, True):
         width, height = (sheet.height, sheet.width) if turned else (sheet.width, sheet.height)
         lay = Lay(sheet, (width + 2 * border, height + 2 * border), (0.0, 0.0), turned, border)
@@ -113,8 +117,53 @@ def laid_out(sheet: Sheet, profile: Profile, layout: BedLayout) -> tuple[Lay, li
             places = [divmod(number, columns) for number in range(layout.copies)]
             step = (lay.size[0] + APART_MM, lay.size[1] + APART_MM)
             corners = [(x - border + column * step[0], y - border + row * step[1]) for row, column in places]
-            return lay, [from_zero(corner, lay.size, bed) for corner in corners]
-    raise JobError(_no_room(sheet, bed, border, layout, max(columns * rows for _, columns, rows in lays)))
+            found = lay, [from_zero(corner, lay.size, bed) for corner in corners]
+            if not full_rows or _rows_are_full(found[1]):
+                return found
+            fitting.append(found)
+    if fitting:
+        return fitting[0]
+    raise _no_room(sheet, bed, border, layout, max(columns * rows for _, columns, rows in lays))
+
+
+def check_sides(sheet: Sheet, profile: Profile, layout: BedLayout, registration: Registration) -> None:
+    """Raise JobError if sheets cannot be turned over as ``registration`` has it.
+
+    Out of jigs, which only machines that cut make, each sheet is turned over by itself. With holes or pins all of the
+    stock is, in one piece: copies lie on the places of copies only where all rows are full.
+    """
+    if registration == "jig" and not profile.draws:
+        return
+    no_jig = f"{profile.title} cuts no jig to turn the sheet over in"
+    if layout.copies == 1:
+        if registration == "jig":
+            raise JobError(f"{no_jig}; use --registration corners")
+        return
+    counts = range(layout.copies, 0, -1)
+    full = next(
+        count
+        for count in counts
+        if _rows_are_full(laid_out(sheet, profile, replace(layout, copies=count), full_rows=True)[1])
+    )
+    if registration == "jig":
+        what = no_jig
+    elif registration == "corners":
+        what = "corner marks line up one sheet at a time"
+    elif full == layout.copies:
+        return
+    else:
+        what = f"{layout.copies} copies on {registration} are turned over together, and lie on other places then"
+    remedies = [] if profile.draws else ["--registration jig"]
+    if full > 1:
+        fewer = f" --copies {full}" if full < layout.copies else ""
+        kept = registration if registration in ("holes", "pins") else "holes"
+        remedies.append(f"--registration {kept}{fewer}")
+    raise JobError(f"{what}; use {', '.join([*remedies, ''])}or --copies 1")
+
+
+def _rows_are_full(corners: Sequence[tuple[float, float]]) -> bool:
+    """Return whether as many copies lie in each row as in any other."""
+    return len(set(Counter(y for _, y in corners).values())) == 1
 
 
 def from_zero(corner: tuple[float, float], size: tuple[float, float], bed: Bed) -> tuple[float, float]:
@@ -174,17 +223,18 @@ def _fitting(room: float, size: float) -> int:
     return max(0, math.floor((room + APART_MM + SLACK_MM) / (size + APART_MM)))
 
 
-def _no_room(sheet: Sheet, bed: Bed, border: float, layout: BedLayout, most: int) -> str:
-    """Say that sheets do not fit, and what would."""
+def _no_room(sheet: Sheet, bed: Bed, border: float, layout: BedLayout, most: int) -> JobError:
+    """Return the error that says that sheets do not fit, and what would."""
     what = f"{layout.copies} copies" if layout.copies > 1 else "the sheet"
     what = f"{what} of {sheet.width:g} x {sheet.height:g} mm" if layout.copies > 1 else f"{what} of {sheet}"
     there = f" from {layout.at[0]:g},{layout.at[1]:g} on" if layout.at is not None else ""
     goes = "does" if layout.copies == 1 else "do"
     text = f"{what} {goes} not fit the machine's {bed.width_mm:g} x {bed.height_mm:g} mm{there}"
     if most:
-        return f"{text}, {APART_MM:g} mm apart; use --copies {most}, or a smaller --sheet"
+        fewer = f"use --copies {most}"
+        return TooLargeError(f"{text}, {APART_MM:g} mm apart", f"{fewer}, or a smaller --sheet", fewer)
     x, y = (max(0.0, side - length - border) for side, length in _as_it_fits(sheet, bed, border))
-    return f"{text}; use --at {x:g},{y:g} or less"
+    return JobError(f"{text}; use --at {x:g},{y:g} or less")
 
 
 def _as_it_fits(sheet: Sheet, bed: Bed, border: float) -> list[tuple[float, float]]:

@@ -17,7 +17,7 @@ from foldcut.core.arrays import Floats
 from foldcut.core.model import Sheet
 from foldcut.jobs.bed import Lay
 from foldcut.jobs.dashes import perforation
-from foldcut.jobs.errors import JobError
+from foldcut.jobs.errors import JobError, TooLargeError
 from foldcut.jobs.job import Job, JobStep, check_job, within
 from foldcut.jobs.model import operation_for
 from foldcut.jobs.pen_path import travel
@@ -74,6 +74,8 @@ def make_coupon(profile: Profile, material: str | None = None) -> tuple[Job, lis
     Raises JobError: the card does not fit the bed, the profile has no such material or is only for drawings, or two
     rows would come out alike.
     """
+    if not profile.operations:
+        raise JobError(f"{profile.title!r} is for drawings: name a machine with --profile; see foldcut profiles")
     check_job(Sheet(1.0, 1.0, "test card"), replace_papers(profile), material=material)
     name = material or next(iter(profile.materials))
     stuff = profile.materials[name]
@@ -82,7 +84,11 @@ def make_coupon(profile: Profile, material: str | None = None) -> tuple[Job, lis
     _require_different(rows)
     height = 2 * EDGE_MM + ROW_MM * len(rows)
     sheet = Sheet(WIDTH_MM, height, "test card")
-    lay = Lay.for_machine(sheet, profile)
+    try:
+        lay = Lay.for_machine(sheet, profile)
+    except TooLargeError as error:
+        remedy = "give the size that its bed really has with --set, or take a larger machine with --profile"
+        raise JobError(f"{error.what}; a test card has one size: {remedy}") from None
     steps, marks = [], list[Floats]()
     for number, (row, colour) in enumerate(zip(rows, colours, strict=False), 1):
         y = height - EDGE_MM - (number - 0.5) * ROW_MM

@@ -55,8 +55,9 @@ def instructions(profile: Profile, jobs: Sequence[Job], formats: Collection[str]
         lines += [f"{side}{step_words(step, profile, job.side, formats)}" for step in job.steps]
     lines += [*load[1:], *glued(profile, jobs[0])]
     if len(jobs) > 1:
-        lines += turning_over(profile, jobs)
-    return [*lines, *notes(profile, jobs)]
+        # out of a jig the sheet comes only when its tabs are cut
+        lines += [*tabs_left(jobs[0], ", before you turn it over"), *turning_over(profile, jobs)]
+    return [*lines, *notes(profile, jobs), *tabs_left(jobs[-1])]
 
 
 def solid_words(solid: Solid, load: Sequence[str]) -> list[str]:
@@ -194,13 +195,19 @@ def notes(profile: Profile, jobs: Sequence[Job]) -> list[str]:
             f"{job.uncut} crease{'' if one else 's'} {'is' if one else 'are'} too short to perforate and left uncut; "
             f"fold {'it' if one else 'them'} by hand."
         )
-    for tabs in [job.tabs for job in jobs if job.tabs is not None]:
-        one, each = tabs.count == 1, " of each sheet" if len(job.corners) > 1 else ""
-        lines.append(
-            f"The outline{each} is not cut at {tabs.count} tab{'' if one else 's'} of {tabs.width_mm:g} mm, which "
-            f"{'holds' if one else 'hold'} the sheet in the stock: cut {'it' if one else 'them'} with a knife."
-        )
     return lines
+
+
+def tabs_left(job: Job, when: str = "") -> list[str]:
+    """Return where the outline of a job is not cut, and when its tabs are."""
+    tabs = job.tabs
+    if tabs is None:
+        return []
+    one, each = tabs.count == 1, " of each sheet" if len(job.corners) > 1 else ""
+    return [
+        f"The outline{each} is not cut at {tabs.count} tab{'' if one else 's'} of {tabs.width_mm:g} mm, which "
+        f"{'holds' if one else 'hold'} the sheet in the stock: cut {'it' if one else 'them'} with a knife{when}."
+    ]
 
 
 def _where(job: Job, profile: Profile) -> str:

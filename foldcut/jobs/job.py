@@ -19,7 +19,7 @@ import shapely
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern, Sheet
-from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout, arranged, laid_out
+from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout, arranged, check_sides, laid_out
 from foldcut.jobs.bed import Box, Lay, Side
 from foldcut.jobs.dashes import Cuts, crease_pieces, perforations
 from foldcut.jobs.errors import JobError, TooLargeError
@@ -77,7 +77,8 @@ def make_jobs(
     lay = Lay.for_machine(pattern.sheet, profile, tile=tile)
     corners: list[tuple[float, float]] = []
     if layout.asked_for:
-        lay, corners = laid_out(pattern.sheet, profile, layout)
+        together = two_sided and registration in HOLES_MM
+        lay, corners = laid_out(pattern.sheet, profile, layout, full_rows=together)
     stuff = _material(profile, material)
     creases, uncut = _creases(pattern, profile, stuff, treatment)
     # the cut line is part of the outline, and no line may be there twice
@@ -160,15 +161,13 @@ def check_job(
                 f"the profile {profile.title!r} has no operation {role!r}; leave --profile out for a drawing"
             )
     _material(profile, material)
-    if registration == "jig" and profile.draws:
-        raise JobError(f"{profile.title} cuts no jig to turn the sheet over in; use --registration corners")
     if tile and profile.page is None:
         raise JobError(f"the profile {profile.title!r} cannot tile: only printers take several pages")
     Lay.for_machine(sheet, profile, tile=tile)
     if layout.asked_for:
         laid_out(sheet, profile, layout)
-    if layout.copies > 1 and registration == "corners":
-        raise JobError("corner marks line up one sheet at a time; use --registration holes or jig, or one copy")
+    if registration is not None:
+        check_sides(sheet, profile, layout, registration)
     if tabs is not None:
         check_tabs(tabs, sheet, profile)
 

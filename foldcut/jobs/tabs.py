@@ -24,6 +24,9 @@ __all__ = ["Tabs", "check_tabs", "cut_around_tabs", "parse_tabs"]
 CORNER_MM = 2.0
 """How far the end of a tab stays from a corner, at least."""
 
+LEAST_MM, MOST_MM = 0.1, 20.0
+"""How wide a tab is: what is narrower holds nothing, and what is wider is an outline that is not cut."""
+
 MOST_TABS = 1000
 """No sheet needs more."""
 
@@ -58,6 +61,12 @@ def check_tabs(tabs: Tabs, sheet: Sheet, profile: Profile) -> None:
             f"a blade that trails its holder by {trail:g} mm swivels where a cut begins, and tears tabs of "
             f"{tabs.width_mm:g} mm; use --tabs {Tabs(tabs.count, trail)} or wider"
         )
+    if not LEAST_MM <= tabs.width_mm <= MOST_MM:
+        usual = Tabs(tabs.count, LEAST_MM if tabs.width_mm < LEAST_MM else MOST_MM)
+        than = "wider" if tabs.width_mm < LEAST_MM else "narrower"
+        raise JobError(
+            f"--tabs {tabs}: a tab is from {LEAST_MM:g} to {MOST_MM:g} mm wide; use --tabs {usual} or {than}"
+        )
     # before a FOLD file is opened its sheet counts as the smallest there is; there is no room for tabs on that
     if min(sheet.width, sheet.height) > 2 * CORNER_MM:
         cut_around_tabs(np.concatenate([sheet.corners, sheet.corners[:1]]), tabs, profile.kerf_mm)
@@ -66,12 +75,12 @@ def check_tabs(tabs: Tabs, sheet: Sheet, profile: Profile) -> None:
 def cut_around_tabs(outline: Floats, tabs: Tabs, kerf: float = 0.0) -> list[Floats]:
     """Return the pieces, ``(n, 2)`` each, of a closed outline, ``(m, 2)``, between tabs, in their order around it.
 
-    Raises JobError: the tabs have no room between the corners.
+    Raises JobError: the tabs have no room between the corners, or leave less than half of the outline to be cut.
     """
     ends = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(outline, axis=0).T))])
     around, gap = float(ends[-1]), tabs.width_mm + kerf
-    middle, room = _farthest_from_corners(ends[:-1], around / tabs.count)
-    if room < gap / 2 + CORNER_MM:
+    middle, _ = _farthest_from_corners(ends[:-1], around / tabs.count)
+    if not _have_room(tabs, ends[:-1], around, kerf):
         raise JobError(_too_many(tabs, ends[:-1], around, kerf))
     first = middle + around / tabs.count * np.arange(tabs.count)
     starts, stops = first + gap / 2, np.roll(first, -1) - gap / 2
@@ -91,15 +100,24 @@ def _farthest_from_corners(corners: Floats, every: float) -> tuple[float, float]
     return float((places[widest] + gaps[widest] / 2) % every), float(gaps[widest] / 2)
 
 
+def _have_room(tabs: Tabs, corners: Floats, around: float, kerf: float) -> bool:
+    """Return whether tabs stay away from corners, and half of the outline, or more, is cut."""
+    gap = tabs.width_mm + kerf
+    _, room = _farthest_from_corners(corners, around / tabs.count)
+    return room >= gap / 2 + CORNER_MM and tabs.count * gap <= around / 2
+
+
 def _too_many(tabs: Tabs, corners: Floats, around: float, kerf: float) -> str:
     """Say that tabs have no room, and how many of this width have, or how wide one may be."""
-    rooms = {count: _farthest_from_corners(corners, around / count)[1] for count in range(1, tabs.count)}
-    fits = [count for count, room in rooms.items() if room >= (tabs.width_mm + kerf) / 2 + CORNER_MM]
-    what = f"--tabs {tabs}: a sheet with {around:.0f} mm around it has no room for them between its corners"
+    fewer = (Tabs(count, tabs.width_mm) for count in range(tabs.count - 1, 0, -1))
+    fits = next((some for some in fewer if _have_room(some, corners, around, kerf)), None)
+    half = tabs.count * (tabs.width_mm + kerf) > around / 2
+    lacks = "would be uncut for more than half of that" if half else "has no room for them between its corners"
+    what = f"--tabs {tabs}: a sheet with {around:.0f} mm around it {lacks}"
     if fits:
-        return f"{what}; use --tabs {Tabs(fits[-1], tabs.width_mm)}"
-    widest = math.floor(20 * (_farthest_from_corners(corners, around)[1] - CORNER_MM - kerf / 2)) / 10
-    return f"{what}; use --tabs {Tabs(1, widest)} or narrower" if widest > 0 else f"{what}; leave --tabs out"
+        return f"{what}; use --tabs {fits}"
+    widest = min(MOST_MM, math.floor(20 * (_farthest_from_corners(corners, around)[1] - CORNER_MM - kerf / 2)) / 10)
+    return f"{what}; use --tabs {Tabs(1, widest)} or narrower" if widest >= LEAST_MM else f"{what}; leave --tabs out"
 
 
 def _between(outline: Floats, ends: Floats, start: float, stop: float) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import zipfile
 from argparse import Namespace
 from pathlib import Path
@@ -15,7 +16,9 @@ from foldcut.cli import options
 from foldcut.cli.main import main
 from foldcut.cli.parser import Parser, parse
 from foldcut.drawing.placement import parse_sheet
+from foldcut.exporters import JOB_EXPORTERS, check_job_export
 from foldcut.jobs.bed import Lay
+from foldcut.jobs.errors import JobError
 from foldcut.output.render import JOB_WORDS
 from foldcut.profiles import load_profile, profile_names
 from foldcut.samples import sample_path
@@ -183,6 +186,32 @@ def test_a_format_of_another_machine_is_refused_with_machines_that_take_it(
     assert not Path("a.svg").exists()
 
 
+@pytest.mark.parametrize("machine", [name for name in profile_names() if load_profile(name).operations])
+def test_what_a_profile_lacks_for_a_format_is_named_and_enough(machine: str) -> None:
+    profile, sheet = load_profile(machine), parse_sheet("100x80mm")
+    for suffix in JOB_EXPORTERS:
+        try:
+            check_job_export(suffix, profile, sheet)
+        except JobError as error:
+            assert re.search(rf"[;,] (or )?make {suffix} files by a command of their own, with --profile ", str(error))
+            assert "; or " not in str(error)
+            lacking = re.findall(r"--set (\S+?)(?=[ ,;]|$)", str(error))
+            assert lacking or suffix == ".lbrn2"
+            if lacking:
+                assert not {value.split(".")[0] for value in lacking} & {name for name in ("bed",) if profile.bed}
+                check_job_export(suffix, load_profile(machine, lacking), sheet)
+
+
+def test_a_laser_without_power_is_told_which_materials_lack_it() -> None:
+    profile = load_profile("grbl-laser")
+    some = {name: one.model_copy(update={"score": None}) for name, one in profile.materials.items()}
+    profile = profile.model_copy(update={"materials": some})
+    for suffix in (".gcode", ".lbrn2"):
+        with pytest.raises(JobError, match="no power for valley .*; add it with --set ") as caught:
+            check_job_export(suffix, profile, parse_sheet("100x80mm"))
+        assert all(f"materials.{name}.score.power_percent=10" in str(caught.value) for name in some)
+
+
 def test_a_pattern_on_too_large_a_sheet_is_told_what_it_can_still_do(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -192,6 +221,18 @@ def test_a_pattern_on_too_large_a_sheet_is_told_what_it_can_still_do(
         error = error_of(capsys, "make", "a.fold", "--profile", machine)
         assert "fold the drawing again with --sheet" in error
         assert "use --sheet" not in error
+    bed = [part for side in ("width", "height") for part in ("--set", f"bed.{side}_mm=100")]
+    error = error_of(capsys, "make", "a.fold", "--profile", "scored-sheet", *bed)
+    remedy = re.search(r"take a larger bed: ((?:--set \S+ ?){2}), or", error)
+    assert remedy
+    load_profile("scored-sheet", remedy[1].split()[1::2])
+    assert "--tile" not in error
+    bed = ["--set", "bed.width_mm=900", "--set", "bed.height_mm=1200"]
+    error = error_of(capsys, "make", "a.fold", "--profile", "laser-dxf", *bed, "--copies", "7")
+    assert "its sheet already: use --copies 2, or fold the drawing again with --sheet" in error
+    assert main(["make", "a.fold", "--profile", "laser-dxf", *bed, "--copies", "2", "--quiet"]) == 0
+    error = error_of(capsys, "solve", "a.fold", "--profile", "laser-dxf", *bed, "--copies", "7", "-o", "b.dxf")
+    assert "use --copies 2, or make the sheet smaller with --width" in error
     assert main(["make", "a.fold", "--profile", "printer-a4", "--tile", "--quiet"]) == 0
 
 
@@ -252,4 +293,30 @@ def test_an_output_without_a_name_is_refused(
     monkeypatch.chdir(tmp_path)
     for empty in (("-o", ""), ("--output=",), *([("--preview", "")] if words[0] == "make" else [])):
         assert "its name is empty" in error_of(capsys, *words, *empty)
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("grbl-laser", "--set", "bed.width_mm=20"), "with --set, or take a larger machine with --profile"),
+        (("printer-a4", "--set", "bed.height_mm=50"), "with --set, or take a larger machine with --profile"),
+        (("plain",), "name a machine with --profile; see foldcut profiles"),
+        (("scored-sheet",), "name a machine with --profile; see foldcut profiles"),
+        (("grbl-laser", "-o", "missing/"), "missing/ is a folder; give a file in it, or a .zip"),
+        (("hp-7475a", "-o", "card.lbrn2"), "by a command of their own, with --profile lightburn-co2 or"),
+        (("grbl-laser", "-o", "card"), "an output file needs an ending that names its format"),
+    ],
+)
+def test_a_test_card_is_told_only_of_options_that_it_has(
+    options: tuple[str, ...],
+    words: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    error = error_of(capsys, "coupon", "--profile", *options)
+    assert words in error
+    assert not {"--sheet", "--tile", "leave"} & set(re.split(r"[\s,;]+", error))
     assert not [*tmp_path.iterdir()]

@@ -7,6 +7,7 @@ import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any, get_args
 
 import ezdxf
 import numpy as np
@@ -25,7 +26,7 @@ from foldcut.jobs.errors import JobError
 from foldcut.jobs.instructions import instructions
 from foldcut.jobs.job import Job, check_job, make_jobs
 from foldcut.output.render import JobOptions, Maker, job_files
-from foldcut.profiles import Profile, load_profile, profile_names
+from foldcut.profiles import Profile, Registration, load_profile, profile_names
 
 MACHINES = [name for name in profile_names() if load_profile(name).operations]
 WITH_BED = [name for name in MACHINES if load_profile(name).bed and not load_profile(name).page]
@@ -190,7 +191,7 @@ def test_what_has_no_bed_places_nothing(machine: str) -> None:
 
 def test_copies_of_two_sides_lie_in_their_own_holes() -> None:
     profile = load_profile("grbl-laser")
-    layout = BedLayout(at=(10.0, 20.0), copies=3)
+    layout = BedLayout(at=(10.0, 20.0), copies=6)
     front, back = make_jobs(star(), profile, two_sided=True, registration="holes", layout=layout)
     assert front.holes is not None
     assert back.holes is not None
@@ -199,8 +200,44 @@ def test_copies_of_two_sides_lie_in_their_own_holes() -> None:
     for n, (x, _) in enumerate(front.corners):
         some, other = front.holes[3 * n : 3 * n + 3], back.holes[3 * n : 3 * n + 3]
         assert other == pytest.approx(some * (-1, 1) + (2 * x + SIZE[0], 0))
-    with pytest.raises(JobError, match="use --registration holes or jig"):
-        check_job(Sheet(100.0, 70.0), load_profile("axidraw-a4"), layout=layout, registration="corners")
+    # and so they are where all of the stock is turned over in one piece
+    ends = np.array(front.corners)[:, 0]
+    turned = front.holes * (-1, 1) + (ends.min() + ends.max() + SIZE[0], 0)
+    assert shapely.hausdorff_distance(shapely.MultiPoint(turned), shapely.MultiPoint(back.holes)) < 1e-6
+
+
+@pytest.mark.parametrize("sheet", [Sheet(100.0, 70.0), Sheet(60.0, 40.0), Sheet(55.0, 130.0)])
+@pytest.mark.parametrize("machine", ["grbl-laser", "xtool-s1", "axidraw-a4", "grbl-plotter", "drag-knife"])
+def test_copies_that_are_turned_over_together_lie_on_copies(machine: str, sheet: Sheet) -> None:
+    profile, refused = load_profile(machine, ["bed.width_mm=290", "bed.height_mm=280"]), 0
+    quarter = Sheet(sheet.height, sheet.width)
+    for copies in range(1, 7):
+        layout = BedLayout(copies=copies)
+        lay, corners = laid_out(sheet, profile, layout, full_rows=True)
+        assert lay.turned_over == ("top to bottom" if lay.turned else "left to right")
+        places = np.array(corners)
+        middle = (places.min(axis=0) + places.max(axis=0)) / 2
+        for registration in get_args(Registration):
+            try:
+                check_job(sheet, profile, layout=layout, registration=registration)
+            except JobError as error:
+                refused += 1
+                # a drawing may turn its sheet by a quarter after this was told
+                with pytest.raises(JobError, match=re.escape(str(error).rpartition("; use ")[2])):
+                    check_job(quarter, profile, layout=layout, registration=registration)
+                for remedy in str(error).rpartition("; use ")[2].split(", "):
+                    words = dict(re.findall(r"--(registration|copies) (\w+)", remedy))
+                    assert words, error
+                    kept: Any = words.get("registration", "corners" if words.get("copies") == "1" else registration)
+                    fewer = BedLayout(copies=int(words.get("copies", copies)))
+                    check_job(sheet, profile, layout=fewer, registration=kept)
+                continue
+            assert copies == 1 or registration != "corners"
+            if registration != "jig":
+                for over in ((-1, 1), (1, -1)):
+                    turned = shapely.MultiPoint((places - middle) * over + middle)
+                    assert shapely.hausdorff_distance(turned, shapely.MultiPoint(places)) < 1e-6
+    assert refused >= 5
 
 
 @pytest.mark.parametrize("machine", [n for n in MACHINES if f".{load_profile(n).format}" in FRAME_EXPORTERS])

@@ -89,7 +89,13 @@ def test_tabs_are_on_the_side_that_cuts_the_sheet_out() -> None:
     for registration, sides in (("jig", (True, False)), ("holes", (False, True))):
         jobs = make_jobs(pattern, profile, two_sided=True, registration=registration, tabs=Tabs(4, 1.0))  # type: ignore[arg-type]
         assert tuple(job.tabs is not None for job in jobs) == sides
-        assert sum("4 tabs of 1 mm" in line for line in instructions(profile, jobs)) == 1
+        told = instructions(profile, jobs)
+        cut, turned = (
+            next(n for n, line in enumerate(told) if words in line) for words in ("4 tabs of 1 mm", "turn the sheet ")
+        )
+        assert sum("4 tabs of 1 mm" in line for line in told) == 1
+        # nothing is turned over in a jig while tabs hold it
+        assert (cut < turned) == ("before you turn it over" in told[cut]) == (registration == "jig")
 
 
 @pytest.mark.parametrize("machine", [name for name in CUTTING if load_profile(name).blade is not None])
@@ -108,11 +114,24 @@ def test_a_blade_that_would_tear_narrow_tabs_is_told_how_wide_they_have_to_be(ma
 )
 def test_the_remedy_for_too_many_tabs_works(size: tuple[float, float], tabs: Tabs) -> None:
     whole = outline(*size)
-    with pytest.raises(JobError, match="has no room for them between its corners; ") as caught:
+    with pytest.raises(
+        JobError, match="has no room for them between its corners; |for more than half of that; "
+    ) as caught:
         cut_around_tabs(whole, tabs, 0.2)
     remedy = re.search(r"use --tabs (\S+)", str(caught.value))
     assert remedy, caught.value
     assert len(cut_around_tabs(whole, parse_tabs(remedy[1]), 0.2)) == parse_tabs(remedy[1]).count
+
+
+@pytest.mark.parametrize("machine", ["grbl-laser", "glowforge", "drag-knife"])
+@pytest.mark.parametrize("tabs", ["4x1e-9", "4x0.05mm", "1x1000mm", "4x100mm", "2x20.1mm", "26x10mm", "40x7mm"])
+def test_tabs_hold_the_sheet_and_leave_half_of_its_outline_or_more_to_be_cut(machine: str, tabs: str) -> None:
+    profile, sheet = load_profile(machine), Sheet(148.0, 105.0)
+    with pytest.raises(JobError, match="--tabs") as caught:
+        check_job(sheet, profile, tabs=parse_tabs(tabs))
+    remedy = re.search(r"use --tabs (\S+)", str(caught.value))
+    assert remedy
+    check_job(sheet, profile, tabs=parse_tabs(remedy[1]))
 
 
 def test_a_sheet_without_room_for_any_tab_says_so() -> None:

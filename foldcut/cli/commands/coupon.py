@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -59,8 +60,8 @@ def coupon(args: Namespace) -> int:
 
     profile = load_profile(args.profile, args.set)
     path = Path(args.output or f"coupon-{Path(args.profile).stem}.{profile.format}")
-    if path.is_dir():
-        raise BadInputError(f"{path} is a folder; give a file in it, or a .zip")
+    if path.is_dir() or (args.output or "").endswith(("/", os.sep)):
+        raise BadInputError(f"{args.output} is a folder; give a file in it, or a .zip")
     inputs = Inputs([profile_file(args.profile)])
     check_targets(targets(path, profile), replace=args.force, inputs=inputs)
     job, rows = make_coupon(profile, args.material)

@@ -63,13 +63,6 @@ examples:
 """
 
 
-ANOTHER_SHEET = (
-    "a pattern has its sheet already: fold the drawing again with --sheet, or take a larger machine, or a printer and "
-    "--tile"
-)
-"""What to do with a pattern whose sheet is too large for a machine."""
-
-
 def add_options(command: ArgumentParser) -> None:
     """Add the outputs, the drawing, the search and the machine."""
     command.add_argument(
@@ -140,7 +133,8 @@ def make(args: Namespace) -> int:
         except TooLargeError as error:
             if not source.is_pattern:
                 raise
-            raise BadInputError(f"{error.what}; {ANOTHER_SHEET}") from None
+            remedy = f"{error.keeping}, or fold the drawing again with --sheet"
+            raise BadInputError(f"{error.what}; a pattern has its sheet already: {remedy}") from None
         if preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
             pattern, drawing = result.folded_pattern, result.drawing
             before, after = result.prepared.drawn, result.prepared.loops

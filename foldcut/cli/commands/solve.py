@@ -89,7 +89,7 @@ def solve(args: Namespace) -> int:
         outputs.check_formats(solved.folded_pattern.sheet)
         contents, made = outputs.contents(solved.folded_pattern, recipe_of(args, path))
     except TooLargeError as error:
-        raise BadInputError(f"{error.what}; make the sheet smaller with --width") from None
+        raise BadInputError(f"{error.what}; {error.keeping}, or make the sheet smaller with --width") from None
     if solved.in_a_circle:
         contents = without_lists(contents, solved)
     files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
