@@ -22,11 +22,10 @@ from foldcut.exporters.bundle import OURS
 from foldcut.exporters.text import printable
 from foldcut.foldfile.read import read_fold_apart
 from foldcut.foldfile.reopen import reopen
-from foldcut.jobs.arrange import APART_MM, arranged, check_bed, check_copies, from_zero, quarter_turned
+from foldcut.jobs.arrange import APART_MM, IN_THE_CORNER, arranged, check_bed, check_copies, from_zero, quarter_turned
 from foldcut.jobs.duration import about, seconds_of_steps
 from foldcut.jobs.errors import JobError
 from foldcut.jobs.instructions import instructions
-from foldcut.jobs.job import make_jobs
 from foldcut.jobs.model import Job
 from foldcut.output.render import JobOptions, frame_path, job_files
 from foldcut.profiles import Bed, Profile
@@ -190,15 +189,7 @@ def _packed(sizes: Sequence[tuple[float, float]], bed: Bed, algorithm: str, orde
 
 
 def _job(pattern: FoldedPattern, profile: Profile, options: JobOptions) -> Job:
-    (job,) = make_jobs(
-        pattern,
-        profile,
-        material=options.material,
-        treatment=options.treatment,
-        marks=options.marks,
-        tabs=options.tabs,
-        framed=options.framed,
-    )
+    (job,) = replace(options, layout=IN_THE_CORNER).jobs(pattern, profile)
     return replace(job, at=(0.0, 0.0))
 
 

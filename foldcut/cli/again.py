@@ -22,7 +22,7 @@ from foldcut.cli.commands import load
 from foldcut.cli.console import DONE
 from foldcut.cli.parser import Parser, parse
 from foldcut.core.errors import BadInputError, FileFormatError
-from foldcut.core.files import is_standard_input, read_bytes
+from foldcut.core.files import hash_of, is_standard_input, read_bytes
 
 if TYPE_CHECKING:
     from foldcut.output.recipe import Recipe
@@ -211,12 +211,6 @@ def places(recipe: Recipe, path: Path) -> Iterator[Path]:
         yield sample_path(stem)
 
 
-def hashed(path: Path) -> str:
-    """Return the hash of a file."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
-
-
 def files_beside(recipe: Recipe, path: Path) -> list[Path]:
     """Return the other files that a recipe names, which have to be beside its file: a profile, a font."""
     parted = (word.partition("=") for word in recipe.options)
@@ -236,7 +230,7 @@ def run(recipe: Recipe, drawing: Found | None, path: Path, folder: Path) -> dict
         name, _, value = word.partition("=")
         if name in recipe.hashes and name in options.FILES_OF:
             beside = path.parent / value
-            if not beside.is_file() or hashed(beside) != recipe.hashes[name]:
+            if not beside.is_file() or hash_of(beside) != recipe.hashes[name]:
                 state = "has changed since" if beside.is_file() else "is not there"
                 raise BadInputError(f"{beside}, for {name} of {path}, {state}; put it there as it was")
             (into / value).write_bytes(beside.read_bytes())

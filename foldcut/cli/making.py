@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import shlex
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from foldcut.cli.console import Console
 from foldcut.cli.options import FoldRequest, OpenRequest, Request, Source
 from foldcut.core.errors import BadInputError, FileFormatError, ShapeError, UnfoldableError
+from foldcut.core.files import hash_of
 
 if TYPE_CHECKING:
     from foldcut.cli.outputs import MadeFor
@@ -74,7 +74,7 @@ def recipe_of(recipe: Recipe, request: Request, result: Result | Reopened) -> Re
     from foldcut.foldfile.reopen import Reopened
 
     if isinstance(result, Reopened):
-        return dataclasses.replace(recipe, sha256=hashlib.sha256(request.source.path.read_bytes()).hexdigest())
+        return dataclasses.replace(recipe, sha256=hash_of(request.source.path))
     return dataclasses.replace(recipe, sha256="" if result.drawing is None else result.drawing.sha256)
 
 

@@ -7,7 +7,6 @@ commands' own ``run`` see the parsed arguments.
 
 from __future__ import annotations
 
-import hashlib
 import math
 import os
 from argparse import ArgumentParser, Namespace
@@ -19,7 +18,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from foldcut.cli.console import Console
 from foldcut.cli.parser import Parser, nearest
 from foldcut.core.errors import BadInputError
-from foldcut.core.files import NOT_ORDINARY, is_standard_input
+from foldcut.core.files import NOT_ORDINARY, hash_of, is_standard_input
 from foldcut.methods import AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
 from foldcut.redraw.bounds import FEWEST, HANDS_CREASE_MM, HANDS_FOLDS, LEVELS, SMALL_PARTS, TOLERANCES
 
@@ -632,7 +631,7 @@ def words(args: Namespace, add_options: Callable[[ArgumentParser], None], **inst
             continue
         name = action.option_strings[-1]
         if name in FILES_OF and value.endswith(FILES_OF[name]) and Path(value).is_file():
-            hashes[name] = hashlib.sha256(Path(value).read_bytes()).hexdigest()
+            hashes[name] = hash_of(Path(value))
             value = Path(value).name
         values = value if isinstance(value, list) else [value]
         options += [name if one is True else f"{name}={one}" for one in values]

@@ -5,6 +5,7 @@ Only ordinary files are read, and standard input: a device has no end, and a nam
 
 from __future__ import annotations
 
+import hashlib
 import os
 import stat
 import sys
@@ -12,7 +13,7 @@ from pathlib import Path
 
 from foldcut.core.errors import FileFormatError
 
-__all__ = ["NOT_ORDINARY", "STANDARD_INPUT", "identity", "is_standard_input", "read_bytes"]
+__all__ = ["NOT_ORDINARY", "STANDARD_INPUT", "hash_of", "identity", "is_standard_input", "read_bytes"]
 
 STANDARD_INPUT = "-"
 """The path that stands for standard input, as ``/dev/stdin`` does."""
@@ -47,6 +48,12 @@ def read_bytes(path: Path, most: int) -> bytes:
 def _open_at_once(path: str, flags: int) -> int:
     """Open a file without waiting, should it have become a pipe meanwhile."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+
+
+def hash_of(path: Path) -> str:
+    """Return the SHA-256 of a file."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def identity(path: Path) -> tuple[int, int] | None:

@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["signals_wait"]
+__all__ = ["HELD", "signals_wait"]
 
 HELD = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name)]
-"""The signals that wait."""
+"""The signals that wait: Ctrl-C, what ends a process, and the time limit."""
 
 
 @contextmanager

@@ -18,10 +18,9 @@ class LackingError(JobError):
     """
 
     def __init__(self, what: str, values: Sequence[str] = ()) -> None:
-        self.what, self.remedies = (
-            what,
-            [" ".join(["add it with", *(f"--set {value}" for value in values)])] * any(values),
-        )
+        self.what, self.remedies = what, list[str]()
+        if values:
+            self.remedies.append(f"add it with {' '.join(f'--set {value}' for value in values)}")
         super().__init__("; ".join([what, *self.remedies]))
 
 

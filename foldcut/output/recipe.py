@@ -10,11 +10,11 @@ import json
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from hashlib import sha256
 from importlib.metadata import version
 from typing import Any
 
 from foldcut.core.errors import FileFormatError
+from foldcut.core.files import hash_of
 from foldcut.exporters.recipe_place import with_recipe
 from foldcut.samples import sample_names, sample_path
 
@@ -73,7 +73,7 @@ class Recipe:
         sample = self.drawing.rpartition(".")[0]
         if sample in sample_names():
             path = sample_path(sample)
-            if path.name == self.drawing and sha256(path.read_bytes()).hexdigest() == self.sha256:
+            if path.name == self.drawing and hash_of(path) == self.sha256:
                 return sample
         return f"./{self.drawing}" if self.drawing.startswith("-") else self.drawing
 

@@ -49,6 +49,22 @@ class JobOptions:
     tabs: Tabs | None = None
     framed: bool = False
 
+    def jobs(self, pattern: FoldedPattern, profile: Profile) -> tuple[Job, ...]:
+        """Return the jobs of a pattern for a machine; errors as of ``make_jobs``."""
+        return make_jobs(
+            pattern,
+            profile,
+            material=self.material,
+            treatment=self.treatment,
+            two_sided=self.two_sided,
+            registration=self.registration,
+            marks=self.marks,
+            tile=self.tile,
+            layout=self.layout,
+            tabs=self.tabs,
+            framed=self.framed,
+        )
+
     def sides(self, path: Path) -> dict[Side, Path]:
         """Return the files that ``path`` stands for: one, or one for the front and one for the back; a PDF has both."""
         if not self.two_sided or path.suffix.lower() not in JOB_EXPORTERS or path.suffix.lower() == DUPLEX:
@@ -123,20 +139,7 @@ class Maker:
         if profile is None or not profile.operations or path.suffix.lower() not in JOB_EXPORTERS:
             return {path: export(self.pattern, path.suffix, profile)}
         if not self.jobs:
-            made = make_jobs(
-                self.pattern,
-                profile,
-                material=options.material,
-                treatment=options.treatment,
-                two_sided=options.two_sided,
-                registration=options.registration,
-                marks=options.marks,
-                tile=options.tile,
-                layout=options.layout,
-                tabs=options.tabs,
-                framed=options.framed,
-            )
-            self.jobs = {job.side: job for job in made}
+            self.jobs = {job.side: job for job in options.jobs(self.pattern, profile)}
         if options.two_sided and path.suffix.lower() == DUPLEX:
             front, back = self.jobs["front"], self.jobs["back"]
             self.jobs_of[path] = replace(front, side="both")

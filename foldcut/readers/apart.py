@@ -24,6 +24,7 @@ from typing import Any, NoReturn, TypeVar
 
 from foldcut.core.errors import FileFormatError
 from foldcut.core.processes import die_with_parent
+from foldcut.core.signals import HELD
 from foldcut.drawing.limits import Limits
 from foldcut.readers import READERS, Drawing, ReadOptions, read_shape
 
@@ -33,8 +34,6 @@ Result = TypeVar("Result")
 
 LARGEST = 2**62
 """The largest limit that the system takes, beside none at all."""
-
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, *([signal.SIGALRM] if hasattr(signal, "SIGALRM") else []))
 
 
 def read_shape_apart(path: str | Path, options: ReadOptions, data: bytes | None = None) -> Drawing:
@@ -56,7 +55,7 @@ def apart(work: Callable[[], Result], limits: Limits, name: str, *, option: bool
     reading, writing = os.pipe()
     child = 0
     try:
-        held = signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)  # Ctrl-C must not unwind both processes
+        held = signal.pthread_sigmask(signal.SIG_BLOCK, HELD)  # Ctrl-C must not unwind both processes
         try:
             with warnings.catch_warnings(action="ignore"):  # of other threads, which hold nothing that a reader needs
                 child = os.fork()
@@ -97,9 +96,9 @@ def _answer(work: Callable[[], object], limits: Limits, to: int) -> NoReturn:
     """Do the work in this process, a copy of the other one, write what comes of it, and end."""
     status = 1
     try:
-        for number in _SIGNALS:
+        for number in HELD:
             signal.signal(number, signal.SIG_DFL)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, HELD)
         faulthandler.disable()  # the other process says that this one crashed
         die_with_parent()
         _bound(limits)

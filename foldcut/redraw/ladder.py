@@ -284,7 +284,10 @@ def redraw(
 
 @dataclass(eq=False)
 class _Search:
-    """The search over tolerances: ``levels`` are those tried so far."""
+    """The search over tolerances: ``levels`` are those tried so far.
+
+    ``told`` is the best pattern that was handed over, ``latest`` the best of the tolerance that is being tried.
+    """
 
     drawn: Drawn
     bounds: Bounds

@@ -24,7 +24,7 @@ from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search
 
 MOST_FOLDED = 12, 36
-"""How many outlines of one plan are folded at most, and how many are tried at most."""
+"""How many outlines are folded at most in one search, and how many are tried at most."""
 
 TRIES = 8, 200
 """How many sets of perpendiculars are tried for each: so many, or more if there are few corners."""

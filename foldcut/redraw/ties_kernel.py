@@ -291,15 +291,21 @@ def nearest_side(t, n, px, py, out):
     return found
 
 
-@compiled
-def add_fit(t, n, samples):
-    """Set up the least squares of the drawing's points about the outline: matrix ``t.h`` and slope ``t.slope``."""
+@inlined
+def clear_fit(t, n):
+    """Set matrix ``t.h`` and slope ``t.slope`` to what they are without any points."""
     size = 2 * n
     for i in range(size):
         for j in range(size):
             t.h[i, j] = 0.0
         t.h[i, i] = FREE
         t.slope[i] = 0.0
+
+
+@compiled
+def add_fit(t, n, samples):
+    """Set up the least squares of the drawing's points about the outline: matrix ``t.h`` and slope ``t.slope``."""
+    clear_fit(t, n)
     tolerance = t.sizes[TOLERANCE]
     for s in range(samples):
         px, py = t.sample_x[s], t.sample_y[s]
@@ -412,6 +418,27 @@ def step(t, n, rows):
         t.change[i] = total / t.h[i, i]
 
 
+@inlined
+def add_ties(t, n, ties):
+    """Add the equations of all ties; return the number of rows, negative where one has no equation."""
+    rows = 0
+    for k in range(ties):
+        rows = add_tie(t, n, t.tie_first[k], t.tie_first[k + 1], rows)
+        if rows < 0:
+            break
+    return rows
+
+
+@inlined
+def add_meetings(t, n, meetings, rows):
+    """Add the equations of all meetings behind ``rows`` others; return as ``add_ties`` does."""
+    for k in range(meetings):
+        rows = add_meeting(t, n, k, rows)
+        if rows < 0:
+            break
+    return rows
+
+
 @compiled
 def solve(t, n, ties, meetings, samples):
     """Move the corners until ties and meetings hold exactly; returns whether they do."""
@@ -420,19 +447,16 @@ def solve(t, n, ties, meetings, samples):
     for turn in range(MOST_STEPS + fits):
         if not set_sides(t, n):
             return FAILED
-        rows = 0
-        for k in range(ties):
-            rows = add_tie(t, n, t.tie_first[k], t.tie_first[k + 1], rows)
-            if rows < 0:
-                return FAILED
+        rows = add_ties(t, n, ties)
+        if rows < 0:
+            return FAILED
         worst = 0.0
         for r in range(rows):
             worst = max(worst, abs(t.value[r]))
         exact_rows = rows
-        for k in range(meetings):
-            rows = add_meeting(t, n, k, rows)
-            if rows < 0:
-                return FAILED
+        rows = add_meetings(t, n, meetings, rows)
+        if rows < 0:
+            return FAILED
         worst_miss = 0.0
         for r in range(exact_rows, rows):
             worst_miss = max(worst_miss, abs(t.value[r]))
@@ -574,12 +598,7 @@ def reweigh(t, count, worst):
 @inlined
 def add_distances(t, n, count):
     """Set up the least squares of the weighted distances: matrix ``t.h`` and slope ``t.slope``."""
-    size = 2 * n
-    for i in range(size):
-        for j in range(size):
-            t.h[i, j] = 0.0
-        t.h[i, i] = FREE
-        t.slope[i] = 0.0
+    clear_fit(t, n)
     for s in range(count):
         i, j = 2 * t.row_side[s], 2 * t.following[t.row_side[s]]
         off, part, weight = t.row[s, 0], t.row[s, 1], t.row[s, 4]
@@ -614,15 +633,12 @@ def tighten(t, n, ties, meetings, samples):
         worst = set_distances(t, n, samples)
         if worst == inf or (turn >= HOPELESS_AFTER and worst > HOPELESS * tolerance):
             return FAILED
-        rows = 0
-        for k in range(ties):
-            rows = add_tie(t, n, t.tie_first[k], t.tie_first[k + 1], rows)
-            if rows < 0:
-                return FAILED
-        for k in range(meetings):
-            rows = add_meeting(t, n, k, rows)
-            if rows < 0:
-                return FAILED
+        rows = add_ties(t, n, ties)
+        if rows < 0:
+            return FAILED
+        rows = add_meetings(t, n, meetings, rows)
+        if rows < 0:
+            return FAILED
         failing = 0.0
         for r in range(rows):
             failing = max(failing, abs(t.value[r]))

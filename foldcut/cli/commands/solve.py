@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,7 +14,7 @@ from foldcut.cli.commands.check import add_pattern, add_tolerance, tell, toleran
 from foldcut.cli.outputs import Outputs, is_bundle
 from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError, UnfoldableError
-from foldcut.core.files import is_standard_input
+from foldcut.core.files import hash_of, is_standard_input
 
 if TYPE_CHECKING:
     from foldcut.foldfile.solved import Solved
@@ -105,7 +104,7 @@ def recipe_of(args: Namespace, path: Path) -> Recipe:
     made = Recipe("solve").also(*options.words(args, add_judging))
     if is_standard_input(path):
         return made
-    return replace(made, drawing=path.name, sha256=hashlib.sha256(path.read_bytes()).hexdigest())
+    return replace(made, drawing=path.name, sha256=hash_of(path))
 
 
 def check_kinds(names: Sequence[Path], solved: Solved) -> None:

@@ -54,7 +54,8 @@ class Kind(NamedTuple):
     3: the inner edge of every bend; 0: both at once. ``regular``: circles become regular polygons, with a "side" or a
     "corner" on the axis. ``best``: each strip as it has the fewest sides.
     ``exact``: straight sides of the drawing stay where they are.
-    ``weight``: what a side costs more that is off by all of the tolerance.
+    ``weight``: what a side costs more that is off by all of the tolerance. ``loose``: it is fitted within so many times
+    the tolerance, and has to be tightened.
     """
 
     edges: str
@@ -130,24 +131,11 @@ KINDS = (
 )
 """The kinds of outlines: those first that were the best, or nearly, for most letters."""
 
+FIRM_KINDS = (Kind("", 0.0, 0.95, arcs=True, exact=True), Kind("", 18.0, 0.95))
+"""Kinds that are no better where they are loose."""
+
 LOOSE_KINDS = tuple(
-    kind._replace(loose=loose)
-    for loose in (1.4, 1.15)
-    for kind in (
-        Kind("in", 0.0, 0.95, best=True),
-        Kind("in", 0.0, 0.95, arcs=True, lead=3),
-        Kind("in", 0.0, 0.8, arcs=True, lead=3),
-        Kind("in", 0.0, 0.95, lead=1),
-        Kind("in", 0.0, 0.95, arcs=True, lead=2),
-        Kind("in", 0.0, 0.95, disks=True),
-        Kind("in", 0.0, 0.95, disks=True, weight=1.5),
-        Kind("", 0.0, 0.95, exact=True),
-        Kind("", 0.0, 0.95),
-        Kind("", 0.0, 0.95, arcs=True),
-        Kind("", 15.0, 0.95),
-        Kind("", 22.5, 0.95),
-        Kind("", 30.0, 0.95),
-    )
+    kind._replace(loose=loose) for loose in (1.4, 1.15) for kind in KINDS if kind.part >= 0.8 and kind not in FIRM_KINDS
 )
 """The kinds that are fitted within a larger tolerance: the corners may come nearer together, or become fewer."""
 
