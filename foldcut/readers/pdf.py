@@ -54,7 +54,7 @@ def read(source: Source, options: ReadOptions) -> Drawing:
     except FileFormatError:
         raise
     except Exception as error:  # a PdfiumError, or one of ctypes where the file is broken
-        about = " ".join(str(error).split())[:120] or type(error).__name__
+        about = " ".join(str(error).split())[:120].rstrip(".") or type(error).__name__
         raise FileFormatError(f"not a PDF file that can be read: {about}; export the drawing again") from None
     if not paths.found:
         there = ", ".join(counted(ignored)) or "nothing"
