@@ -81,7 +81,7 @@ bench-dihedral: $(VENV)/installed-test
 
 ## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz, and the
 ## inputs that reached something new, from which the next run goes on.
-READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold values
+READERS ?= svg css dxf pdf geojson wkt wkb csv json image text fold cp opx creases values
 SECONDS ?= 300
 fuzz: $(VENV)/installed-fuzz
 	@found=0; for reader in $(READERS); do \
