@@ -73,6 +73,7 @@ def make_report(
         "attempts": list(map(asdict, result.attempts)),
         "actions": result.actions,
         "phases": [asdict(phase) for phase in result.phases],
+        "difficulty": {**asdict(result.difficulty), "level": result.difficulty.level, "text": str(result.difficulty)},
         "first_folds": [line.tolist() for line in pattern.first_folds],
         "first_fold_count": first_fold_count(pattern.first_folds),
         "ribbon_mm": result.ribbon,
@@ -272,6 +273,7 @@ def make_lines(report: Report) -> list[str]:
         *_ladder_rows(report),
         *_method_rows(report),
         *_fold_rows(report),
+        ("skill", report["difficulty"]["text"]),
         *_pattern_rows(report),
         (
             "layers",
