@@ -27,7 +27,7 @@ MOST_TOGETHER = (4, 14, 28, 60)
 LEAST_MM = (8.0, 4.0, 3.0, 1.5)
 """No crease of it is shorter than this."""
 
-MOST_LAYERS = (SCISSORS_LAYERS, SCISSORS_LAYERS, 24, 60)
+MOST_LAYERS = (SCISSORS_LAYERS, SCISSORS_LAYERS, 40, 80)
 """The cut goes through no more layers than this."""
 
 MINUTES_TO_BEGIN = 2.0
