@@ -54,6 +54,7 @@ from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
 if TYPE_CHECKING:
     from foldcut.folding_steps.phases import Phase
     from foldcut.methods.disks.method import DiskStages
+    from foldcut.pattern.difficulty import Difficulty
 
 __all__ = ["Progress", "Result", "fold"]
 
@@ -101,6 +102,13 @@ class Result:
     def foldability(self) -> Foldability:
         """How hard the pattern is to fold and to cut, if the sheet is office paper."""
         return foldability(self.folded_pattern, method=fewer_creases())
+
+    @cached_property
+    def difficulty(self) -> Difficulty:
+        """How difficult the pattern is for a person with a sheet of office paper, in words."""
+        from foldcut.folding_steps.phases import difficulty_of
+
+        return difficulty_of(self.phases, self.foldability, self.actions)
 
     @property
     def drawn(self) -> tuple[Floats, ...]:

@@ -72,7 +72,7 @@ def add_options(command: ArgumentParser) -> None:
         metavar="OUT",
         action="append",
         help="a file to write, in the format that its ending names, or a folder or a .zip for all files of a job and a "
-        "README.txt (repeatable)",
+        "README.txt; NAME-kit.pdf is the sheet to print with the guide behind it (repeatable)",
     )
     command.add_argument(
         "--preview",
