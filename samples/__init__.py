@@ -7,6 +7,7 @@ is JSON loops, and kite is WKT.
 from __future__ import annotations
 
 from importlib.resources import files
+from os import PathLike
 from pathlib import Path
 
 from foldcut.core.errors import BadInputError
@@ -25,6 +26,12 @@ def sample_path(name: str) -> Path:
     if name not in paths:
         raise BadInputError(f"there is no sample {name!r}; give one of {', '.join(sorted(paths))}")
     return paths[name]
+
+
+def drawing_path(name: str | PathLike[str]) -> Path:
+    """Return the file that is meant by a path, or by the name of a sample where there is no such file."""
+    path = Path(name)
+    return path if path.exists() else _paths().get(str(name), path)
 
 
 def _paths() -> dict[str, Path]:

@@ -23,8 +23,8 @@ FLOORS = (
     ("folding_steps",),
     ("redraw",),
     ("exporters",),
-    ("output", "web"),
-    ("pipeline",),
+    ("options", "output", "web"),
+    ("checking", "pipeline"),
     ("batch",),
     ("cli",),
 )

@@ -39,7 +39,7 @@ def folded(request: FoldRequest, console: Console) -> Result:
         progress = ProgressLines(sys.stderr) if request.progress_lines else bar
         drawing = request.source.read(request.reading)
         try:
-            return pipeline.fold(drawing, **request.folding.keywords(), progress=progress, on_pattern=progress.found)
+            return pipeline.fold(drawing, request.folding, progress=progress, on_pattern=progress.found)
         except ShapeError as error:
             if request.source.text is not None:
                 raise
