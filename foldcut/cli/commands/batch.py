@@ -97,7 +97,7 @@ def batch(args: Namespace) -> int:
     from foldcut.batch.drawings import letters_of
     from foldcut.batch.run import run_batch
     from foldcut.batch.worker import Recipe
-    from foldcut.cli.progress import ProgressBar
+    from foldcut.cli.progress import progress_for
     from foldcut.jobs.arrange import IN_THE_CORNER
     from foldcut.output.recipe import Recipe as FileRecipe
     from foldcut.readers.typed_text import letter_names
@@ -121,7 +121,7 @@ def batch(args: Namespace) -> int:
     made = made.also(*options.folding_words(args)).also(*machine.words)
     recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job, made)
     done = ""
-    with ProgressBar(console.draws_progress) as bar:
+    with progress_for(console) as bar:
 
         def progress(text: str, part: float) -> None:
             nonlocal done
