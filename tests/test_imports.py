@@ -25,7 +25,7 @@ FLOORS = (
     ("exporters",),
     ("options", "output", "web"),
     ("checking", "pipeline"),
-    ("batch",),
+    ("batch", "plugins"),
     ("cli",),
 )
 ONLY = {
