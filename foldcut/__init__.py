@@ -39,6 +39,7 @@ if TYPE_CHECKING:
         VerificationError,
     )
     from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedState, Placement, Shape, Sheet
+    from foldcut.drawing.mend import Preparation
     from foldcut.foldfile.decide import Decision
     from foldcut.options import Options
     from foldcut.output.render import JobOptions
@@ -59,6 +60,7 @@ __all__ = [
     "JobOptions",
     "Options",
     "Placement",
+    "Preparation",
     "Result",
     "RibbonError",
     "Shape",
@@ -75,6 +77,7 @@ _HOMES = (
     "foldcut.core.errors",
     "foldcut.core.model",
     "foldcut.pattern.foldability",
+    "foldcut.drawing.mend",
     "foldcut.options",
     "foldcut.output.render",
     "foldcut.pipeline",

@@ -155,7 +155,7 @@ class Result:
         return _written(files, force)
 
     def save_guide(self, path: str | PathLike[str], *, force: bool = False) -> Path:
-        """Write how a person folds the pattern, as PDF or HTML; errors as of ``save``."""
+        """Write how a person folds the pattern, as PDF, HTML or animated SVG; errors as of ``save``."""
         from foldcut.output.saving import guide_file
 
         path = Path(path)

@@ -120,8 +120,8 @@ def test_a_guide_is_saved_as_the_command_line_writes_it(
     made = tmp_path / "line" / "a.html"
     assert main(["guide", "star", "--sheet=a5", "--margin=15mm", "--effort=fast", "-o", str(made)]) == 0
     assert guide.read_bytes() == made.read_bytes()
-    with pytest.raises(foldcut.BadInputError, match="guides are PDF or HTML"):
-        star.save_guide(tmp_path / "a.svg")
+    with pytest.raises(foldcut.BadInputError, match="guides are PDF, HTML or animated SVG"):
+        star.save_guide(tmp_path / "a.png")
 
 
 def test_what_is_saved_is_made_again_and_never_replaced_by_itself(star: foldcut.Result, tmp_path: Path) -> None:

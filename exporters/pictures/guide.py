@@ -29,6 +29,7 @@ from foldcut.profiles import LineStyle, Profile, load_profile
 
 from ..text import printable
 from . import panels, pictures
+from .animation import export_animation
 from .panels import BOLD, EDGE, EDGE_COLOUR, PANEL_MM, Item, Key, Label, Panel
 
 NOW = "#d35400"
@@ -376,5 +377,5 @@ class _Picture(Flowable):  # type: ignore[misc]
             canvas.drawPath(path, fill=int(bool(mark.fill)), stroke=int(bool(mark.stroke)))
 
 
-GUIDES = {".html": export_html, ".pdf": export_pdf}
+GUIDES = {".html": export_html, ".pdf": export_pdf, ".svg": export_animation}
 """The exporters of guides, by the ending of their files."""

@@ -88,6 +88,8 @@ def guide_file(pattern: FoldedPattern, path: Path, recipe: Recipe | None) -> byt
 
     export = GUIDES.get(path.suffix.lower())
     if export is None:
-        raise BadInputError(f"{path}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
+        raise BadInputError(
+            f"{path}: guides are PDF, HTML or animated SVG; give a name that ends in {', '.join(GUIDES)}"
+        )
     data = export(pattern)
     return data if recipe is None else recipe.put_into(data, path.name, path.name)
