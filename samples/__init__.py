@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from importlib.resources import files
+from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
@@ -45,6 +46,12 @@ def fold_counts() -> dict[str, FoldCounts]:
     """Return what it takes to fold each sample on A4 by the default command, as it was counted."""
     text = (Path(str(files(__name__))) / _COUNTS).read_text(encoding="utf-8")
     return {name: FoldCounts(**row) for name, row in tomllib.loads(text).items()}
+
+
+def drawing_path(name: str | PathLike[str]) -> Path:
+    """Return the file that is meant by a path, or by the name of a sample where there is no such file."""
+    path = Path(name)
+    return path if path.exists() else _paths().get(str(name), path)
 
 
 def _paths() -> dict[str, Path]:

@@ -33,6 +33,7 @@ from foldcut.profiles import LineStyle, Profile, load_profile
 
 from ..text import printable
 from . import panels, pictures, symbols
+from .animation import export_animation
 from .folded_paper import BACK, FRONT, MOVED, MOVED_BACK, FoldedPaper
 from .panels import BOLD, EDGE, PANEL_MM, Item, Key, Label, Panel
 
@@ -491,5 +492,5 @@ def _draw_marks(canvas: Canvas, marks: list[panels.Outline | panels.Text]) -> No
         canvas.drawPath(path, fill=int(bool(mark.fill)), stroke=int(bool(mark.stroke)))
 
 
-GUIDES = {".html": export_html, ".pdf": export_pdf}
+GUIDES = {".html": export_html, ".pdf": export_pdf, ".svg": export_animation}
 """The exporters of guides, by the ending of their files."""

@@ -151,7 +151,7 @@ def request_sheet(request: Request) -> Sheet:
     from foldcut.drawing.placement import SHEET_LIMITS_MM
 
     least = SHEET_LIMITS_MM[0]
-    return request.folding.sheet if isinstance(request, FoldRequest) else Sheet(least, least)
+    return request.folding.paper if isinstance(request, FoldRequest) else Sheet(least, least)
 
 
 def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
