@@ -12,7 +12,6 @@ import base64
 import hashlib
 import html
 import json
-import re
 from functools import cache
 from importlib.resources import files
 from typing import Any
@@ -93,7 +92,8 @@ def _hash(text: str) -> str:
 
 def pattern_in(page: bytes) -> bytes:
     """Return the pattern that is in a page of ``export``, as JSON; raises ``ValueError`` for any other page."""
-    found = re.search(rb'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)
-    if found is None:
+    _, begins, rest = page.partition(b'<script type="application/json" id="data">')
+    data, ends, _ = rest.partition(b"</script>")
+    if not (begins and ends):
         raise ValueError("there is no pattern in this page")
-    return found[1]
+    return data

@@ -218,8 +218,8 @@ MAKE = Command(
     "Compute how to fold a sheet so that one straight cut gives the drawing.", MAKE_EXAMPLES, add_options, make
 )
 VIEW = Command(
-    "Compute the pattern as `foldcut make` does, write NAME.html and open it in the browser: the pattern, and the sheet "
-    "in 3D with a player that folds it step by step, cuts it and opens the shape. The page is one file, needs no "
+    "Compute the pattern as `foldcut make` does, write NAME.html and open it in the browser: the pattern, and the "
+    "sheet in 3D with a player that folds it step by step, cuts it and opens the shape. The page is one file, needs no "
     "network, and works in any browser.",
     VIEW_EXAMPLES,
     add_view_options,
