@@ -24,6 +24,7 @@ from foldcut.folding_steps import FoldingStep, folding_steps, in_words, lines_of
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
+from foldcut.pattern.cut_line import pieces_of
 from foldcut.pattern.foldability import foldability, most_layers
 from foldcut.profiles import LineStyle, Profile, load_profile
 
@@ -95,6 +96,7 @@ def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
     outline = pattern.creases.faces_vertices[0]
     over = np.prod([signed_area(state.vertices_coords[outline]) for state in (sheet.state, pattern.folded)]) < 0
     heights = pattern.folded.vertices_coords[:, 1]
+    what = "lines to cut" if pattern.shape.is_graph else "outline of the shape"
     made += [
         Instruction(
             "Check the layers",
@@ -105,13 +107,21 @@ def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
         Instruction(
             "Cut",
             f"Turn the folded sheet {'over, and round' if over else 'round'} until it lies as in the picture. Cut "
-            f"once, straight, along the outline of the shape: level, {heights.max():.1f} mm under the highest point "
+            f"once, straight, along the {what}: level, {heights.max():.1f} mm under the highest point "
             f"and {-heights.min():.1f} mm over the lowest.",
             pictures.front(pattern, look),
         ),
-        Instruction("Unfold", "One part is the shape, the other the sheet around it.", pictures.after(pattern, look)),
+        Instruction("Unfold", _what_is_left(pattern), pictures.after(pattern, look)),
     ]
     return made
+
+
+def _what_is_left(pattern: FoldedPattern) -> str:
+    """Say what there is after the cut."""
+    if not pattern.shape.is_graph:
+        return "One part is the shape, the other the sheet around it."
+    count = len(pieces_of(pattern.shape, pattern.sheet))
+    return f"The sheet is in {count} pieces." if count > 1 else "The sheet is in one piece, with slits."
 
 
 class _Sheet:
