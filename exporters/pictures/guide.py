@@ -28,6 +28,7 @@ from foldcut.folding_steps import FoldingStep, difficulty_of, folding_steps, in_
 from foldcut.folding_steps.references import reference
 from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
+from foldcut.pattern.cut_line import pieces_of
 from foldcut.pattern.foldability import foldability
 from foldcut.profiles import LineStyle, Profile, load_profile
 
@@ -120,6 +121,7 @@ def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
     if made[-1].title == COLLAPSED:
         made.pop()  # the next picture is the same
     heights = pattern.folded.vertices_coords[:, 1]
+    what = "lines to cut" if pattern.shape.is_graph else "outline of the shape"
     made += [
         sheet.turned(),
         Instruction(
@@ -130,13 +132,21 @@ def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
         ),
         Instruction(
             "Cut",
-            f"Cut once, straight, along the outline of the shape: level, {heights.max():.1f} mm under the highest "
+            f"Cut once, straight, along the {what}: level, {heights.max():.1f} mm under the highest "
             f"point and {-heights.min():.1f} mm over the lowest.",
             pictures.front(pattern, look),
         ),
-        Instruction("Unfold", "One part is the shape, the other the sheet around it.", pictures.after(pattern, look)),
+        Instruction("Unfold", _what_is_left(pattern), pictures.after(pattern, look)),
     ]
     return made
+
+
+def _what_is_left(pattern: FoldedPattern) -> str:
+    """Say what there is after the cut."""
+    if not pattern.shape.is_graph:
+        return "One part is the shape, the other the sheet around it."
+    count = len(pieces_of(pattern.shape, pattern.sheet))
+    return f"The sheet is in {count} pieces." if count > 1 else "The sheet is in one piece, with slits."
 
 
 class _Sheet:

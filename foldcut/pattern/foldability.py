@@ -50,6 +50,9 @@ STRAIGHT = 1e-6
 ROUNDING = 1e-9
 """They also count as one line if the shorter one leaves it by less than this, relative to the sheet's diagonal."""
 
+HAIR = 1e-6
+"""How far beside the cut line layers are counted, relative to the size of the folded sheet."""
+
 MOST_LINES = 100
 """The number of lines across the folded sheet, in each direction, along which the thickest place is looked for."""
 
@@ -95,7 +98,7 @@ def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM, method: str 
     """
     faces, folded = pattern.creases.faces_vertices, pattern.folded
     numbers = crease_numbers(pattern.creases)
-    at_cut = layers_at_cut(faces, folded)
+    at_cut = layers_at_cut(faces, folded, beside=bool(pattern.shape.lines))
     layers = max(most_layers(faces, folded), at_cut)
     return Foldability(
         **vars(numbers),
@@ -143,12 +146,15 @@ def remedies(sheet: Sheet, factor: float, loops: int, method: str = "") -> str:
     )
 
 
-def layers_at_cut(faces: Ragged, folded: FoldedState) -> int:
+def layers_at_cut(faces: Ragged, folded: FoldedState, *, beside: bool = False) -> int:
     """Return how many layers the cut goes through at the thickest place on the cut line, y = 0.
 
-    Faces that only touch this line from above or below do not count.
+    Faces that only touch this line from above or below do not count, unless it is also looked a hair ``beside`` it:
+    along lines of a graph, the paper is folded on the cut line.
     """
-    return _Lines(faces, folded.vertices_coords).layers(0.0)
+    lines = _Lines(faces, folded.vertices_coords)
+    hair = HAIR * float(np.ptp(folded.vertices_coords, axis=0).max())
+    return max(map(lines.layers, (0.0, hair, -hair) if beside else (0.0,)))
 
 
 def most_layers(faces: Ragged, folded: FoldedState) -> int:
