@@ -483,7 +483,8 @@ def decision_lines(report: Report) -> list[str]:
         number, parts = report["states"], report["states_of_parts"]
         product = f", {' x '.join(map(str, parts))} of parts that do not depend on each other" if len(parts) > 1 else ""
         rows.append(("states", "too many to be counted" if number is None else f"{number:,}{product}"))
-    return _aligned([*rows, *([] if report["folds"] is None else _verdict_rows(report))])
+    rows += [] if report["folds"] is None else _verdict_rows(report)
+    return _aligned([*rows, *(_file_rows(report) if "files" in report else [])])
 
 
 def reopened_report(result: Reopened, files: Sequence[Report], made: Sequence[MadeFor] = ()) -> Report:

@@ -65,6 +65,7 @@ class FoldFile:
     first folded frame. ``placement``, ``loops`` (the shape on the sheet), ``first_folds`` and ``drawn`` (the drawing
     there) are foldcut's own entries.
     ``unit_mm`` is the length that was assumed for the unit of the file. ``notes`` say what was left out or assumed.
+    ``repaired_by``: how many mm the vertices were moved, at most, so that their angles fold flat, as the file says.
     ``claims`` are all the other fields about the pattern; ``turned`` ``(f,)``: which faces the file has clockwise;
     ``own_layers``: whether ``layers`` are foldcut's own entry and not sorted from faceOrders. ``moved_by``: by how
     many mm ``loops`` were moved from the drawing, as the file says. ``lines``: what the cut follows besides ``loops``,
@@ -85,6 +86,7 @@ class FoldFile:
     turned: Bools | None = None
     own_layers: bool = False
     moved_by: float | None = None
+    repaired_by: float = 0.0
     lines: tuple[Floats, ...] = ()
 
     @property
@@ -192,7 +194,8 @@ class _Reader:
             claims,
             turned,
             given and "foldcut:layers" in self.data,
-            self.moved_by(),
+            self.length("foldcut:movedBy"),
+            self.length("foldcut:repairedBy") or 0.0,
             self.point_lists("foldcut:lines", unit_mm, least=2) or (),
         )
 
@@ -415,15 +418,14 @@ class _Reader:
             )
         return Placement(array)
 
-    def moved_by(self) -> float | None:
-        """Return by how many mm the shape was moved from the drawing, as the file says."""
-        name = "foldcut:movedBy"
+    def length(self, name: str) -> float | None:
+        """Return an entry that is a length in mm, or None if the file does not have it."""
         if name not in self.data:
             return None
-        (moved,) = numbers(name, [self.data[name]])
-        if moved < 0:
-            fail(name, f"{moved:g} is not a length in mm from 0 up")
-        return moved
+        (length,) = numbers(name, [self.data[name]])
+        if length < 0:
+            fail(name, f"{length:g} is not a length in mm from 0 up")
+        return length
 
     def rows(self, name: str) -> Iterator[tuple[str, list[Any]]]:
         """Yield the place in the file and the row, for each row of an entry that is a list of lists."""

@@ -183,8 +183,8 @@ def turned(count: int) -> list[list[float]]:
         ),
         fold_file(CORNERS, SIDES, [[0, 1, 2, 3] * 100_000]),
         fold_file(CORNERS, SIDES, [[0, 1, 2, 3]] * 50_000),
-        fold_file(turned(20_000), [[k, (k + 1) % 20_000] for k in range(20_000)], [list(range(20_000))]),
-        fold_file(turned(20_000), [[k, (k + 1) % 20_000] for k in range(20_000)], [[*range(20_000), *range(50)]]),
+        fold_file(turned(8_000), [[k, (k + 1) % 8_000] for k in range(8_000)], [list(range(8_000))]),
+        fold_file(turned(8_000), [[k, (k + 1) % 8_000] for k in range(8_000)], [[*range(8_000), *range(50)]]),
     ],
     ids=[
         "a vertex many times",

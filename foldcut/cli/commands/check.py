@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
+from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError
 from foldcut.core.files import is_standard_input
 
@@ -22,6 +23,7 @@ examples:
   foldcut check star.fold --shape star     also check that the cut gives this shape
   foldcut check crane.fold --tolerance 1e-3   of coordinates that are good to a thousandth of the sheet
   foldcut check crane.fold --states        in how many layer orders does it fold flat?
+  foldcut check crane.fold --tolerance 1e-3 --repair    also write it as it folds exactly, to crane-repaired.fold
   foldcut check fish.fold --json
 exit status: 0 it folds flat, 1 it does not, 2 the file cannot be read, 3 not decided
 """
@@ -36,6 +38,19 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     add_tolerance(command)
     command.add_argument("--states", action="store_true", help="also count the layer orders in which it folds flat")
+    command.add_argument(
+        "--repair",
+        action="store_true",
+        help="also write the pattern with its vertices where it folds flat exactly, and say how far they were moved",
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=output_name,
+        metavar="OUT",
+        help="the .fold file that --repair writes (default: NAME-repaired.fold)",
+    )
+    options.add_force(command)
     options.add_reading(command)
     options.add_timeout(command)
     options.add_console(command)
@@ -71,17 +86,46 @@ def check(args: Namespace) -> int:
     from foldcut.cli import report
     from foldcut.foldfile.decide import states_of
     from foldcut.foldfile.patterns import read_pattern_apart
+    from foldcut.foldfile.repaired import repaired_file
+    from foldcut.output.atomic import Inputs, check_targets, write_files
 
     tolerance = tolerance_of(args)
     if args.shape and is_standard_input(args.file) and is_standard_input(args.shape):
         raise BadInputError("the pattern and --shape cannot both be standard input; give one of them as a file")
+    repaired = target_of(args)
+    inputs = Inputs([Path(args.file), *([] if args.shape is None else [Path(args.shape)])])
+    if repaired is not None:
+        check_targets([repaired], replace=args.force, inputs=inputs)
     read = read_pattern_apart(Path(args.file))
     drawing = options.named_source(args.shape).read(options.reading(args)) if args.shape else None
     decision = decide_cut(read, drawing, tolerance)
     checked = report.decision_report(decision, drawing is not None, decision.notes)
     if args.states and decision.folds:
         checked |= report.states_report(states_of(read, decision))
+    if repaired is not None and decision.folds:
+        data = repaired_file(read, decision)
+        files = [{"path": str(repaired), "bytes": len(data), "replaced": repaired.exists()}]
+        write_files({repaired: data}, replace=args.force, inputs=inputs)
+        checked |= {"files": files, "next": []}
     return tell(options.console(args), checked, report.decision_lines(checked), decision, with_shape=bool(args.shape))
+
+
+def target_of(args: Namespace) -> Path | None:
+    """Return the file to which the repaired pattern is written, None if it is not."""
+    if not args.repair:
+        if args.output or args.force:
+            raise BadInputError(
+                f"{'-o' if args.output else '--force'} is for --repair, which writes the pattern; add it"
+            )
+        return None
+    path = Path(args.file)
+    stem = "pattern" if is_standard_input(path) else path.stem
+    target = Path(args.output or f"{stem}-repaired.fold")
+    if target.suffix.lower() != ".fold":
+        raise BadInputError(
+            f"{target}: --repair writes .fold; for other formats give that file to foldcut solve with -o {target.name}"
+        )
+    return target
 
 
 def share(text: str) -> float:
