@@ -15,6 +15,7 @@ from foldcut.core.files import is_standard_input
 if TYPE_CHECKING:
     from foldcut.cli.console import Console
     from foldcut.core.arrays import Floats
+    from foldcut.core.model import Shape
     from foldcut.foldfile.decide import Decision
     from foldcut.foldfile.read import FoldFile
 
@@ -76,8 +77,8 @@ def tolerance_of(args: Namespace) -> float:
 def check(args: Namespace) -> int:
     """Decide whether the pattern of a FOLD file folds flat."""
     from foldcut.cli import report
+    from foldcut.drawing.graph import make_graph, shapes_of
     from foldcut.drawing.mend import Preparation, prepare
-    from foldcut.drawing.shape import make_shape
     from foldcut.foldfile.decide import decide, states_of
     from foldcut.foldfile.patterns import read_pattern_apart
 
@@ -85,21 +86,34 @@ def check(args: Namespace) -> int:
     if args.shape and is_standard_input(args.file) and is_standard_input(args.shape):
         raise BadInputError("the pattern and --shape cannot both be standard input; give one of them as a file")
     read = read_pattern_apart(Path(args.file))
-    shape, notes = None, read.notes
+    shapes: list[Shape] = []
+    notes = read.notes
     if args.shape:
         drawing = options.named_source(args.shape).read(options.reading(args))
         notes += drawing.repairs
+        loops, lines = drawing.own_coordinates(), drawing.own_coordinates(drawing.lines)
         if read.placement is not None:
-            loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
+            loops, lines = (tuple(map(read.placement.apply, drawn)) for drawn in (loops, lines))
+            unit = read.placement.scale
         else:
-            loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
+            unit = drawing.unit_mm or 1.0
+            loops, lines = (tuple(line * unit for line in drawn) for drawn in (drawing.loops, drawing.lines))
             notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
-        prepared = prepare(loops, Preparation())
-        notes += prepared.changes
-        shape = make_shape(prepared.loops)
+        if lines:
+            shapes = list(make_graph((), lines, join=drawing.join and drawing.join * unit).shapes())
+        else:
+            prepared = prepare(loops, Preparation())
+            notes += prepared.changes
+            shapes = shapes_of(prepared.loops)
+    shape = shapes[0] if shapes else None
     decision = decide(read, shape, tolerance)
+    for other in shapes[1:]:  # of a graph, the file need not have the sides of the cut that come first
+        if all(finding.check != "cut" for finding in decision.findings):
+            break
+        decision = decide(read, other, tolerance)
     findings = decision.findings
-    if findings and shape is not None and read.loops and all(finding.check == "cut" for finding in findings):
+    are_loops = shape is not None and not shape.is_graph and read.loops and not read.lines
+    if findings and shape is not None and are_loops and all(finding.check == "cut" for finding in findings):
         decision, more = judge_moved(read, shape.loops, decision, tolerance)
         notes += more
     checked = report.decision_report(decision, shape is not None, notes + decision.notes)
@@ -152,7 +166,6 @@ def judge_moved(
     from dataclasses import replace
 
     from foldcut.core.model import Finding
-    from foldcut.drawing.shape import make_shape
     from foldcut.foldfile.decide import decide
     from foldcut.redraw.deviation import EXACT, drawing_size, left_out, moved_by
 
@@ -173,7 +186,7 @@ def judge_moved(
     far = left_out(read.loops, drawing, moved)
     if far:
         notes += (f"parts of the drawing narrower than {2 * moved:.3g} mm are left out, up to {far:.3g} mm from it",)
-    return decide(read, make_shape(read.loops), tolerance), notes
+    return decide(read, read.shape, tolerance), notes
 
 
 CHECK = Command(
