@@ -123,7 +123,7 @@ def draw(
     return laid_out(panels, pattern.title, LADDER_COLUMNS if LADDER in show else 2)
 
 
-def _pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]]:
+def pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]]:
     """Yield the parts of faces on either side of the cut: face, whether inside the shape, corners flat and folded."""
     flat, folded = pattern.creases.vertices_coords, pattern.folded.vertices_coords
     for face, outline in enumerate(pattern.creases.faces_vertices.to_lists()):
@@ -144,7 +144,8 @@ def _pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]
             yield face, side > 0, part[:, :2], part[:, 2:]
 
 
-def _colour(inside: bool, folded: Floats) -> str:
+def coloured(inside: bool, folded: Floats) -> str:
+    """Return the colour of a part of a face as it lies: of its front, or of its back."""
     front = signed_area(folded) > 0
     return (INSIDE if front else INSIDE_BACK) if inside else (OUTSIDE if front else OUTSIDE_BACK)
 
@@ -237,12 +238,12 @@ SIDES = [
 def front(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the folded sheet from the front, and where to cut."""
     rank = np.argsort(pattern.folded.layers)
-    parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
+    parts = sorted(pieces(pattern), key=lambda part: rank[part[0]])
     x = pattern.folded.vertices_coords[:, 0]
     over = 0.08 * np.ptp(x)
     line = np.array([[x.min() - over, 0.0], [x.max() + over, 0.0]])
     cut = Item([line], stroke=CUT, width=BOLD)
-    drawn = [faces([folded], _colour(inside, folded)) for _, inside, _, folded in parts]
+    drawn = [faces([folded], coloured(inside, folded)) for _, inside, _, folded in parts]
     return Panel([*drawn, cut], [Key("folded flat: the cut", stroke=CUT, width=BOLD), *SIDES])
 
 
@@ -252,10 +253,10 @@ def apart(pattern: FoldedPattern, look: LineStyle) -> Panel:
     size = float(np.ptp(pattern.folded.vertices_coords, axis=0).max())
     step = 1.6 * size / len(rank)
     side = np.array([[SIDEWAYS, UPWARD], [0.0, 1.0]])
-    parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
+    parts = sorted(pieces(pattern), key=lambda part: rank[part[0]])
     width = min(EDGE, 0.25 * EDGE + 4.0 * EDGE / len(rank) ** 0.5)
     drawn = [
-        Item([folded @ side + (rank[face] * step, 0.0)], _colour(inside, folded), EDGE_COLOUR, width, closed=True)
+        Item([folded @ side + (rank[face] * step, 0.0)], coloured(inside, folded), EDGE_COLOUR, width, closed=True)
         for face, inside, _, folded in parts
     ]
     first = float(pattern.folded.vertices_coords[:, 0].min())
@@ -279,7 +280,7 @@ def after(pattern: FoldedPattern, look: LineStyle) -> Panel:
     width = fine(lines, 2 * max(pattern.sheet.width, pattern.sheet.height), EDGE)
     drawn = [
         Item([flat + aside * inside], INSIDE if inside else OUTSIDE, EDGE_COLOUR, width, closed=True)
-        for _, inside, flat, _ in _pieces(pattern)
+        for _, inside, flat, _ in pieces(pattern)
     ]
     keys = [Key("after the cut, unfolded: the shape", fill=INSIDE), Key("the rest", fill=OUTSIDE)]
     return Panel(drawn, keys)

@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 MOST_LETTERS = 60
 """How much of the reason why an outline has no pattern is in the table; the report for programs has all."""
 
+MOST_FOLDS_UNASKED = 300
+"""Patterns with more folds than this are made only by methods that are asked for, and then warned of."""
+
 Report = dict[str, Any]
 """What JSON can hold: the names and numbers that programs read."""
 
@@ -60,6 +63,7 @@ def make_report(
     sheet = pattern.sheet
     first = made[0].machine if made else None
     paper, paper_mm = _paper(first.profile, first.job.material) if first is not None else ("office paper", PAPER_MM)
+    numbers = foldability(pattern, paper_mm, fewer_creases())
     return {
         "ok": result.verified,
         "title": pattern.title,
@@ -75,11 +79,13 @@ def make_report(
         "attempts": list(map(asdict, result.attempts)),
         "actions": result.actions,
         "phases": [asdict(phase) for phase in result.phases],
+        "difficulty": {**asdict(result.difficulty), "level": result.difficulty.level, "text": str(result.difficulty)},
         "first_folds": [line.tolist() for line in pattern.first_folds],
         "first_fold_count": first_fold_count(pattern.first_folds),
         "ribbon_mm": result.ribbon,
         "paper": paper,
-        **asdict(foldability(pattern, paper_mm, fewer_creases())),
+        **asdict(numbers),
+        "warnings": [*numbers.warnings, *_too_many_folds(result)],
         "faces": len(pattern.creases.faces_vertices),
         "seconds": dict(result.seconds),
         "verified": list(CHECKS) if result.verified else [],
@@ -88,6 +94,16 @@ def make_report(
         **_machine_report(files, made),
         "files": list(files),
     }
+
+
+def _too_many_folds(result: Result) -> list[str]:
+    """Return a warning of a pattern that was made only because its method was asked for, and what to do instead."""
+    if result.actions <= MOST_FOLDS_UNASKED or not METHODS[result.method].needs_ribbon:
+        return []
+    return [
+        f"nobody folds {result.actions:,} folds by hand; they come of --method {result.method}: without it "
+        "the drawing is folded with few folds, or drawn anew with fewer corners until that can be done"
+    ]
 
 
 def _drawing_report(drawing: Drawing | None) -> Report | None:
@@ -276,6 +292,7 @@ def make_lines(report: Report) -> list[str]:
         *_ladder_rows(report),
         *_method_rows(report),
         *_fold_rows(report),
+        ("skill", report["difficulty"]["text"]),
         *_pattern_rows(report),
         (
             "layers",

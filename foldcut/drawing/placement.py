@@ -27,6 +27,7 @@ __all__ = [
     "SHEET_LIMITS_MM",
     "Layout",
     "as_it_lies",
+    "parse_scale",
     "parse_sheet",
     "place",
 ]
@@ -60,6 +61,24 @@ FIT_TOLERANCE = 1e-9
 
 ROTATIONS = 360
 """The number of angles that are tried; the best of them is then improved."""
+
+
+LARGEST_SCALE = 1e12
+"""Nobody means a larger scale, nor a smaller one than 1 in this."""
+
+
+def parse_scale(text: str) -> str | float:
+    """Return "fit", or the factor that "1.5" or "1:2" (half size) means; raises ``SheetError`` for any other text."""
+    if text == "fit":
+        return "fit"
+    numerator, colon, denominator = text.partition(":")
+    try:
+        scale = float(numerator) / (float(denominator) if colon else 1.0)
+    except (ValueError, ZeroDivisionError):
+        scale = 0.0
+    if not 1 / LARGEST_SCALE < scale < LARGEST_SCALE:
+        raise SheetError(f"--scale {text} is not a scale; give fit, a number such as 1.5, or a ratio such as 1:2")
+    return scale
 
 
 def parse_sheet(text: str) -> Sheet:

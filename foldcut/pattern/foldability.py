@@ -19,6 +19,7 @@ __all__ = [
     "COMFORTABLE_CREASE_MM",
     "COMFORTABLE_LAYERS",
     "PAPER_MM",
+    "SCISSORS_LAYERS",
     "CreaseNumbers",
     "Foldability",
     "crease_numbers",
@@ -35,7 +36,10 @@ COMFORTABLE_CREASE_MM = 3.0
 """Creases that are shorter than this are hard to fold by hand."""
 
 COMFORTABLE_LAYERS = 30
-"""More layers than this are hard to cut at once: they are 3 mm of office paper."""
+"""Patterns of simple folds alone are not looked for further if the cut would go through more layers than this."""
+
+SCISSORS_LAYERS = 16
+"""Scissors give up at some 16 to 20 layers of office paper."""
 
 LARGEST_FACTOR = 10.0
 """No sheet is proposed that is more than this many times as large as the present one."""
@@ -276,10 +280,11 @@ def _warnings(
             f"the shortest crease, at ({x:.4g}, {y:.4g}), is {shortest:.2g} mm long; creases under "
             f"{COMFORTABLE_CREASE_MM:g} mm are hard to fold by hand; {remedy}"
         )
-    if at_cut > COMFORTABLE_LAYERS:
+    if cut_mm > SCISSORS_LAYERS * PAPER_MM * (1 + 1e-9):
         warnings.append(
-            f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; more than {COMFORTABLE_LAYERS} "
-            "are hard to cut at once; leave out small corners with --simplify, use thinner paper, or cut with a knife"
+            f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; scissors give up at "
+            f"{SCISSORS_LAYERS} to 20 layers of office paper; cut with a knife along a ruler, in several strokes, use "
+            "thinner paper, or fold a simpler outline with --level easy"
         )
     return tuple(warnings)
 

@@ -64,7 +64,7 @@ With more than are allowed, a tolerance is passed over if a larger one is to com
 1.7 and more in halves (letters and icons at 2 and 4 mm)."""
 
 MOST_CORNERS_FOR_A_FOLD = 1.0
-"""With more corners than this for each fold, a tolerance is passed over even if there are mirror axes."""
+"""With more corners than this for each fold, a tolerance is passed over even if there are mirror axes, one or two."""
 
 FIT = 0.6
 """An outline whose lines lie on both sides of a curve has about this many corners for each that chords need."""
@@ -376,8 +376,9 @@ class _Search:
         start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(drawing, self))
         if not last:
             corners = round(FIT * drawing.chords())
-            most = self.bounds.folds
-            if corners > MOST_CORNERS_FOR_A_FOLD * most or FOLDS_FOR_A_CORNER * corners / drawing.copies() > most:
+            most, copies = self.bounds.folds, drawing.copies()
+            many = copies <= 4 and corners > MOST_CORNERS_FOR_A_FOLD * most
+            if many or FOLDS_FOR_A_CORNER * corners / copies > most:
                 failure = f"not tried: about {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, failure=failure)
         best: Level | None = None

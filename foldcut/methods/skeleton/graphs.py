@@ -28,8 +28,8 @@ __all__ = ["fold_graph"]
 class _Work:
     """How much is tried.
 
-    ``choices`` of sides, and how many of those that can be folded are ``compared``; if none can, it is ``searched`` from
-    so many of the choices, for ``seconds`` of the budget's model each.
+    ``choices`` of sides, and how many of those that can be folded are ``compared``; if none can, it is searched from
+    ``searched`` of the choices, for ``seconds`` of the budget's model each.
     """
 
     choices: int
