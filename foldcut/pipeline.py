@@ -566,7 +566,9 @@ def _require_length(made: Made, least: float, tried: set[str]) -> None:
     length, at = numbers.shortest_crease_mm, numbers.shortest_crease_at
     if length is None or at is None or length >= least:
         return
-    remedy = remedies(made.laid.sheet, least / length, len(made.laid.shape.loops), fewer_creases(tried))
+    shape = made.laid.shape
+    method = fewer_creases(tried)
+    remedy = remedies(made.laid.sheet, least / length, len(shape.loops), method, simplify=not shape.is_graph)
     raise CreaseTooShortError(
         f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {length:.2g} mm long, shorter than {least:g} mm; "
         f"{remedy}, or allow it with --min-crease {_rounded_down(length)}mm",
