@@ -282,7 +282,10 @@ def fold(
             shape = drawing_path(shape)
         file = shape.name if isinstance(shape, Path) else ""
         read = _read(shape, asked.limits, layout, preparation)
+        notes = read.notes
         if read.outline.is_graph:
+            if tolerance or level not in ("", "exact"):
+                notes = (*notes, "open lines and outlines that touch are folded as drawn, whatever the tolerance")
             bounds = _bounds_of_graph(bounds, simplify, preparation)
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
@@ -313,7 +316,7 @@ def fold(
         tried.attempts,
         made.ribbon,
         stages.seconds,
-        (*tried.notes, *read.notes, *taken.notes, *made.laid.notes),
+        (*tried.notes, *notes, *taken.notes, *made.laid.notes),
         read.drawing,
         read.prepared,
         made.told,
@@ -563,7 +566,9 @@ def _require_length(made: Made, least: float, tried: set[str]) -> None:
     length, at = numbers.shortest_crease_mm, numbers.shortest_crease_at
     if length is None or at is None or length >= least:
         return
-    remedy = remedies(made.laid.sheet, least / length, len(made.laid.shape.loops), fewer_creases(tried))
+    shape = made.laid.shape
+    method = fewer_creases(tried)
+    remedy = remedies(made.laid.sheet, least / length, len(shape.loops), method, simplify=not shape.is_graph)
     raise CreaseTooShortError(
         f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {length:.2g} mm long, shorter than {least:g} mm; "
         f"{remedy}, or allow it with --min-crease {_rounded_down(length)}mm",

@@ -175,14 +175,16 @@ def named_source(shape: str) -> Source:
     path = Path(shape)
     if is_standard_input(shape) or path.is_file():
         return Source(path)
-    if shape in sample_names():
+    if shape in sample_names(lines=True):
         return Source(sample_path(shape))
     if path.is_dir():
         raise BadInputError(f"{shape}: is a folder; give a drawing, or give the folder to foldcut batch")
     if path.exists():
         raise BadInputError(f"{shape}: {NOT_ORDINARY}")
     remedy = "give a drawing or one of the samples, which foldcut samples lists"
-    raise BadInputError(f"{shape}: there is no such file; {nearest(shape, sample_names(), 'the sample ') or remedy}")
+    raise BadInputError(
+        f"{shape}: there is no such file; {nearest(shape, sample_names(lines=True), 'the sample ') or remedy}"
+    )
 
 
 # ---- how it is read ----

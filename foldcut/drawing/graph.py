@@ -18,14 +18,14 @@ import numpy as np
 import shapely
 
 from foldcut.core.arrays import Bools, Floats, Indices, points_array, sealed
-from foldcut.core.errors import ShapeError
+from foldcut.core.errors import ShapeError, TouchError
 from foldcut.core.model import Shape
-from foldcut.drawing.shape import COLLINEAR_TOLERANCE, SHARPEST_CORNER
+from foldcut.drawing.shape import COLLINEAR_TOLERANCE, SHARPEST_CORNER, make_shape
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
 from foldcut.geometry.union_find import groups
 from foldcut.geometry.vectors import signed_area
 
-__all__ = ["JOIN", "CutGraph", "Edges", "edges_of", "make_graph", "shape_of_parts"]
+__all__ = ["JOIN", "CutGraph", "Edges", "edges_of", "make_graph", "shape_of_parts", "shapes_of"]
 
 JOIN = 2.5e-4
 """Ends of lines that are nearer than this are joined, relative to the size of the drawing: 0.05 mm at 200 mm."""
@@ -188,6 +188,17 @@ def make_graph(
         return CutGraph(graph_of(graph_points, np.array(edges)), divided.moved, divided.drawn)
     except ValueError as error:
         raise ShapeError(f"the lines of the drawing are no graph: {error}; draw them farther apart") from error
+
+
+def shapes_of(loops: Sequence[Floats], *, y_down: bool = False) -> list[Shape]:
+    """Return the shape that loops make, or all shapes of the graph that they are where they touch.
+
+    Raises ``ShapeError`` as ``make_shape`` and ``make_graph`` do.
+    """
+    try:
+        return [make_shape(loops, y_down=y_down)]
+    except TouchError:
+        return list(make_graph(loops, (), y_down=y_down).shapes())
 
 
 class _Divided:

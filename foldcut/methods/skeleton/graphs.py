@@ -28,20 +28,18 @@ __all__ = ["fold_graph"]
 class _Work:
     """How much is tried.
 
-    ``choices`` of sides, and how many of those that can be folded are ``compared``; ``seconds`` of the budget's model
-    for the search from each of the first few choices, if none of them can.
+    ``choices`` of sides, and how many of those that can be folded are ``compared``; if none can, it is searched from
+    ``searched`` of the choices, for ``seconds`` of the budget's model each.
     """
 
     choices: int
     compared: int
+    searched: int
     seconds: float
 
 
-WORK = {"fast": _Work(4, 1, 1.0), "normal": _Work(12, 2, 4.0), "best": _Work(40, 6, 20.0)}
+WORK = {"fast": _Work(4, 1, 0, 0.0), "normal": _Work(10, 2, 1, 2.0), "best": _Work(40, 6, 4, 20.0)}
 """By effort."""
-
-SEARCHED = 3
-"""From how many of the choices it is searched where none of those that are tried can be folded."""
 
 
 def fold_graph(
@@ -76,7 +74,7 @@ def fold_graph(
             found.append(fold_outline(choice, sheet, ribbon=ribbon))
         except UnfoldableError as error:
             problem = problem or error
-    for choice in tried[:SEARCHED] if not found else ():
+    for choice in tried[: work.searched] if not found else ():
         search = Search(sheet, ribbon, Budget(work.seconds), progress)
         search.fold(choice, 0.0, work.seconds)
         if search.made is not None:
