@@ -27,6 +27,7 @@ from foldcut.core.errors import (
     CreaseTooShortError,
     FoldcutError,
     ShapeError,
+    TouchError,
     UnfoldableError,
     VerificationError,
 )
@@ -34,13 +35,14 @@ from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
 from foldcut.core.text import as_title
 from foldcut.core.units import in_mm
 from foldcut.drawing.curved import curves_of
+from foldcut.drawing.graph import CutGraph, make_graph
 from foldcut.drawing.laying import Laying
 from foldcut.drawing.limits import Limits
 from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
 from foldcut.drawing.placement import Layout, parse_scale
 from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
 from foldcut.geometry.curves import CurvedLoop
-from foldcut.methods import AUTO, METHODS, auto, check_choice, fewer_creases
+from foldcut.methods import AUTO, METHODS, auto, check_choice, check_graph, fewer_creases
 from foldcut.methods.auto import FOLDED, Attempt
 from foldcut.methods.base import AS_TOLERATED, Effort, Made, Problem, Wishes
 from foldcut.methods.frame import cut_down
@@ -59,9 +61,13 @@ if TYPE_CHECKING:
     from foldcut.methods.disks.method import DiskStages
     from foldcut.output.recipe import Recipe
     from foldcut.output.render import JobOptions
+    from foldcut.pattern.difficulty import Difficulty
     from foldcut.profiles import Profile
 
 __all__ = ["Progress", "Result", "fold"]
+
+ROUNDING = 2e-6
+"""What moved by less than this, relative to the drawing's size, was only rounded and is not reported."""
 
 READ = 0.02
 """The part of the whole progress, from 0 to 1, that is reached once the drawing is read and laid on its sheet."""
@@ -109,6 +115,13 @@ class Result:
     def foldability(self) -> Foldability:
         """How hard the pattern is to fold and to cut, if the sheet is office paper."""
         return foldability(self.folded_pattern, method=fewer_creases())
+
+    @cached_property
+    def difficulty(self) -> Difficulty:
+        """How difficult the pattern is for a person with a sheet of office paper, in words."""
+        from foldcut.folding_steps.phases import difficulty_of
+
+        return difficulty_of(self.phases, self.foldability, self.actions)
 
     @property
     def drawn(self) -> tuple[Floats, ...]:
@@ -269,6 +282,8 @@ def fold(
             shape = drawing_path(shape)
         file = shape.name if isinstance(shape, Path) else ""
         read = _read(shape, asked.limits, layout, preparation)
+        if read.outline.is_graph:
+            bounds = _bounds_of_graph(bounds, simplify, preparation)
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
         may_turn = layout.rotation is None and layout.offset is None
@@ -330,6 +345,28 @@ def _layout(sheet: Sheet, options: Options) -> Layout:
     return Layout(sheet, margin, scale, offset, options.rotation, width, height)
 
 
+def _bounds_of_graph(bounds: Bounds, simplify: float, preparation: Preparation | None) -> Bounds:
+    """Return the bounds for open lines and outlines that touch, which are folded as they are drawn.
+
+    Raises ``BadInputError`` for a method and for options that are for closed outlines only.
+    """
+    check_graph(bounds.method)
+    asked: dict[str, float | None] = {"--simplify": simplify}
+    if preparation is not None:
+        asked |= {
+            "--corners": preparation.corners,
+            "--min-feature": preparation.min_feature,
+            "--separate": preparation.separate,
+        }
+    given = [option for option, value in asked.items() if value]
+    if given:
+        raise BadInputError(
+            f"{given[0]} is for closed outlines that lie apart, and this drawing has open lines or outlines that "
+            "touch; leave it out"
+        )
+    return replace(bounds, exact=True, tolerance=None, level="")
+
+
 def _check_lengths(sheet: Sheet, lengths: Mapping[str, float | None]) -> None:
     """Raise ``BadInputError`` for a length on the sheet that has no room there: the search would never end."""
     for option, length in lengths.items():
@@ -342,6 +379,8 @@ def _check_lengths(sheet: Sheet, lengths: Mapping[str, float | None]) -> None:
 
 def _moved_by(pattern: FoldedPattern, drawn: object) -> float | None:
     """Return by how many mm the outline was moved from what was drawn: a shape, or loops in the file's coordinates."""
+    if pattern.shape.is_graph:
+        return None
     loops = drawn.loops if isinstance(drawn, Shape) else cast(Sequence[ArrayLike], drawn)
     try:
         on_sheet = [pattern.placement.apply(points_array(loop)) for loop in loops]
@@ -423,7 +462,7 @@ class _Read:
 
     def curves(self, *, mirrored: bool) -> tuple[CurvedLoop, ...]:
         """Return the loops of ``whole``, or else ``outline``, as they were drawn, where curves are known."""
-        if self.drawing is None or not self.drawing.curves:
+        if self.drawing is None or not self.drawing.curves or self.outline.is_graph:
             return ()
         return curves_of(self.whole or self.outline, self.drawing.loops, self.drawing.curves, mirrored=mirrored)
 
@@ -448,6 +487,12 @@ def _read(
             refuse_changes(drawing.repairs)
         if not isinstance(layout.scale, str):
             layout = replace(layout, scale=layout.scale * (drawing.unit_mm or 1.0))
+    y_down = drawing is not None and drawing.y_down
+    graph = _graph_as_drawn(loops, drawing, preparation)
+    if graph is not None:
+        outline, more = _of_graph(graph, preparation, drawing)
+        notes = (*notes, *more)
+        return _Read(outline, layout, "" if drawing is None else drawing.title, y_down, notes, drawing)
     prepared = whole = None
     if preparation is not None:
         unit = layout.place(_hull(loops))[2].scale
@@ -455,10 +500,52 @@ def _read(
         notes = (*notes, *prepared.changes)
         loops = [loop / unit for loop in prepared.loops] if prepared.changes else loops
         whole = None if prepared.whole is None else make_shape([loop / unit for loop in prepared.whole])
-    outline = make_shape(loops, y_down=drawing is not None and drawing.y_down)
+    try:
+        outline = make_shape(loops, y_down=y_down)
+    except TouchError:
+        outline = _touching(loops, y_down=y_down)
     if drawing is None:
         return _Read(outline, layout, notes=notes, prepared=prepared, whole=whole)
     return _Read(outline, layout, drawing.title, drawing.y_down, notes, drawing, prepared, whole)
+
+
+def _graph_as_drawn(
+    loops: Sequence[ArrayLike], drawing: Drawing | None, preparation: Preparation | None
+) -> CutGraph | None:
+    """Return the graph of a drawing with open lines, or of loops that meet in corners and nowhere else; or None."""
+    y_down = drawing is not None and drawing.y_down
+    if drawing is not None and drawing.lines:
+        return make_graph((), drawing.lines, join=drawing.join, y_down=y_down)
+    if preparation is not None and (preparation.separate or preparation.min_feature):
+        return None  # then outlines may be set apart
+    try:
+        make_shape(loops)
+    except TouchError:
+        graph = make_graph([points_array(loop) for loop in loops], (), y_down=y_down)
+        return graph if graph.is_as_drawn else None
+    except ShapeError:
+        pass
+    return None
+
+
+def _of_graph(
+    graph: CutGraph, preparation: Preparation | None, drawing: Drawing | None
+) -> tuple[Shape, tuple[str, ...]]:
+    """Return a graph as a shape, and notes on it."""
+    notes = []
+    unit = None if drawing is None else drawing.unit_mm
+    if graph.moved > ROUNDING * graph.size:
+        most = f"{graph.moved:.2g}" if unit is None else f"{graph.moved * unit:.2g} mm"
+        notes.append(f"ends of lines were joined, and moved by at most {most} for that")
+    if preparation is not None and preparation.mirror:
+        graph = graph.mirrored()
+        notes.append("mirrored, left to right")
+    return next(graph.shapes()), tuple(notes)
+
+
+def _touching(loops: Sequence[ArrayLike], *, y_down: bool) -> Shape:
+    """Return loops that touch as a shape."""
+    return next(make_graph([points_array(loop) for loop in loops], (), y_down=y_down).shapes())
 
 
 def _hull(loops: Sequence[ArrayLike]) -> Shape:

@@ -219,6 +219,12 @@ def add_reading(command: ArgumentParser) -> None:
         "mm is a unit of the drawing (default: 0.05mm, both at its own size and scaled to 200 mm)",
     )
     reading.add_argument(
+        "--open",
+        action="store_true",
+        help="cut along every line that is drawn: open lines, lines that cross, and sides that two outlines share "
+        "(default: cut out what closed outlines enclose)",
+    )
+    reading.add_argument(
         "--strokes",
         choices=("lines", "outline"),
         default="lines",
@@ -249,6 +255,7 @@ def reading(args: Namespace) -> ReadOptions:
         suffix=vars(args)["from"] or "",
         threshold=args.threshold,
         strokes=args.strokes,
+        open_lines=args.open,
         limits=parse_limits(args.limit),
     )
 

@@ -31,6 +31,7 @@ from foldcut.exporters import export
 from foldcut.methods import METHODS
 from foldcut.proof.verify import CHECKS
 from foldcut.redraw import ladder
+from foldcut.samples import sample_names
 
 SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
 SMALL = ["--sheet", "60x60"]
@@ -416,7 +417,7 @@ def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytes
     assert report["layers"] >= report["layers_at_cut"] > 0
     assert report["sheet_used"] == pytest.approx(40**2 / 60**2)
     assert report["ribbon_mm"] == 0.25
-    short, thick = report["warnings"]
+    short, thick, many = report["warnings"]
     assert short.startswith("the shortest crease, at ")
     assert thick.startswith(f"the cut goes through {report['layers_at_cut']} layers")
     assert main(arguments) == 0
@@ -425,7 +426,11 @@ def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytes
     assert "44% of it is the shape" in out
     assert f"; on {report['lines']} lines\n" in out
     assert f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of office paper" in out
-    assert f"  warning   {short}\n  warning   {thick}\n" in out
+    assert many.startswith(f"nobody folds {report['actions']:,} folds by hand; they come of --method paper: without it")
+    assert report["difficulty"]["grade"] == "not for hands"
+    assert f"  warning   {short}\n  warning   {thick}\n  warning   {many}\n" in out
+    _, report = run_json(capsys, "make", drawing, *SMALL, "-o", "box.fold", "--force")
+    assert (report["warnings"], report["difficulty"]["grade"]) == ([], "beginner")
 
 
 def test_simplification_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -553,7 +558,28 @@ def test_samples_lists_names_that_make_takes(capsys: pytest.CaptureFixture[str])
     assert main(["samples"]) == 0
     listed = capsys.readouterr().out.split()
     assert {"fish", "triangle"} <= set(listed)
-    assert run_json(capsys, "samples") == (0, {"ok": True, "samples": listed})
+    status, report = run_json(capsys, "samples")
+    assert (status, report["ok"], report["samples"]) == (0, True, listed)
+    assert report["difficulty"]["star"] == "5 minutes, beginner"
+
+
+def test_the_long_list_of_samples_has_the_easiest_first_and_each_once(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["samples", "--long"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert sorted(line.split()[0] for line in lines) == list(sample_names())
+    order = [line.split()[0] for line in lines]
+    assert (
+        order.index("triangle") < order.index("star") < order.index("tree") < order.index("heart") < order.index("fish")
+    )
+
+
+@pytest.mark.parametrize("name", ["triangle", "star", "heart"])
+def test_what_the_list_of_samples_says_is_what_folding_them_takes(
+    name: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, listed = run_json(capsys, "samples")
+    status, report = run_json(capsys, "make", name, "-o", "sample.fold")
+    assert (status, report["difficulty"]["text"].partition(" (")[0]) == (0, listed["difficulty"][name])
 
 
 def test_view_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
