@@ -570,11 +570,16 @@ def _require_length(made: Made, least: float, tried: set[str]) -> None:
     method = fewer_creases(tried)
     remedy = remedies(made.laid.sheet, least / length, len(shape.loops), method, simplify=not shape.is_graph)
     raise CreaseTooShortError(
-        f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {length:.2g} mm long, shorter than {least:g} mm; "
+        f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {_two_digits(length)} mm long, shorter than {least:g} mm; "
         f"{remedy}, or allow it with --min-crease {_rounded_down(length)}mm",
         length,
         at,
     )
+
+
+def _two_digits(length: float) -> str:
+    """Return a length in two digits, without an exponent."""
+    return f"{length:.0f}" if length >= 100 else f"{length:.2g}"
 
 
 def _rounded_down(length: float) -> str:
