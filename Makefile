@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons page pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons page pictures gallery site screenshots lint tools clean
 
 ## Fold five drawings out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole, a letter with curves
 ## that is drawn anew so that it folds, and a snowflake along its mirror axes.
@@ -100,6 +100,8 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut compile
 	$(BIN)/foldcut make fish --margin 25mm -o docs/fish.svg --force
 	$(BIN)/foldcut make star -o docs/star.svg --force
+	$(BIN)/foldcut draw star --show folded,pieces -o docs/star-cut.svg --force
+	$(BIN)/foldcut guide star -o docs/star-folds.svg --force
 	$(BIN)/foldcut make marlin -o docs/marlin.svg --force
 	$(BIN)/foldcut make letter-a -o docs/letter-a.svg --force
 	$(BIN)/foldcut draw docs/drawings/s.svg --show outline,pattern -o docs/s.svg --force
@@ -118,6 +120,17 @@ pictures: $(VENV)/installed
 	$(KITE) --show trees -o docs/figure-5a.svg
 	$(KITE) --show matching -o docs/figure-5b.svg
 	$(KITE) --ribbon 3mm --show ribbon -o docs/figure-7.svg
+
+## Fold the 24 drawings of docs/gallery.md: sheets, guides and animations into out/gallery/, the page itself, and the
+## notebook with what it shows.
+gallery: $(VENV)/installed-test
+	$(BIN)/foldcut compile
+	$(BIN)/python docs/drawings/gallery.py
+	$(BIN)/python docs/drawings/notebook.py
+
+## The site with the guide and the Python reference, from docs/ and docstrings: out/site/using.html. A broken link is an error.
+site: $(VENV)/installed-docs
+	$(BIN)/python -m mkdocs build --strict --quiet
 
 ## Take the pictures of the page and of foldcut serve in docs/ anew.
 screenshots: $(VENV)/installed-test tools
@@ -147,6 +160,10 @@ $(VENV)/installed: $(VENV)/python-ok pyproject.toml
 
 $(VENV)/installed-test: $(VENV)/python-ok pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[test]'
+	@touch $@
+
+$(VENV)/installed-docs: $(VENV)/python-ok pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[docs]'
 	@touch $@
 
 $(VENV)/installed-fuzz: $(VENV)/python-ok pyproject.toml

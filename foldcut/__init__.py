@@ -15,7 +15,7 @@ Public names:
     >>> import foldcut
     >>> result = foldcut.fold("star", "a5", margin="15mm")
     >>> result
-    <Result Five-pointed star on A5 landscape (210 x 148 mm): 5 folds, 10 creases by simple, verified>
+    <Result Five-pointed star on A5 landscape (210 x 148 mm): 4 folds, 10 creases by simple, verified>
     >>> result.save("star.pdf")  # doctest: +SKIP
     (PosixPath('star.pdf'),)
 

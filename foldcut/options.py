@@ -30,7 +30,7 @@ class Options:
         >>> import foldcut
         >>> small = foldcut.Options(sheet="a6", margin="5mm", effort="fast")
         >>> foldcut.fold("star", small, margin=8)
-        <Result Five-pointed star on A6 landscape (148 x 105 mm): 5 folds, 10 creases by simple, verified>
+        <Result Five-pointed star on A6 landscape (148 x 105 mm): 4 folds, 10 creases by simple, verified>
     """
 
     sheet: Sheet | str = "a4"

@@ -189,7 +189,7 @@ class Result:
         name = f"{self.title} " if self.title else ""
         creases = pattern.creases.crease_count
         proven = "verified" if self.verified else f"not verified: {self.findings[0]}"
-        folds = crease_numbers(pattern.creases).lines
+        folds = sum(phase.count for phase in self.phases) or self.actions
         return f"<Result {name}on {pattern.sheet}: {folds} folds, {creases} creases by {self.method}, {proven}>"
 
     @property

@@ -64,7 +64,7 @@ def test_what_is_given_by_name_goes_before_the_options() -> None:
 def test_a_result_is_told_in_one_line(star: foldcut.Result) -> None:
     assert (
         repr(star)
-        == "<Result Five-pointed star on A5 landscape (210 x 148 mm): 5 folds, 10 creases by simple, verified>"
+        == "<Result Five-pointed star on A5 landscape (210 x 148 mm): 4 folds, 10 creases by simple, verified>"
     )
     assert "<svg" in (star._repr_svg_() or "")
     assert "<iframe" in star._repr_html_()

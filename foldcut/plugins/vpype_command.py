@@ -29,9 +29,10 @@ LAYERS = {"M": ("Mountain", "red"), "V": ("Valley", "blue"), "C": ("Cut", "black
 @click.option("-l", "--level", type=click.Choice([*LEVELS]), help="How near the outline stays to the drawing.")
 @click.option("-e", "--effort", type=click.Choice(["fast", "normal", "best"]), default="normal", show_default=True)
 @click.option("-j", "--join", help="Join ends of lines that are no farther apart than this, such as 1mm.")
+@click.option("--open", "open_lines", is_flag=True, help="Cut along every line that is drawn, open ones too.")
 @vpype_cli.global_processor  # type: ignore[untyped-decorator]
 def foldcut(
-    document: vp.Document, sheet: str, margin: str, level: str | None, effort: str, join: str | None
+    document: vp.Document, sheet: str, margin: str, level: str | None, effort: str, join: str | None, open_lines: bool
 ) -> vp.Document:
     """Fold a sheet so that one straight cut cuts the drawing out.
 
@@ -43,7 +44,9 @@ def foldcut(
     text = io.StringIO()
     vp.write_svg(text, document, page_size=document.page_size or (1e3, 1e3), set_date=False)
     try:
-        drawing = read_shape("drawing.svg", ReadOptions(join_mm=in_mm(join)), text.getvalue().encode())
+        drawing = read_shape(
+            "drawing.svg", ReadOptions(join_mm=in_mm(join), open_lines=open_lines), text.getvalue().encode()
+        )
         options = Options(sheet=sheet, margin=margin, level=level or "", effort=effort)
         return pattern_layers(fold(drawing, options).require_verified())
     except FoldcutError as error:
@@ -56,7 +59,7 @@ def pattern_layers(pattern: FoldedPattern) -> vp.Document:
     creases = pattern.creases
     for number, (kind, (name, colour)) in enumerate(LAYERS.items(), start=1):
         if kind == "C":
-            lines = [[*loop, loop[0]] for loop in pattern.shape.loops]
+            lines = [list(stroke) for stroke in pattern.shape.strokes]
         else:
             ends = creases.edges_vertices[creases.edges_assignment == kind]
             lines = [list(points) for points in creases.vertices_coords[ends]]

@@ -67,5 +67,11 @@ def test_the_remedy_for_lines_that_do_not_meet_works() -> None:
     gap = "line 0 0 5cm 0 line 5cm 0 5cm 5cm line 5cm 5cm 1cm 5mm foldcut --effort fast"
     with pytest.raises(click.ClickException, match=r"with --join ([\d.]+mm)") as refused:
         vpype_cli.execute(gap)
-    join = str(refused.value.message).partition("--join ")[2].split()[0].rstrip(";")
+    join = str(refused.value.message).partition("--join ")[2].split()[0].rstrip(";,")
     assert len(vpype_cli.execute(f"{gap} --join {join}").layers[3]) == 1
+
+
+def test_open_lines_are_cut_along_if_asked_for() -> None:
+    with pytest.raises(click.ClickException, match="--open"):
+        vpype_cli.execute("line 0 0 5cm 3cm foldcut --effort fast")
+    assert len(vpype_cli.execute("line 0 0 5cm 3cm foldcut --open --effort fast").layers[3]) == 1
