@@ -81,7 +81,7 @@ bench-dihedral: $(VENV)/installed-test
 
 ## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz, and the
 ## inputs that reached something new, from which the next run goes on.
-READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold values
+READERS ?= svg css dxf pdf geojson wkt wkb csv json image text fold cp opx creases values
 SECONDS ?= 300
 fuzz: $(VENV)/installed-fuzz
 	@found=0; for reader in $(READERS); do \
@@ -107,6 +107,9 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make snowflake -o docs/snowflake-wedge.svg --force
 	$(BIN)/foldcut make rosette -o docs/rosette.svg --force
 	$(BIN)/foldcut make paper-chain -o docs/paper-chain.svg --force
+	$(BIN)/foldcut draw tangram --show pattern,pieces -o docs/tangram.svg --force
+	$(BIN)/foldcut draw spiders-web --show pattern,pieces -o docs/spiders-web.svg --force
+	$(BIN)/foldcut draw slit-card --show pattern,pieces -o docs/slit-card.svg --force
 	$(BIN)/python docs/drawings/machines.py
 	$(KITE) --show packing -o docs/figure-1.svg
 	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg

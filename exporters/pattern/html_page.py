@@ -45,7 +45,7 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
         "letters": creases.edges_assignment.tolist(),
         "faces": creases.faces_vertices.to_lists(),
         "layers": folded.layers.tolist(),
-        "shape": [loop.round(DIGITS).tolist() for loop in pattern.shape.loops],
+        "shape": [stroke.round(DIGITS).tolist() for stroke in pattern.shape.closed_strokes],
         "first": [line.round(DIGITS).tolist() for line in pattern.first_folds],
         "steps": [_step(step) for step in steps],
     }

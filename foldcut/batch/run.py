@@ -211,6 +211,7 @@ def _keep(
         "shortest_crease_mm": outcome.shortest_crease_mm if made else None,
         "off_by_mm": outcome.off_by_mm if made else None,
         "for_hands": outcome.for_hands if made else None,
+        "difficulty": outcome.difficulty if made else "",
         "seconds": round(outcome.seconds, 3),
         "error": error,
         "outputs": {name: len(data) for name, data in files.items()},

@@ -34,12 +34,12 @@ def fold_or_open(request: Request, console: Console) -> Result | Reopened:
 def folded(request: FoldRequest, console: Console) -> Result:
     """Read a drawing and fold it, with progress on stderr."""
     from foldcut import pipeline
-    from foldcut.cli.progress import ProgressBar, ProgressLines
+    from foldcut.cli.progress import ProgressLines, progress_for
     from foldcut.output.atomic import Inputs, check_targets
 
     if request.so_far is not None:
         check_targets([request.so_far], replace=True, inputs=Inputs(request.source.files()))
-    with ProgressBar(console.draws_progress) as bar:
+    with progress_for(console) as bar:
         progress = ProgressLines(sys.stderr) if request.progress_lines else bar
 
         def found(level: Level) -> None:
@@ -49,7 +49,7 @@ def folded(request: FoldRequest, console: Console) -> Result:
 
         drawing = request.source.read(request.reading)
         try:
-            return pipeline.fold(drawing, **request.folding.keywords(), progress=progress, on_pattern=found)
+            return pipeline.fold(drawing, request.folding, progress=progress, on_pattern=found)
         except ShapeError as error:
             if request.source.text is not None:
                 raise

@@ -33,13 +33,15 @@ from foldcut.exporters.pattern.html_page import page_part, pattern_in
 from foldcut.jobs.marks import MARKS
 from foldcut.profiles import Treatment, known_profiles
 from foldcut.readers import READERS, ReadOptions, read_shape
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import fold_counts, sample_names, sample_path
 from foldcut.web.errors import RefusedError
 from foldcut.web.jobs import Jobs, Settings, Upload
 from foldcut.web.options import fonts, machines, read_query, require_known
 
 __all__ = ["make_app"]
 
+MANY = 10_000
+"""Samples whose folds nobody has counted come after those with less than this."""
 HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -112,9 +114,9 @@ async def page_file(request: Request) -> Response:
 
 @cache
 def _sample_loops() -> dict[str, list[list[list[float]]]]:
-    """Return the loops of all samples in mm, y up, so that the page can show them at once."""
-    found = {}
-    for name in sample_names():
+    """Return the loops of all samples in mm, y up, so that the page can show them at once; few folds come first."""
+    counts, found = fold_counts(), {}
+    for name in sorted(sample_names(), key=lambda name: counts[name].folds if name in counts else MANY):
         drawing = read_shape(sample_path(name), ReadOptions())
         found[name] = [loop.round(3).tolist() for loop in drawing.loops]
     return found

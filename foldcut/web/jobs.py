@@ -42,8 +42,8 @@ FILES = ("pattern.svg", PATTERN, "pattern.html", "pattern.png", "pattern.zip")
 """The files that are made at once where there is no machine; the others are made when the page asks for them."""
 MACHINE_FILES = (PATTERN, "pattern.html", "pattern.png", "job.zip")
 """The files that are made at once for a machine, beside the job in the machine's own format."""
-PRINTED = "sheet.pdf"
-"""The pattern to print where there is no machine: the command line takes a usual printer for it."""
+PRINTED = ("pattern-kit.pdf", "pattern.pdf")
+"""What to print where there is no machine: the command line takes a usual printer for it."""
 GUIDES = {"guide.pdf": "guide", "guide.html": "guide", "pictures.svg": "draw", "pictures.png": "draw"}
 """Files that other commands than ``make`` write, and these commands."""
 GRACE_S = 5.0
@@ -116,7 +116,7 @@ class Upload:
     def possible_files(self) -> list[str]:
         """Return the names of all files that can be made when the page asks for them."""
         patterns = ["pattern.zip", *(f"pattern{ending}" for ending in PATTERN_EXPORTERS)]
-        jobs = [f"job{ending}" for ending in JOB_EXPORTERS] if self.wanted.machine else [PRINTED]
+        jobs = [f"job{ending}" for ending in JOB_EXPORTERS] if self.wanted.machine else PRINTED
         return [*GUIDES, *patterns, *jobs]
 
     def shown(self) -> bytes | None:
@@ -126,8 +126,8 @@ class Upload:
 
     def called(self, name: str) -> str:
         """Return what a file is called where it is taken: after the drawing."""
-        stem, _, ending = name.partition(".")
-        return f"{self.wanted.name}{'' if stem == 'pattern' else f'-{stem}'}.{ending}"
+        rest = name.removeprefix("pattern")
+        return f"{self.wanted.name}{rest if rest != name else f'-{name}'}"
 
 
 class _Turns:

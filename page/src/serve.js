@@ -250,10 +250,9 @@ function numbers(level, report) {
     ? [["folds", level.folds], ["layers at the cut", level.layers], ["shortest crease", mm(level.shortest_mm)], ["off the drawing", mm(level.off_by_mm)]]
     : [["folds", report.actions], ["layers at the cut", report.layers_at_cut], ["shortest crease", mm(report.shortest_crease_mm)], ["off the drawing", mm(report.moved_mm ?? 0)],
       ["thickest place", `${mm(report.thickness_mm)} of ${report.paper}`]];
-  const words = report?.difficulty?.words || report?.difficulty?.level || (typeof report?.difficulty === "string" ? report.difficulty : "");
-  if (words) rows.unshift(["difficulty", words]);
+  if (report?.difficulty) rows.unshift(["to fold", report.difficulty.text.split(" (")[0]]);
   $("numbers").replaceChildren(...rows.map(([name, value]) => make("div", {}, make("dt", {}, name), make("dd", {}, String(value)))));
-  const more = level ? [] : [...(report.warnings || []), ...(report.notes || []), ...(report.next || [])];
+  const more = level ? [] : [report.difficulty?.text, ...(report.warnings || []), ...(report.notes || []), ...(report.next || [])].filter(Boolean);
   $("remarks").replaceChildren();
   if (more.length) $("remarks").append(make("details", {}, make("summary", {}, number(more.length, "remark")), make("ul", {}, ...more.map((text) => make("li", {}, text)))));
 }
@@ -267,7 +266,7 @@ function ladder(levels, taken) {
 }
 
 /* ---- files ---- */
-const WORDS = {"sheet.pdf": "The pattern to print", "job.pdf": "The pattern to print, for the machine", "guide.pdf": "How to fold it, step by step", "guide.html": "The same as a web page", "pattern.svg": "The pattern as a drawing", "pattern.png": "A picture of the pattern", "pattern.html": "This page of the pattern, to keep", "pattern.fold": "For origami programs", "pictures.png": "Pattern, folded sheet and cut in pictures", "pattern.zip": "All in one archive", "job.zip": "All for the machine", "pattern.cp": "For ORIPA and Crease Pattern Editor", "pattern.opx": "For ORIPA", "pattern.stl": "A scored sheet to print in 3D", "pattern.3mf": "The same in 3MF", "pattern.step": "A scored sheet for CAD", "pictures.svg": "The pictures as a drawing"};
+const WORDS = {"pattern-kit.pdf": "Pattern, instructions and picture in one", "pattern.pdf": "The pattern to print", "job.pdf": "The pattern to print, for the machine", "guide.pdf": "How to fold it, step by step", "guide.html": "The same as a web page", "pattern.svg": "The pattern as a drawing", "pattern.png": "A picture of the pattern", "pattern.html": "This page of the pattern, to keep", "pattern.fold": "For origami programs", "pictures.png": "Pattern, folded sheet and cut in pictures", "pattern.zip": "All in one archive", "job.zip": "All for the machine", "pattern.cp": "For ORIPA and Crease Pattern Editor", "pattern.opx": "For ORIPA", "pattern.stl": "A scored sheet to print in 3D", "pattern.3mf": "The same in 3MF", "pattern.step": "A scored sheet for CAD", "pictures.svg": "The pictures as a drawing"};
 
 function offer(token, got) {
   const made = new Set(got.files), all = [...new Set([...got.files, ...got.more])];

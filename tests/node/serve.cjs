@@ -53,7 +53,7 @@ const DESK = {width: 1400, height: 900}, PHONE = {width: 390, height: 844};
     if (!seen.reached.includes(id)) seen.reached.push(id);
   }
   seen.triangle = await ended(() => page.click("[data-sample=triangle]"));
-  seen.pdf = await saved("sheet.pdf");
+  seen.pdf = await saved("pattern.pdf");
   await page.click("details:has(#profile) summary");
   await ended(() => page.selectOption("#profile", "laser-dxf"));
   seen.dxf = await saved("job.dxf");

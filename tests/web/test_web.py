@@ -495,7 +495,7 @@ def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
         *("triangle", "square", "dropped one", "drawing"),
     ]
     assert seen["over"] == 1
-    assert seen["names"] == ["triangle-sheet.pdf", "triangle-job.dxf", "triangle.svg", "dropped one.fold"]
+    assert seen["names"] == ["triangle.pdf", "triangle-job.dxf", "triangle.svg", "dropped one.fold"]
     assert base64.b64decode(seen["pdf"]).startswith(b"%PDF")
     assert corners(seen["corners"]) == pytest.approx([20, 20, 80, 20, 40, 80], abs=1.5)
     assert corners(seen["after"]) != corners(seen["corners"])

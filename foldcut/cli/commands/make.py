@@ -74,7 +74,7 @@ def add_options(command: ArgumentParser) -> None:
         metavar="OUT",
         action="append",
         help="a file to write, in the format that its ending names, or a folder or a .zip for all files of a job and a "
-        "README.txt (repeatable)",
+        "README.txt; NAME-kit.pdf is the sheet to print with the guide behind it (repeatable)",
     )
     command.add_argument(
         "--preview",
@@ -180,7 +180,7 @@ def request_sheet(request: Request) -> Sheet:
     from foldcut.drawing.placement import SHEET_LIMITS_MM
 
     least = SHEET_LIMITS_MM[0]
-    return request.folding.sheet if isinstance(request, FoldRequest) else Sheet(least, least)
+    return request.folding.paper if isinstance(request, FoldRequest) else Sheet(least, least)
 
 
 def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
