@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons page pictures screenshots lint tools clean
 
 ## Fold five drawings out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole, a letter with curves
 ## that is drawn anew so that it folds, and a snowflake along its mirror axes.
@@ -120,13 +120,17 @@ pictures: $(VENV)/installed
 screenshots: $(VENV)/installed-test tools
 	$(BIN)/python tests/screenshots.py
 
+## Bundle the page of foldcut view and foldcut serve: exporters/pattern/page.js and page.css, from page/src and three.js.
+page:
+	cd page && npm ci --silent --no-audit --no-fund && npm run --silent build
+
 ## Install the programs that are not ours and that read our files in the tests.
 tools:
 	@bash tests/tools.sh
 
 ## Remove what was built and installed.
 clean:
-	rm -rf $(VENV) out build dist tests/node/node_modules
+	rm -rf $(VENV) out build dist tests/node/node_modules page/node_modules
 
 $(VENV)/python-ok:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -6,12 +6,27 @@ is JSON loops, and kite is WKT.
 
 from __future__ import annotations
 
+import tomllib
 from importlib.resources import files
+from os import PathLike
 from pathlib import Path
+from typing import NamedTuple
 
 from foldcut.core.errors import BadInputError
 
 _SUFFIXES = (".svg", ".json", ".wkt")
+
+_COUNTS = "difficulty.toml"
+"""Where what it takes to fold the samples is kept; ``tests/bench/difficulty.py`` writes it."""
+
+
+class FoldCounts(NamedTuple):
+    """What makes a pattern easy or difficult: how many folds, how many of them close together, and so on."""
+
+    folds: int
+    together: int
+    layers_at_cut: int
+    shortest_mm: float
 
 
 def sample_names() -> tuple[str, ...]:
@@ -25,6 +40,18 @@ def sample_path(name: str) -> Path:
     if name not in paths:
         raise BadInputError(f"there is no sample {name!r}; give one of {', '.join(sorted(paths))}")
     return paths[name]
+
+
+def fold_counts() -> dict[str, FoldCounts]:
+    """Return what it takes to fold each sample on A4 by the default command, as it was counted."""
+    text = (Path(str(files(__name__))) / _COUNTS).read_text(encoding="utf-8")
+    return {name: FoldCounts(**row) for name, row in tomllib.loads(text).items()}
+
+
+def drawing_path(name: str | PathLike[str]) -> Path:
+    """Return the file that is meant by a path, or by the name of a sample where there is no such file."""
+    path = Path(name)
+    return path if path.exists() else _paths().get(str(name), path)
 
 
 def _paths() -> dict[str, Path]:

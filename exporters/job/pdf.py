@@ -12,6 +12,7 @@ import io
 import math
 from collections import Counter
 from collections.abc import Sequence
+from textwrap import wrap
 
 import numpy as np
 import pikepdf
@@ -24,19 +25,21 @@ from foldcut.core.arrays import Floats
 from foldcut.jobs.dashes import mountain_pieces, valley_pieces
 from foldcut.jobs.errors import LackingError
 from foldcut.jobs.job import Job
+from foldcut.jobs.model import Pictogram
 from foldcut.jobs.pages import Edge, Tile, flip_edge, pages_behind, tiles
 from foldcut.profiles import Profile, Role
 
 from ..legend import BACKING, Ground
 from ..pattern.svg import DESCENT, shortened
 from ..text import printable
+from .pictograms import PICTOGRAMS
 
 A4_BED = ("bed.width_mm=210", "bed.height_mm=297")
 A_PAGE = ("page.margin_mm=5", "page.overlap_mm=10")
 """Examples of what a profile may lack."""
 
 MEANING: dict[Role, str] = {
-    "mark": "the shape, and other marks",
+    "mark": "the shape: the one cut goes along it",
     "mountain": "mountain: fold away from you",
     "valley": "valley: fold toward you",
     "cut": "the sheet's edge",
@@ -48,6 +51,15 @@ BEHIND: dict[Role, str] = MEANING | {
     "valley": "valley, seen from behind: fold away from you",
 }
 """What the legend says on the page of the back."""
+
+PICTOGRAM_MM = 7.0
+"""The size of the pictures beside the hints."""
+
+WRAPPED = 44
+"""The most letters in a line of a hint where these are broken in two."""
+
+BLACK = "#000000"
+"""The colour of these pictures."""
 
 LEGEND = "Legend"
 """The name of the legend's layer."""
@@ -137,6 +149,8 @@ def _document(jobs: Sequence[Job], profile: Profile) -> bytes:
             _map(canvas, job, tile, profile, ground)
         canvas._code.append(f"/OC /L{len(layers) - 1} BDC")
         _legend(canvas, job, profile, ground)
+        if job.hints and (tile.row, tile.column) == (0, 0):
+            _hints(canvas, job, profile, ground)
         canvas._code.append("EMC")
         canvas.showPage()
     canvas.save()
@@ -188,6 +202,57 @@ def _legend(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
             canvas.line((x + start[0]) * mm, height * mm, (x + end[0]) * mm, height * mm)
         canvas.drawString((x + indent) * mm, base * mm, text)
         y += row
+    ground.fill(place.x, place.y, place.width, place.height)
+
+
+def _hints(canvas: Canvas, job: Job, profile: Profile, ground: Ground) -> None:
+    """Draw how difficult it is and what to do, a line with a picture each, where that covers the fewest lines.
+
+    Long lines are broken in two if that covers less. A page that is too small has none.
+    """
+    look = profile.drawing
+    size, row, indent = look.text_mm, PICTOGRAM_MM + 1, PICTOGRAM_MM + 2
+    words = [f"{number}. {printable(hint.words)}" for number, hint in enumerate(job.hints, start=1)]
+    forms = [[[text] for text in words], [wrap(text, WRAPPED) for text in words]]
+    height = row * len(words) + 1.6 * size
+    boxes = [(indent + max(_width(text, size) for lines in form for text in lines), height) for form in forms]
+    if (ground.room < boxes[-1]).any():
+        return
+    place = ground.place(boxes, size / 2)
+    x, y = place.x, place.y + height - 1.6 * size
+    canvas.setFont(FONT, size * mm)
+    canvas.setFillColor(look.legend_colour)
+    canvas.drawString(x * mm, (y + 0.6 * size) * mm, printable(job.subtitle))
+    for hint, lines in zip(job.hints, forms[place.box], strict=True):
+        y -= row
+        width = indent + max(_width(text, size) for text in lines)
+        if ground.lines_under(x, y, width, row):
+            _backing(canvas, x, y, width, row)
+        _pictogram(canvas, hint.picture, x, y, look.shape_colour)
+        canvas.setFillColor(look.legend_colour)
+        middle = y + PICTOGRAM_MM / 2 - 0.35 * size
+        for number, text in enumerate(lines):
+            base = middle + ((len(lines) - 1) / 2 - number) * 1.3 * size
+            canvas.drawString((x + indent) * mm, base * mm, text)
+    ground.fill(place.x, place.y, place.width, place.height)
+
+
+def _pictogram(canvas: Canvas, name: Pictogram, x: float, y: float, grey: str) -> None:
+    """Draw a small picture with its lower left corner at a place in mm."""
+    canvas.saveState()
+    canvas.setLineWidth(0.25 * mm)
+    canvas.setFillColor(BLACK)
+    canvas.setLineJoin(1)
+    for stroke in PICTOGRAMS[name]:
+        canvas.setStrokeColor(grey if stroke.grey else BLACK)
+        canvas.setDash([0.9 * mm, 0.6 * mm] if stroke.dashed else [])
+        points = ((stroke.points * PICTOGRAM_MM + (x, y)) * mm).tolist()
+        path = canvas.beginPath()
+        path.moveTo(*points[0])
+        for point in points[1:]:
+            path.lineTo(*point)
+        canvas.drawPath(path, stroke=1, fill=int(stroke.filled))
+    canvas.restoreState()
 
 
 def _backing(canvas: Canvas, x: float, y: float, width: float, height: float) -> None:

@@ -32,6 +32,7 @@ COLUMNS = (
     "shortest_crease_mm",
     "off_by_mm",
     "for_hands",
+    "difficulty",
     "seconds",
     "error",
     "outputs",

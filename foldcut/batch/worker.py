@@ -101,7 +101,8 @@ class Task:
 class Outcome:
     """What came of a drawing: the ``files`` by name, or a ``status`` and an ``error`` that say why there are none.
 
-    ``off_by_mm``: how far the outline is from the drawing; ``for_hands``: whether the pattern is for two hands.
+    ``off_by_mm``: how far the outline is from the drawing; ``for_hands``: whether the pattern is for two hands;
+    ``difficulty``: how difficult it is, in a few words.
     """
 
     status: str
@@ -112,6 +113,7 @@ class Outcome:
     shortest_crease_mm: float | None = None
     off_by_mm: float | None = None
     for_hands: bool | None = None
+    difficulty: str = ""
     seconds: float = 0.0
     files: Mapping[str, bytes] = field(default_factory=dict)
     thumbnail: Thumbnail | None = None
@@ -150,6 +152,7 @@ def work(recipe: Recipe, task: Task) -> Outcome:
         shortest_crease_mm=result.foldability.shortest_crease_mm,
         off_by_mm=None if level is None else round(level.off_by_mm, 4),
         for_hands=None if level is None else level.for_hands,
+        difficulty=result.difficulty.short,
         seconds=time.perf_counter() - started,
         files=files,
         thumbnail=thumbnail(pattern),

@@ -46,6 +46,13 @@ class Outputs:
         """Return the machine that a file is for."""
         return self.usual.get(path.suffix.lower(), self.machine)
 
+    def is_kit(self, path: Path) -> bool:
+        """Whether a file is a sheet for a printer with the guide behind it."""
+        from foldcut.exporters.kit import is_kit
+
+        profile = self.machine_for(path).profile
+        return profile is not None and profile.kind == "printer" and is_kit(path.name)
+
     def machines(self) -> list[MadeFor]:
         """Return the machines that there may be files for, without jobs."""
         return [MadeFor(machine, []) for machine in (*self.usual.values(), self.machine) if machine.profile is not None]
@@ -114,7 +121,7 @@ class Outputs:
             made = Maker(pattern, machine.profile, machine.job, of_it)
             _, maker = makers.setdefault((machine.name, machine.words.options), (machine, made))
             if not is_bundle(path):
-                contents |= maker.files(path)
+                contents |= maker.kit(path) if self.is_kit(path) else maker.files(path)
                 continue
             members: dict[str, bytes] = {}
             for member in self._members(path):

@@ -19,6 +19,7 @@ from foldcut.core.units import rounded_up
 from foldcut.folding_steps.phases import Phase, in_words
 from foldcut.geometry.vectors import cross
 from foldcut.methods import METHODS, fewer_creases
+from foldcut.pattern.cut_line import pieces_of
 from foldcut.pattern.first_folds import first_fold_count, is_wedge, layers_after, sectors_left
 from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.proof.verify import CHECKS
@@ -36,6 +37,9 @@ if TYPE_CHECKING:
 
 MOST_LETTERS = 60
 """How much of the reason why an outline has no pattern is in the table; the report for programs has all."""
+
+MOST_FOLDS_UNASKED = 300
+"""Patterns with more folds than this are made only by methods that are asked for, and then warned of."""
 
 Report = dict[str, Any]
 """What JSON can hold: the names and numbers that programs read."""
@@ -59,11 +63,13 @@ def make_report(
     sheet = pattern.sheet
     first = made[0].machine if made else None
     paper, paper_mm = _paper(first.profile, first.job.material) if first is not None else ("office paper", PAPER_MM)
+    numbers = foldability(pattern, paper_mm, fewer_creases())
     return {
         "ok": result.verified,
         "title": pattern.title,
         "sheet": {"name": sheet.name, "width_mm": sheet.width, "height_mm": sheet.height},
         "drawing": _drawing_report(result.drawing),
+        **({"pieces": len(pieces_of(pattern.shape, sheet))} if pattern.shape.is_graph else {}),
         "scale_mm_per_unit": pattern.placement.scale,
         "corners": pattern.shape.corner_count,
         "ladder": _ladder_report(result.ladder),
@@ -73,11 +79,13 @@ def make_report(
         "attempts": list(map(asdict, result.attempts)),
         "actions": result.actions,
         "phases": [asdict(phase) for phase in result.phases],
+        "difficulty": {**asdict(result.difficulty), "level": result.difficulty.level, "text": str(result.difficulty)},
         "first_folds": [line.tolist() for line in pattern.first_folds],
         "first_fold_count": first_fold_count(pattern.first_folds),
         "ribbon_mm": result.ribbon,
         "paper": paper,
-        **asdict(foldability(pattern, paper_mm, fewer_creases())),
+        **asdict(numbers),
+        "warnings": [*numbers.warnings, *_too_many_folds(result)],
         "faces": len(pattern.creases.faces_vertices),
         "seconds": dict(result.seconds),
         "verified": list(CHECKS) if result.verified else [],
@@ -88,13 +96,23 @@ def make_report(
     }
 
 
+def _too_many_folds(result: Result) -> list[str]:
+    """Return a warning of a pattern that was made only because its method was asked for, and what to do instead."""
+    if result.actions <= MOST_FOLDS_UNASKED or not METHODS[result.method].needs_ribbon:
+        return []
+    return [
+        f"nobody folds {result.actions:,} folds by hand; they come of --method {result.method}: without it "
+        "the drawing is folded with few folds, or drawn anew with fewer corners until that can be done"
+    ]
+
+
 def _drawing_report(drawing: Drawing | None) -> Report | None:
     """Return the numbers of the drawing that was read."""
     if drawing is None:
         return None
     return {
         "loops": len(drawing.loops),
-        "points": sum(map(len, drawing.loops)),
+        "points": sum(map(len, (*drawing.loops, *drawing.lines))),
         "unit_mm": drawing.unit_mm,
         "size": list(drawing.size),
         "size_mm": None if drawing.size_mm is None else list(drawing.size_mm),
@@ -111,7 +129,8 @@ def _drawing_rows(report: Report) -> list[tuple[str, str]]:
     width, height = drawing["size"] if unit is None else drawing["size_mm"]
     size = f"{width:.4g} x {height:.4g}"
     said = "in a unit that the file does not say" if unit is None else f"mm; the file's unit is {unit:.4g} mm"
-    loops = f"{_count(drawing['loops'], 'loop')}, {drawing['points']} points"
+    loops = _count(drawing["loops"], "loop") if drawing["loops"] else "lines"
+    loops = f"{loops}, {drawing['points']} points"
     rows = [("drawing", f"{loops}, {size} {said}")]
     return [*rows, ("ignored", ", ".join(drawing["ignored"]))] if drawing["ignored"] else rows
 
@@ -265,13 +284,15 @@ def make_lines(report: Report) -> list[str]:
     """Return the report of ``foldcut make`` as text."""
     sheet = Sheet(report["sheet"]["width_mm"], report["sheet"]["height_mm"], report["sheet"]["name"])
     seconds = report["seconds"]
+    used = f"{report['sheet_used']:.0%} of it is the shape"
     rows = [
         *_drawing_rows(report),
         ("sheet", f"{sheet}; 1 unit of the drawing is {report['scale_mm_per_unit']:.4g} mm"),
-        ("", f"{report['sheet_used']:.0%} of it is the shape"),
+        ("", f"cut into {_count(report['pieces'], 'piece')}" if "pieces" in report else used),
         *_ladder_rows(report),
         *_method_rows(report),
         *_fold_rows(report),
+        ("skill", report["difficulty"]["text"]),
         *_pattern_rows(report),
         (
             "layers",

@@ -77,6 +77,9 @@ class Decision:
     notes: tuple[str, ...] = ()
     tolerance: float | None = None
 
+    def __repr__(self) -> str:
+        return f"<Decision: {self.sentence}>"
+
 
 def decide(file: FoldFile, shape: Shape | None = None, tolerance: float = TOLERANCE) -> Decision:
     """Decide whether the pattern of a file folds flat and, with a ``shape``, whether the cut gives that shape."""

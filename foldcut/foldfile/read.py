@@ -20,12 +20,14 @@ from typing import Any, NoReturn
 import numpy as np
 
 from foldcut.core.arrays import Bools, Chars, Floats, Ints, Ragged, index_array, points_array, sealed
-from foldcut.core.errors import FileFormatError
+from foldcut.core.errors import FileFormatError, TouchError
 from foldcut.core.files import is_standard_input, read_bytes
-from foldcut.core.model import CreasePattern, Placement
+from foldcut.core.model import CreasePattern, Placement, Shape
 from foldcut.core.text import as_title
 from foldcut.core.units import MM_PER_UNIT
+from foldcut.drawing.graph import make_graph, shape_of_parts
 from foldcut.drawing.limits import Limits
+from foldcut.drawing.shape import make_shape
 from foldcut.foldfile.claims import Claims, read_claims
 from foldcut.foldfile.frames import is_folded_form, with_pattern_first
 from foldcut.foldfile.parts import LARGEST, fail, indices, numbers, rows_of, shown
@@ -66,7 +68,8 @@ class FoldFile:
     ``repaired_by``: how many mm the vertices were moved, at most, so that their angles fold flat, as the file says.
     ``claims`` are all the other fields about the pattern; ``turned`` ``(f,)``: which faces the file has clockwise;
     ``own_layers``: whether ``layers`` are foldcut's own entry and not sorted from faceOrders. ``moved_by``: by how
-    many mm ``loops`` were moved from the drawing, as the file says.
+    many mm ``loops`` were moved from the drawing, as the file says. ``lines``: what the cut follows besides ``loops``,
+    on the sheet.
     """
 
     pattern: CreasePattern
@@ -84,6 +87,20 @@ class FoldFile:
     own_layers: bool = False
     moved_by: float | None = None
     repaired_by: float = 0.0
+    lines: tuple[Floats, ...] = ()
+
+    @property
+    def shape(self) -> Shape | None:
+        """The shape on the sheet, if the file says what the cut cuts; raises ``ShapeError`` where it is none."""
+        if not self.loops and not self.lines:
+            return None
+        if not self.lines:
+            try:
+                return make_shape(self.loops or ())
+            except TouchError:
+                pass
+        make_graph(self.loops or (), self.lines)
+        return shape_of_parts(self.loops or (), self.lines)
 
 
 def read_fold(path: Path | str) -> FoldFile:
@@ -179,6 +196,7 @@ class _Reader:
             given and "foldcut:layers" in self.data,
             self.length("foldcut:movedBy"),
             self.length("foldcut:repairedBy") or 0.0,
+            self.point_lists("foldcut:lines", unit_mm, least=2) or (),
         )
 
     def claims(self, pattern: CreasePattern, *, given: bool) -> Claims:

@@ -14,9 +14,11 @@ from foldcut.core.arrays import Floats, Ints
 from foldcut.core.model import FoldedPattern
 from foldcut.folding_steps.steps import MOST_CREASES, FoldingStep
 from foldcut.methods.simple.lines import merged_sides
+from foldcut.pattern.difficulty import Difficulty, difficulty
+from foldcut.pattern.foldability import Foldability
 from foldcut.pattern.straight_lines import straight_lines
 
-__all__ = ["Phase", "in_words", "lines_of", "phases"]
+__all__ = ["Phase", "difficulty_of", "in_words", "lines_of", "phases"]
 
 SAME = 1e-6
 """Creases that are this near each other, relative to the sheet's diagonal, lie on each other."""
@@ -48,6 +50,14 @@ def phases(pattern: FoldedPattern, steps: Sequence[FoldingStep]) -> tuple[Phase,
 def in_words(some: Sequence[Phase]) -> str:
     """Return phases in words: "2 simple folds, then 30 creases that close together"."""
     return ", then ".join(_in_words(phase) for phase in some)
+
+
+def difficulty_of(some: Sequence[Phase], numbers: Foldability, folds: int | None = None) -> Difficulty:
+    """Return how difficult a pattern is; ``folds``: how many there are, where nobody has counted the phases."""
+    counted = numbers.lines if folds is None else folds
+    together = sum(phase.count for phase in some if phase.together) if some else None
+    total = sum(phase.count for phase in some) if some else counted
+    return difficulty(total, together, numbers.layers_at_cut, numbers.shortest_crease_mm)
 
 
 def _in_words(phase: Phase) -> str:

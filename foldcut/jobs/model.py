@@ -7,6 +7,7 @@ bed itself where ``arrange`` has laid sheets on it; ``Job.at`` says where on the
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from foldcut.jobs.bed import Box, Side, TurnedOver
 from foldcut.jobs.tabs import Tabs
 from foldcut.profiles import Action, Operation, Profile, Registration, Role, Setting
 
-__all__ = ["Job", "JobStep", "operation_after", "operation_for"]
+__all__ = ["Hint", "Job", "JobStep", "Pictogram", "operation_after", "operation_for"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +40,18 @@ class JobStep:
         return float(sum(np.hypot(*np.diff(stroke, axis=0).T).sum() for stroke in self.strokes))
 
 
+Pictogram = Literal["first", "press", "fold", "flatten", "cut"]
+"""What a hint on a printed sheet has a small picture of."""
+
+
+@dataclass(frozen=True)
+class Hint:
+    """A short line on what a person does with a printed sheet, and the picture beside it."""
+
+    picture: Pictogram
+    words: str
+
+
 @dataclass(frozen=True, eq=False)
 class Job:
     """Everything that is done to one side of a sheet.
@@ -50,7 +63,8 @@ class Job:
     reach, at the left, lower, right and upper edge; ``uncut``: how many creases are too short to perforate. ``tabs``
     hold the sheet.
     ``corners``: where sheets lie on the bed that the job is as large as, counted from the bed's zero; empty if it is as
-    large as its one sheet. ``framed``: whether a file beside it goes round it first, with the tool off.
+    large as its one sheet. ``framed``: whether a file beside it goes round it first, with the tool off. ``subtitle``
+    and ``hints``: what a printed sheet says of how difficult it is, and what to do; none for other machines.
     """
 
     title: str
@@ -70,6 +84,8 @@ class Job:
     tabs: Tabs | None = None
     corners: tuple[tuple[float, float], ...] = ()
     framed: bool = False
+    subtitle: str = ""
+    hints: tuple[Hint, ...] = ()
 
     @property
     def box(self) -> tuple[Floats, Floats]:

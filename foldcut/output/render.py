@@ -12,6 +12,7 @@ from foldcut.core.model import FoldedPattern
 from foldcut.exporters import DUPLEX, JOB_EXPORTERS, export, export_duplex, export_frame, export_job
 from foldcut.jobs.arrange import IN_THE_CORNER, BedLayout
 from foldcut.jobs.bed import Side
+from foldcut.jobs.instructions import COLOURS
 from foldcut.jobs.job import Job, JobStep, Registration, make_jobs
 from foldcut.jobs.tabs import Tabs
 from foldcut.output.recipe import Recipe
@@ -50,8 +51,8 @@ class JobOptions:
     framed: bool = False
 
     def jobs(self, pattern: FoldedPattern, profile: Profile) -> tuple[Job, ...]:
-        """Return the jobs of a pattern for a machine; errors as of ``make_jobs``."""
-        return make_jobs(
+        """Return the jobs of a pattern for a machine, for a printer with hints; errors as of ``make_jobs``."""
+        made = make_jobs(
             pattern,
             profile,
             material=self.material,
@@ -63,6 +64,33 @@ class JobOptions:
             layout=self.layout,
             tabs=self.tabs,
             framed=self.framed,
+        )
+        if profile.kind != "printer":
+            return made
+        from foldcut.folding_steps.hints import hints
+
+        subtitle, lines = hints(pattern, COLOURS.get(profile.operations["mark"].colour, "outline's"))
+        return (replace(made[0], subtitle=subtitle, hints=lines), *made[1:])
+
+    def words(self) -> tuple[str, ...]:
+        """Return the options as they are typed on the command line, those that are not as the profile says."""
+        at = self.layout.at
+        values = {
+            "--material": self.material,
+            "--treatment": self.treatment,
+            "--two-sided": self.two_sided,
+            "--registration": self.registration,
+            "--marks": None if self.marks is None else ",".join(self.marks) or "none",
+            "--tile": self.tile,
+            "--at": None if at is None else f"{at[0]:g}mm,{at[1]:g}mm",
+            "--copies": None if self.layout.copies == 1 else self.layout.copies,
+            "--tabs": self.tabs,
+            "--frame": self.framed,
+        }
+        return tuple(
+            name if value is True else f"{name}={value}"
+            for name, value in values.items()
+            if value is not None and value is not False
         )
 
     def sides(self, path: Path) -> dict[Side, Path]:
@@ -129,7 +157,18 @@ class Maker:
 
         Raises FileFormatError and JobError, as exporters do.
         """
-        recipe, made = self.recipe, self._without_recipe(path)
+        return self._with_recipe(path, self._without_recipe(path))
+
+    def kit(self, path: Path) -> dict[Path, bytes]:
+        """Return the bytes of a PDF for a printer with the folding guide behind it, with its recipe."""
+        from foldcut.exporters.kit import kit
+
+        assert self.profile is not None
+        sheets = self._without_recipe(path)
+        return self._with_recipe(path, {p: kit(data, self.pattern, self.profile) for p, data in sheets.items()})
+
+    def _with_recipe(self, path: Path, made: dict[Path, bytes]) -> dict[Path, bytes]:
+        recipe = self.recipe
         if recipe is not None and path.suffix.lower() not in JOB_EXPORTERS:
             recipe = recipe.without(JOB_WORDS)  # they are refused where there is no job
         return made if recipe is None else {p: recipe.put_into(data, path.name, p.name) for p, data in made.items()}

@@ -19,6 +19,7 @@ __all__ = [
     "COMFORTABLE_CREASE_MM",
     "COMFORTABLE_LAYERS",
     "PAPER_MM",
+    "SCISSORS_LAYERS",
     "CreaseNumbers",
     "Foldability",
     "crease_numbers",
@@ -35,7 +36,10 @@ COMFORTABLE_CREASE_MM = 3.0
 """Creases that are shorter than this are hard to fold by hand."""
 
 COMFORTABLE_LAYERS = 30
-"""More layers than this are hard to cut at once: they are 3 mm of office paper."""
+"""Patterns of simple folds alone are not looked for further if the cut would go through more layers than this."""
+
+SCISSORS_LAYERS = 16
+"""Scissors give up at some 16 to 20 layers of office paper."""
 
 LARGEST_FACTOR = 10.0
 """No sheet is proposed that is more than this many times as large as the present one."""
@@ -45,6 +49,9 @@ STRAIGHT = 1e-6
 
 ROUNDING = 1e-9
 """They also count as one line if the shorter one leaves it by less than this, relative to the sheet's diagonal."""
+
+HAIR = 1e-6
+"""How far beside the cut line layers are counted, relative to the size of the folded sheet."""
 
 MOST_LINES = 100
 """The number of lines across the folded sheet, in each direction, along which the thickest place is looked for."""
@@ -91,7 +98,7 @@ def foldability(pattern: FoldedPattern, paper_mm: float = PAPER_MM, method: str 
     """
     faces, folded = pattern.creases.faces_vertices, pattern.folded
     numbers = crease_numbers(pattern.creases)
-    at_cut = layers_at_cut(faces, folded)
+    at_cut = layers_at_cut(faces, folded, beside=bool(pattern.shape.lines))
     layers = max(most_layers(faces, folded), at_cut)
     return Foldability(
         **vars(numbers),
@@ -139,12 +146,15 @@ def remedies(sheet: Sheet, factor: float, loops: int, method: str = "") -> str:
     )
 
 
-def layers_at_cut(faces: Ragged, folded: FoldedState) -> int:
+def layers_at_cut(faces: Ragged, folded: FoldedState, *, beside: bool = False) -> int:
     """Return how many layers the cut goes through at the thickest place on the cut line, y = 0.
 
-    Faces that only touch this line from above or below do not count.
+    Faces that only touch this line from above or below do not count, unless it is also looked a hair ``beside`` it:
+    along lines of a graph, the paper is folded on the cut line.
     """
-    return _Lines(faces, folded.vertices_coords).layers(0.0)
+    lines = _Lines(faces, folded.vertices_coords)
+    hair = HAIR * float(np.ptp(folded.vertices_coords, axis=0).max())
+    return max(map(lines.layers, (0.0, hair, -hair) if beside else (0.0,)))
 
 
 def most_layers(faces: Ragged, folded: FoldedState) -> int:
@@ -270,10 +280,11 @@ def _warnings(
             f"the shortest crease, at ({x:.4g}, {y:.4g}), is {shortest:.2g} mm long; creases under "
             f"{COMFORTABLE_CREASE_MM:g} mm are hard to fold by hand; {remedy}"
         )
-    if at_cut > COMFORTABLE_LAYERS:
+    if cut_mm > SCISSORS_LAYERS * PAPER_MM * (1 + 1e-9):
         warnings.append(
-            f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; more than {COMFORTABLE_LAYERS} "
-            "are hard to cut at once; leave out small corners with --simplify, use thinner paper, or cut with a knife"
+            f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; scissors give up at "
+            f"{SCISSORS_LAYERS} to 20 layers of office paper; cut with a knife along a ruler, in several strokes, use "
+            "thinner paper, or fold a simpler outline with --level easy"
         )
     return tuple(warnings)
 

@@ -64,7 +64,7 @@ With more than are allowed, a tolerance is passed over if a larger one is to com
 1.7 and more in halves (letters and icons at 2 and 4 mm)."""
 
 MOST_CORNERS_FOR_A_FOLD = 1.0
-"""With more corners than this for each fold, a tolerance is passed over even if there are mirror axes."""
+"""With more corners than this for each fold, a tolerance is passed over even if there are mirror axes, one or two."""
 
 FIT = 0.6
 """An outline whose lines lie on both sides of a curve has about this many corners for each that chords need."""
@@ -376,8 +376,9 @@ class _Search:
         start = Level(tolerance * self.scale, self.scale, title=self.drawn.title, notes=_named(drawing, self))
         if not last:
             corners = round(FIT * drawing.chords())
-            most = self.bounds.folds
-            if corners > MOST_CORNERS_FOR_A_FOLD * most or FOLDS_FOR_A_CORNER * corners / drawing.copies() > most:
+            most, copies = self.bounds.folds, drawing.copies()
+            many = copies <= 4 and corners > MOST_CORNERS_FOR_A_FOLD * most
+            if many or FOLDS_FOR_A_CORNER * corners / copies > most:
                 failure = f"not tried: about {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, failure=failure)
         best: Level | None = None
@@ -446,7 +447,7 @@ class _Search:
             corners=on.shape.corner_count,
             folds=made.actions,
             shortest_mm=shortest,
-            layers=layers_at_cut(made.creases.faces_vertices, made.folded),
+            layers=layers_at_cut(made.creases.faces_vertices, made.folded, beside=bool(on.shape.lines)),
             for_hands=few and long and not tried.findings,
             failure=f"not verified: {tried.findings[0]}" if tried.findings else "",
             seconds=seconds,
@@ -464,7 +465,7 @@ class _Search:
             return tried, ()
         made = tried.made
         same = made.creases.vertices_coords.tobytes() + made.folded.layers.tobytes()
-        same += np.concatenate(made.laid.shape.loops).tobytes()
+        same += made.laid.shape.points.tobytes()
         if same not in self.easier:  # one pattern may be found within several tolerances
             self.easier[same] = easier(pattern_of(made, ""))
         found = self.easier[same]
@@ -492,7 +493,7 @@ class _Search:
         self.interrupted |= tried.made.interrupted
         on = tried.made.laid
         before = laying.on_sheet(self.drawn.whole.loops, on)
-        off = apart(on.shape.loops, before)
+        off = 0.0 if on.shape.is_graph else apart(on.shape.loops, before)
         off = 0.0 if off < NOT_MOVED * self.scale else off
         drawn = before if laying.simplify > 0 and off > SEEN_MM else ()
         return self._with_pattern(replace(level, drawn=drawn), tried, off, time.perf_counter() - started)
@@ -586,7 +587,7 @@ class _Search:
             text = f"{error}; an outline within {off} of the drawing has no pattern, either"
         else:
             text = str(error)
-        if self.bounds.method == ANY_METHOD:
+        if self.bounds.method == ANY_METHOD and not self.drawn.whole.is_graph:
             text += self._remedies()
         if isinstance(error, CreaseTooShortError):
             return CreaseTooShortError(text, error.length, error.place)

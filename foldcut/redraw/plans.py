@@ -25,6 +25,7 @@ from foldcut.geometry.mirror_axes import symmetric
 from foldcut.methods.frame import Frame, frames
 from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half
+from foldcut.pattern.first_folds import FEWEST_OF_WEDGE
 from foldcut.redraw.narrow_parts import SmallPart, treated
 from foldcut.redraw.proxy import Field
 from foldcut.redraw.starts import Axis as StartAxis
@@ -198,8 +199,10 @@ class Drawing:
         return simplify(self.target.shape, self.tolerance).shape.corner_count
 
     def copies(self) -> int:
-        """Return into how many parts the drawing's mirror axes divide it: 1, 2 or 4."""
+        """Return into how many parts the drawing's mirror axes divide it: 1, 2, 4, or 6 and more around one point."""
         found = self.symmetry
+        if len(found.axes) >= FEWEST_OF_WEDGE:
+            return 2 * len(found.axes)
         if any(_pairs(found.axes)):
             return 4
         return 2 if found.axes or found.others else 1

@@ -22,6 +22,7 @@ from foldcut.redraw.bounds import ANY_METHOD, HANDS_FOLDS
 from foldcut.redraw.plans import Corners, Drawing, Plan, on_the_sheet, plans
 from foldcut.redraw.proxy import LEAST_CREASE_MM, SHORT_COST, Assessment, Engine
 from foldcut.redraw.search import Search
+from foldcut.redraw.wedges import Around, around
 
 MOST_FOLDED = 12, 36
 """How many outlines are folded at most in one search, and how many are tried at most."""
@@ -103,6 +104,10 @@ def redraw(
             if found is not None:
                 found(one)
 
+    if method in (ANY_METHOD, "mirror") and (wedge := around(drawing)) is not None:
+        _fold_as_wedge(wedge, tolerance, lambda: best, keep, is_late)
+        if best is not None and best.is_for_hands:
+            return best
     for number, plan in enumerate(plans(drawing)):
         if method != ANY_METHOD and method != ("mirror" if plan.axes else "skeleton"):
             continue
@@ -118,6 +123,27 @@ def redraw(
 
         _Redrawing(plan, tolerance, keep).run(work, ends)
     return best
+
+
+def _fold_as_wedge(
+    wedge: Around,
+    tolerance: float,
+    best: Callable[[], Redrawn | None],
+    keep: Callable[[Redrawn], None],
+    is_late: Callable[[], bool],
+) -> None:
+    """Fold the outlines of a drawing with several axes; once one is for two hands, only those with no more corners."""
+    for shape, off in wedge.outlines(tolerance):
+        if is_late():
+            return
+        so_far, most = best(), float(MOST_FOLDS)
+        if so_far is not None and so_far.is_for_hands:
+            if shape.corner_count > so_far.shape.corner_count:
+                continue
+            most = so_far.folds
+        for made in wedge.fold(shape, most):
+            shortest = shortest_crease(made.creases) / wedge.plan.frame.scale
+            keep(Redrawn(wedge.plan, shape, made, made.actions, shortest, off))
 
 
 class _Redrawing:

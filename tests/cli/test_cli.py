@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -21,14 +22,16 @@ from support.places import ROOT
 from support.recipes import without_recipe
 
 from foldcut import pipeline
+from foldcut.cli.console import Console
 from foldcut.cli.main import main
-from foldcut.cli.progress import ProgressBar, ProgressLines
+from foldcut.cli.progress import ProgressBar, ProgressLines, progress_for
 from foldcut.core.arrays import points_array
 from foldcut.core.model import Finding, Sheet
 from foldcut.exporters import export
 from foldcut.methods import METHODS
 from foldcut.proof.verify import CHECKS
 from foldcut.redraw import ladder
+from foldcut.samples import sample_names
 
 SQUARE = {"loops": [[[0, 0], [40, 0], [40, 40], [0, 40]]], "title": "Square"}
 SMALL = ["--sheet", "60x60"]
@@ -414,7 +417,7 @@ def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytes
     assert report["layers"] >= report["layers_at_cut"] > 0
     assert report["sheet_used"] == pytest.approx(40**2 / 60**2)
     assert report["ribbon_mm"] == 0.25
-    short, thick = report["warnings"]
+    short, thick, many = report["warnings"]
     assert short.startswith("the shortest crease, at ")
     assert thick.startswith(f"the cut goes through {report['layers_at_cut']} layers")
     assert main(arguments) == 0
@@ -423,7 +426,11 @@ def test_report_says_how_hard_the_pattern_is_to_fold(drawing: str, capsys: pytes
     assert "44% of it is the shape" in out
     assert f"; on {report['lines']} lines\n" in out
     assert f"{report['layers']} at the thickest place, about {report['thickness_mm']:.3g} mm of office paper" in out
-    assert f"  warning   {short}\n  warning   {thick}\n" in out
+    assert many.startswith(f"nobody folds {report['actions']:,} folds by hand; they come of --method paper: without it")
+    assert report["difficulty"]["grade"] == "not for hands"
+    assert f"  warning   {short}\n  warning   {thick}\n  warning   {many}\n" in out
+    _, report = run_json(capsys, "make", drawing, *SMALL, "-o", "box.fold", "--force")
+    assert (report["warnings"], report["difficulty"]["grade"]) == ([], "beginner")
 
 
 def test_simplification_is_reported(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -551,7 +558,28 @@ def test_samples_lists_names_that_make_takes(capsys: pytest.CaptureFixture[str])
     assert main(["samples"]) == 0
     listed = capsys.readouterr().out.split()
     assert {"fish", "triangle"} <= set(listed)
-    assert run_json(capsys, "samples") == (0, {"ok": True, "samples": listed})
+    status, report = run_json(capsys, "samples")
+    assert (status, report["ok"], report["samples"]) == (0, True, listed)
+    assert report["difficulty"]["star"] == "5 minutes, beginner"
+
+
+def test_the_long_list_of_samples_has_the_easiest_first_and_each_once(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["samples", "--long"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert sorted(line.split()[0] for line in lines) == list(sample_names())
+    order = [line.split()[0] for line in lines]
+    assert (
+        order.index("triangle") < order.index("star") < order.index("tree") < order.index("heart") < order.index("fish")
+    )
+
+
+@pytest.mark.parametrize("name", ["triangle", "star", "heart"])
+def test_what_the_list_of_samples_says_is_what_folding_them_takes(
+    name: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, listed = run_json(capsys, "samples")
+    status, report = run_json(capsys, "make", name, "-o", "sample.fold")
+    assert (status, report["difficulty"]["text"].partition(" (")[0]) == (0, listed["difficulty"][name])
 
 
 def test_view_writes_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -627,6 +655,32 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
     out, error = capsys.readouterr()
     assert out == ""
     assert "layers" in error
+
+
+def test_without_a_terminal_a_line_tells_the_progress_every_few_seconds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress_for(Console(as_json=False)) as progress:
+        progress("packing", 0.25)
+    assert capsys.readouterr() == ("", ""), "it was done soon"
+    monkeypatch.setattr("foldcut.cli.progress.EVERY_S", 0.001)
+    with progress_for(Console(as_json=False)) as progress:
+        progress("packing", 0.25)
+        time.sleep(0.05)  # nothing new is told, and it does not look as if it hung
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.startswith("foldcut:   0 s, 25%: packing\n" * 2)
+    for silent in (Console(as_json=True), Console(as_json=False, quiet=True)):
+        with progress_for(silent) as progress:
+            progress("packing", 0.25)
+            time.sleep(0.01)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_lines_say_at_once_that_something_is_compiled(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_for(Console(as_json=False)) as progress:
+        progress("compiling: a minute", 0.0)
+    assert capsys.readouterr().err == "foldcut:   0 s,  0%: compiling: a minute\n"
 
 
 @pytest.mark.parametrize(
@@ -729,6 +783,10 @@ def test_thickness_is_that_of_the_material(drawing: str, capsys: pytest.CaptureF
 
 
 def test_profiles_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profiles", "list", "AxiDraw"]) == 0
+    assert {line.split("-")[0] for line in capsys.readouterr().out.split("\n\n")[0].split("\n")} == {"axidraw"}
+    assert main(["profiles", "list", "nothing"]) == 2
+    assert "foldcut profiles lists all" in capsys.readouterr().err
     assert main(["profiles"]) == 0
     assert "glowforge" in capsys.readouterr().out
     assert main(["profiles", "show", "glowforge", "--set", "kerf_mm=0.1"]) == 0

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pikepdf
 import pytest
+import shapely
 import svgelements
 from support.folded import folded_sample
 from support.programs import require_program, run_program
@@ -63,8 +64,12 @@ def test_the_steps_are_those_of_the_folding_order(pattern: FoldedPattern) -> Non
             count = len(step.groups)
             expected += ["The groups"] if count > 1 else []
             expected += [f"Press group {k + 1} of {count}" for k in range(count)] if count > 1 else ["Press creases"]
-            expected.append("Collapse")
-    assert titles == [*expected, "Check the layers", "Cut", "Unfold"]
+            expected += ["Collapse", "Collapsed"]
+    if expected[-1] == "Collapsed":
+        expected.pop()  # as the next picture shows it
+    assert titles[: len(expected)] == expected
+    assert titles[len(expected)] in ("Turn over", "Turn", "Folded")
+    assert titles[len(expected) + 1 :] == ["Check the layers", "Cut", "Unfold"]
 
 
 def test_every_crease_is_marked_in_its_group(pattern: FoldedPattern) -> None:
@@ -100,23 +105,68 @@ def test_the_cut_is_where_the_guide_says(pattern: FoldedPattern) -> None:
     assert under + over == pytest.approx(np.ptp(heights), abs=0.11)
 
 
-def test_what_collapses_is_said_to_be_one_movement_and_shown_as_it_comes_out() -> None:
+def test_what_collapses_is_shown_as_mountains_and_valleys_and_then_as_it_comes_out() -> None:
     pattern = folded_sample("fish")
     made = instructions(pattern, load_profile().drawing)
-    (step,) = [step for step in made if step.title == "Collapse"]
-    assert "one movement" in step.text
-    filled = [path for path in paths(step) if path.fill.value is not None]
-    assert len(filled) == len(pattern.creases.faces_vertices)
+    number = [step.title for step in made].index("Collapse")
+    assert "one movement" in made[number].text
+    look, kinds = load_profile().drawing, pattern.creases.edges_assignment
+    at = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
+    longest = {}
+    for letter, colour in (("M", look.mountain_colour), ("V", look.valley_colour)):
+        drawn = sum(path.length() for path in strokes(made[number], colour))
+        longest[letter] = drawn / np.hypot(*(at[kinds == letter, 1] - at[kinds == letter, 0]).T).sum()
+    assert longest["M"] == pytest.approx(longest["V"], rel=0.2), "dashes and dots cover less, in the same proportion"
+    filled = [path for path in paths(made[number + 1]) if path.fill.value is not None]
+    assert len(filled) >= len(pattern.creases.faces_vertices)
 
 
-def test_a_single_crease_that_is_no_simple_fold_is_told_in_the_singular_with_its_own_layers() -> None:
+def test_creases_through_several_layers_are_told_with_those_on_their_own_line() -> None:
     made = instructions(folded_sample("paper-chain"), load_profile().drawing)
     first, second = [step for step in made if step.title == "Collapse"]
     (press,) = [step for step in made if step.title == "Press creases"]
-    assert "these creases through all 6 layers close together" in first.text
+    assert "these creases through 6 layers close together" in first.text
     layers = re.findall(r"through (\d+) layers", press.text + second.text)
     assert layers == ["6", "6"]
     assert "this crease" in second.text
+
+
+@pytest.mark.parametrize("name", ["star", "tree", "plus"])
+def test_a_fold_is_told_with_the_layers_that_move_beside_its_line(name: str) -> None:
+    pattern = folded_sample(name)
+    folds = [step for step in folding_steps(pattern) if step.line is not None]
+    texts = [step.text for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Fold ")]
+    at = pattern.creases.vertices_coords
+    for step, text in zip(folds, texts, strict=True):
+        assert step.line is not None
+        assert step.moved is not None
+        bodies = [shapely.Polygon(at[pattern.creases.faces_vertices[face]]) for face in step.moved]
+        along = (step.line[1] - step.line[0]) / math.dist(*step.line)
+        across = np.array([-along[1], along[0]])
+        middle = np.asarray(shapely.union_all(bodies).centroid.coords[0])
+        start = step.line[0] + 0.02 * across * np.sign((middle - step.line[0]) @ across)
+        places = shapely.points(start + np.linspace(0.01, 0.99, 99)[:, None] * (step.line[1] - step.line[0]))
+        most = int(shapely.contains(np.array(bodies)[:, None], places).sum(axis=0).max())
+        said = re.findall(r"(\d+) layers", text.partition(".")[0])
+        assert most == (int(said[0]) if said else 2 if "both layers" in text else 1)
+        at = step.state.vertices_coords
+
+
+def test_the_arrows_are_those_of_valleys_and_mountains_and_lines_are_dashed_like_them() -> None:
+    pattern = folded_sample("tree")
+    steps = [step for step in folding_steps(pattern) if step.line is not None]
+    made = [step for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Fold ")]
+    assert {step.over for step in steps} == {True, False}
+    for step, told in zip(steps, made, strict=True):
+        (head,) = [path for path in paths(told) if path.fill.hex in ("#000", "#000000") or hollow(path)]
+        assert hollow(head) != step.over
+        assert ("valley" in told.panel.keys[0].text) == step.over
+        assert ("toward you" in told.text) == step.over
+
+
+def hollow(path: svgelements.Path) -> bool:
+    """Whether this is the head of a mountain fold's arrow: half of a triangle, white with a black border."""
+    return path.fill.hex in ("#fff", "#ffffff") and path.stroke.hex in ("#000", "#000000")
 
 
 def test_html_has_every_step_and_loads_nothing(pattern: FoldedPattern) -> None:
@@ -138,9 +188,9 @@ def test_qpdf_and_mutool_read_the_pdf(pattern: FoldedPattern, tmp_path: Path) ->
         assert {tuple(map(round, map(float, page.mediabox[2:]))) for page in pdf.pages} == {(595, 842)}
 
 
-def test_the_command_writes_pdf_or_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for name in ("a.pdf", "a.html"):
+def test_the_command_writes_what_the_name_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("a.pdf", "a.html", "a.svg"):
         assert main(["guide", "triangle", "--effort", "fast", "--quiet", "-o", str(tmp_path / name)]) == 0
         assert (tmp_path / name).stat().st_size > 5000
-    assert main(["guide", "triangle", "-o", str(tmp_path / "a.svg")]) == 2
-    assert "guides are PDF or HTML" in capsys.readouterr().err
+    assert main(["guide", "triangle", "-o", str(tmp_path / "a.png")]) == 2
+    assert "guides are PDF, HTML or animated SVG" in capsys.readouterr().err

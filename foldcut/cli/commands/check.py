@@ -15,9 +15,7 @@ from foldcut.core.files import is_standard_input
 
 if TYPE_CHECKING:
     from foldcut.cli.console import Console
-    from foldcut.core.arrays import Floats
     from foldcut.foldfile.decide import Decision
-    from foldcut.foldfile.read import FoldFile
 
 EXAMPLES = """\
 examples:
@@ -32,12 +30,6 @@ exit status: 0 it folds flat, 1 it does not, 2 the file cannot be read, 3 not de
 
 MOST_TOLERANCE = 0.01
 """The largest ``--tolerance``: a pattern that is farther off than this is another pattern."""
-
-CUT_WRONG = "is not cut as the drawing"
-"""What is said of a pattern of which only the cut is wrong."""
-
-MOST_MOVED = 0.02
-"""An outline that was moved by more than this part of a drawing's diagonal is not taken as that drawing's."""
 
 
 def add_options(command: ArgumentParser) -> None:
@@ -90,10 +82,9 @@ def tolerance_of(args: Namespace) -> float:
 
 def check(args: Namespace) -> int:
     """Decide whether the pattern of a FOLD file folds flat."""
+    from foldcut.checking import decide_cut
     from foldcut.cli import report
-    from foldcut.drawing.mend import Preparation, prepare
-    from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.decide import decide, states_of
+    from foldcut.foldfile.decide import states_of
     from foldcut.foldfile.patterns import read_pattern_apart
     from foldcut.foldfile.repaired import repaired_file
     from foldcut.output.atomic import Inputs, check_targets, write_files
@@ -106,24 +97,9 @@ def check(args: Namespace) -> int:
     if repaired is not None:
         check_targets([repaired], replace=args.force, inputs=inputs)
     read = read_pattern_apart(Path(args.file))
-    shape, notes = None, read.notes
-    if args.shape:
-        drawing = options.named_source(args.shape).read(options.reading(args))
-        notes += drawing.repairs
-        if read.placement is not None:
-            loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
-        else:
-            loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
-            notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
-        prepared = prepare(loops, Preparation())
-        notes += prepared.changes
-        shape = make_shape(prepared.loops)
-    decision = decide(read, shape, tolerance)
-    findings = decision.findings
-    if findings and shape is not None and read.loops and all(finding.check == "cut" for finding in findings):
-        decision, more = judge_moved(read, shape.loops, decision, tolerance)
-        notes += more
-    checked = report.decision_report(decision, shape is not None, notes + decision.notes)
+    drawing = options.named_source(args.shape).read(options.reading(args)) if args.shape else None
+    decision = decide_cut(read, drawing, tolerance)
+    checked = report.decision_report(decision, drawing is not None, decision.notes)
     if args.states and decision.folds:
         checked |= report.states_report(states_of(read, decision))
     if repaired is not None and decision.folds:
@@ -184,40 +160,6 @@ def tell(
     console.report(report | {"error": {"type": kind, "message": message}}, lines)
     print_error(message)
     return status
-
-
-def judge_moved(
-    read: FoldFile, drawing: Sequence[Floats], before: Decision, tolerance: float
-) -> tuple[Decision, tuple[str, ...]]:
-    """Judge the outline that a file cuts out instead of the drawing, if it is as near to it as the file states.
-
-    Returns the decision and notes; ``before`` is the decision if the drawing itself is to be cut out.
-    """
-    from dataclasses import replace
-
-    from foldcut.core.model import Finding
-    from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.decide import decide
-    from foldcut.redraw.deviation import EXACT, drawing_size, left_out, moved_by
-
-    assert read.loops is not None
-    moved, most = moved_by(read.loops, drawing), MOST_MOVED * drawing_size(drawing)
-    stated = read.moved_by
-    notes: tuple[str, ...] = ()
-    if stated is not None and stated > most:
-        notes = (f"the file states that it was moved by {stated:.3g} mm, over 2 % of the drawing's size: too much",)
-    slack = 2 * EXACT * drawing_size(drawing)
-    if stated is None or moved > min(stated, most) + slack:
-        said = "does not state by how much" if stated is None else f"states {stated:.3g} mm"
-        first = before.findings[0]
-        what = f"the outline was moved from the drawing by {moved:.3g} mm, and the file {said}; {first.message}"
-        finding = Finding("cut", what, first.place, moved)
-        return replace(before, sentence=f"{CUT_WRONG}: {finding}", findings=(finding,)), notes
-    notes += (f"the outline is at most {moved:.3g} mm off the drawing, as the file states",)
-    far = left_out(read.loops, drawing, moved)
-    if far:
-        notes += (f"parts of the drawing narrower than {2 * moved:.3g} mm are left out, up to {far:.3g} mm from it",)
-    return decide(read, make_shape(read.loops), tolerance), notes
 
 
 CHECK = Command(
