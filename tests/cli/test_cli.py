@@ -793,6 +793,10 @@ def test_thickness_is_that_of_the_material(drawing: str, capsys: pytest.CaptureF
 
 
 def test_profiles_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profiles", "list", "AxiDraw"]) == 0
+    assert {line.split("-")[0] for line in capsys.readouterr().out.split("\n\n")[0].split("\n")} == {"axidraw"}
+    assert main(["profiles", "list", "nothing"]) == 2
+    assert "foldcut profiles lists all" in capsys.readouterr().err
     assert main(["profiles"]) == 0
     assert "glowforge" in capsys.readouterr().out
     assert main(["profiles", "show", "glowforge", "--set", "kerf_mm=0.1"]) == 0
