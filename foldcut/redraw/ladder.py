@@ -620,6 +620,8 @@ class _Search:
             text = str(error)
         if self.bounds.method == ANY_METHOD and not self.drawn.whole.is_graph:
             text += self._remedies()
+        if self.drawn.whole.touching:
+            text += "; outlines that touch are set apart with --separate 0.5mm"
         if isinstance(error, CreaseTooShortError):
             return CreaseTooShortError(text, error.length, error.place)
         return UnfoldableError(text)
