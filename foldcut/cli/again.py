@@ -31,7 +31,7 @@ REPEATED = ("make", "view", "draw", "guide", "coupon", "solve")
 """The commands that a recipe may have."""
 LARGEST = 2**29
 """A file that is made again has no more bytes than this."""
-NEVER = ("-o", "--output", "--force", "--preview", "--again", "--timeout", "--json", "--quiet")
+NEVER = ("-o", "--output", "--force", "--preview", "--so-far", "--again", "--timeout", "--json", "--quiet")
 """Options that no recipe has: they say where files go, or how to report."""
 
 
