@@ -5,7 +5,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 CODE := foldcut exporters profiles samples tests
 
-.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons pictures screenshots lint tools clean
+.PHONY: demo test bench bench-compact bench-skeleton bench-start bench-page bench-redraw bench-outlines bench-dihedral fuzz sweep sweep-compact sweep-skeleton sweep-icons page pictures screenshots lint tools clean
 
 ## Fold five drawings out of A4 into out/: a fish, a star that folds in five lines, a letter with a hole, a letter with curves
 ## that is drawn anew so that it folds, and a snowflake along its mirror axes.
@@ -81,7 +81,7 @@ bench-dihedral: $(VENV)/installed-test
 
 ## Fuzz each reader for SECONDS, five minutes by default; fuzz one with READERS=svg. What is found is in out/fuzz, and the
 ## inputs that reached something new, from which the next run goes on.
-READERS ?= svg dxf pdf geojson wkt wkb csv json image text fold values
+READERS ?= svg css dxf pdf geojson wkt wkb csv json image text fold cp opx creases values
 SECONDS ?= 300
 fuzz: $(VENV)/installed-fuzz
 	@found=0; for reader in $(READERS); do \
@@ -107,6 +107,9 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make snowflake -o docs/snowflake-wedge.svg --force
 	$(BIN)/foldcut make rosette -o docs/rosette.svg --force
 	$(BIN)/foldcut make paper-chain -o docs/paper-chain.svg --force
+	$(BIN)/foldcut draw tangram --show pattern,pieces -o docs/tangram.svg --force
+	$(BIN)/foldcut draw spiders-web --show pattern,pieces -o docs/spiders-web.svg --force
+	$(BIN)/foldcut draw slit-card --show pattern,pieces -o docs/slit-card.svg --force
 	$(BIN)/python docs/drawings/machines.py
 	$(KITE) --show packing -o docs/figure-1.svg
 	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg
@@ -120,13 +123,17 @@ pictures: $(VENV)/installed
 screenshots: $(VENV)/installed-test tools
 	$(BIN)/python tests/screenshots.py
 
+## Bundle the page of foldcut view and foldcut serve: exporters/pattern/page.js and page.css, from page/src and three.js.
+page:
+	cd page && npm ci --silent --no-audit --no-fund && npm run --silent build
+
 ## Install the programs that are not ours and that read our files in the tests.
 tools:
 	@bash tests/tools.sh
 
 ## Remove what was built and installed.
 clean:
-	rm -rf $(VENV) out build dist tests/node/node_modules
+	rm -rf $(VENV) out build dist tests/node/node_modules page/node_modules
 
 $(VENV)/python-ok:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

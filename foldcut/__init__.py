@@ -2,18 +2,22 @@
 
 Public names:
 
-- ``fold`` computes the crease pattern of a drawing, folds it and verifies it; it returns a ``Result``.
+- ``fold`` computes the crease pattern of a drawing, folds it and verifies it; it returns a ``Result``, which ``save``
+  writes to files and which notebooks show. ``Options`` are all that it can be told, ``JobOptions`` all that a job can.
+- ``check`` decides whether a pattern of any program folds flat; it returns a ``Decision``.
 - ``Result`` has the ``FoldedPattern`` (``CreasePattern``, ``FoldedState``, ``Sheet``, ``Shape``, ``Placement``), what
   verification found (``Finding``), and how hard the pattern is to fold (``Foldability``).
 - Errors: ``FoldcutError`` and, below it, ``BadInputError`` (``FileFormatError``, ``ShapeError``, ``SheetError``,
   ``RibbonError``), and ``UnfoldableError`` (``CreaseTooShortError``, ``VerificationError``).
 
-``foldcut.exporters.export`` makes files of a pattern, ``foldcut.batch.run_batch`` folds many drawings.
+``foldcut.exporters.export`` makes the bytes of a file, ``foldcut.batch.run_batch`` folds many drawings.
 
     >>> import foldcut
-    >>> result = foldcut.fold([[(0, 0), (40, 0), (0, 30)]], "a5")
-    >>> result.verified
-    True
+    >>> result = foldcut.fold("star", "a5", margin="15mm")
+    >>> result
+    <Result Five-pointed star on A5 landscape (210 x 148 mm): 5 folds, 10 creases by simple, verified>
+    >>> result.save("star.pdf")  # doctest: +SKIP
+    (PosixPath('star.pdf'),)
 
 The names are imported when they are first used, so that the command line starts at once.
 """
@@ -22,6 +26,7 @@ from __future__ import annotations
 
 TYPE_CHECKING = False  # as in typing, which takes time to import
 if TYPE_CHECKING:
+    from foldcut.checking import check
     from foldcut.core.errors import (
         BadInputError,
         CreaseTooShortError,
@@ -34,6 +39,10 @@ if TYPE_CHECKING:
         VerificationError,
     )
     from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedState, Placement, Shape, Sheet
+    from foldcut.drawing.mend import Preparation
+    from foldcut.foldfile.decide import Decision
+    from foldcut.options import Options
+    from foldcut.output.render import JobOptions
     from foldcut.pattern.foldability import Foldability
     from foldcut.pipeline import Result, fold
 
@@ -41,13 +50,17 @@ __all__ = [
     "BadInputError",
     "CreasePattern",
     "CreaseTooShortError",
+    "Decision",
     "FileFormatError",
     "Finding",
     "Foldability",
     "FoldcutError",
     "FoldedPattern",
     "FoldedState",
+    "JobOptions",
+    "Options",
     "Placement",
+    "Preparation",
     "Result",
     "RibbonError",
     "Shape",
@@ -56,10 +69,21 @@ __all__ = [
     "SheetError",
     "UnfoldableError",
     "VerificationError",
+    "check",
     "fold",
 ]
 
-_HOMES = ("foldcut.core.errors", "foldcut.core.model", "foldcut.pattern.foldability", "foldcut.pipeline")
+_HOMES = (
+    "foldcut.core.errors",
+    "foldcut.core.model",
+    "foldcut.pattern.foldability",
+    "foldcut.drawing.mend",
+    "foldcut.options",
+    "foldcut.output.render",
+    "foldcut.pipeline",
+    "foldcut.foldfile.decide",
+    "foldcut.checking",
+)
 
 
 def __getattr__(name: str) -> object:

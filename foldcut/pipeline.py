@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import shapely
@@ -27,36 +27,47 @@ from foldcut.core.errors import (
     CreaseTooShortError,
     FoldcutError,
     ShapeError,
+    TouchError,
     UnfoldableError,
     VerificationError,
 )
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
 from foldcut.core.text import as_title
+from foldcut.core.units import in_mm
 from foldcut.drawing.curved import curves_of
+from foldcut.drawing.graph import CutGraph, make_graph
 from foldcut.drawing.laying import Laying
 from foldcut.drawing.limits import Limits
 from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
-from foldcut.drawing.placement import Layout, parse_sheet
+from foldcut.drawing.placement import Layout, parse_scale
 from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
 from foldcut.geometry.curves import CurvedLoop
-from foldcut.methods import AUTO, DEFAULT_METHOD, METHODS, auto, check_choice, fewer_creases
+from foldcut.methods import AUTO, METHODS, auto, check_choice, check_graph, fewer_creases
 from foldcut.methods.auto import FOLDED, Attempt
 from foldcut.methods.base import AS_TOLERATED, Effort, Made, Problem, Wishes
 from foldcut.methods.frame import cut_down
 from foldcut.methods.progress import Progress, Stages
+from foldcut.options import Options
 from foldcut.pattern.foldability import Foldability, crease_numbers, foldability, remedies
 from foldcut.proof.verify import verify
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.redraw.bounds import FOLD_REDRAWN, HANDS_FOLDS, Bounds
 from foldcut.redraw.deviation import moved_by
 from foldcut.redraw.ladder import Drawn, Ladder, Level, Tried, redraw_and_fold
+from foldcut.samples import drawing_path
 
 if TYPE_CHECKING:
     from foldcut.folding_steps.phases import Phase
     from foldcut.methods.disks.method import DiskStages
+    from foldcut.output.recipe import Recipe
+    from foldcut.output.render import JobOptions
     from foldcut.pattern.difficulty import Difficulty
+    from foldcut.profiles import Profile
 
 __all__ = ["Progress", "Result", "fold"]
+
+ROUNDING = 2e-6
+"""What moved by less than this, relative to the drawing's size, was only rounded and is not reported."""
 
 READ = 0.02
 """The part of the whole progress, from 0 to 1, that is reached once the drawing is read and laid on its sheet."""
@@ -89,6 +100,8 @@ class Result:
     told: tuple[str, ...] = ()
     numbers: Mapping[str, float] = field(default_factory=dict)
     ladder: Ladder | None = None
+    options: Options = field(default_factory=Options)
+    file: str = ""
 
     @property
     def phases(self) -> tuple[Phase, ...]:
@@ -131,6 +144,59 @@ class Result:
             raise VerificationError(self.findings)
         return self.folded_pattern
 
+    def save(
+        self,
+        path: str | PathLike[str],
+        profile: str | Profile | None = None,
+        job: JobOptions | None = None,
+        *,
+        force: bool = False,
+    ) -> tuple[Path, ...]:
+        """Write the pattern, or with a machine's ``profile`` its job, to the format that the name's ending says.
+
+        The bytes are those of ``foldcut make`` with the same options. A PDF is for the home printer and a DXF for any
+        laser unless a ``profile`` is named; ``foldcut profiles`` lists them. ``job``: what else ``make`` takes for a
+        machine, such as its material. Returns the files that were written: a job of two sides may have two.
+
+        Raises ``VerificationError`` for a pattern that is not verified, ``BadInputError`` where it cannot be written
+        like that, and unless ``force`` is true also where a file is there already.
+        """
+        from foldcut.output.saving import pattern_files
+
+        path = Path(path)
+        files = pattern_files(self.require_verified(), path, self._recipe("make"), self.options.sheet, profile, job)
+        return _written(files, force)
+
+    def save_guide(self, path: str | PathLike[str], *, force: bool = False) -> Path:
+        """Write how a person folds the pattern, as PDF, HTML or animated SVG; errors as of ``save``."""
+        from foldcut.output.saving import guide_file
+
+        path = Path(path)
+        _written({path: guide_file(self.require_verified(), path, self._recipe("guide"))}, force)
+        return path
+
+    def _recipe(self, command: str) -> Recipe | None:
+        """Return how a file was made, if the command line can make it again: not of loops, which are in no file."""
+        from foldcut.output.recipe import Recipe
+
+        words = self.options.words()
+        if not self.file or words is None or self.drawing is None:
+            return None
+        return Recipe(command, words, self.file, self.drawing.sha256)
+
+    def __repr__(self) -> str:
+        pattern = self.folded_pattern
+        name = f"{self.title} " if self.title else ""
+        creases = pattern.creases.crease_count
+        proven = "verified" if self.verified else f"not verified: {self.findings[0]}"
+        folds = crease_numbers(pattern.creases).lines
+        return f"<Result {name}on {pattern.sheet}: {folds} folds, {creases} creases by {self.method}, {proven}>"
+
+    @property
+    def title(self) -> str:
+        """What the pattern is called."""
+        return self.folded_pattern.title
+
     def _repr_html_(self) -> str:
         """Show the page of a verified pattern in Jupyter, in a frame of its own, or what is wrong with the pattern."""
         from foldcut.exporters import export
@@ -151,82 +217,40 @@ class Result:
 
 def fold(
     shape: Shape | Drawing | Sequence[ArrayLike] | str | PathLike[str],
-    sheet: Sheet | str = "a4",
+    options: Options | Sheet | str | None = None,
     *,
-    margin: float = 10.0,
-    scale: str | float = "fit",
-    offset: tuple[float, float] | None = None,
-    rotation: str | float | None = None,
-    width: float | None = None,
-    height: float | None = None,
-    tolerance: float | None = None,
-    level: str = "",
-    exact: bool | None = None,
-    folds: int | None = None,
-    small_parts: str = "drop",
-    method: str = DEFAULT_METHOD,
-    ribbon: float | None = None,
-    min_crease: float | None = None,
-    simplify: float = 0.0,
-    symmetry: float | str = 0.0,
-    adjust: float | None = None,
-    effort: str = "normal",
-    seconds: float | None = None,
-    title: str = "",
-    limits: Limits | None = None,
-    preparation: Preparation | None = None,
     progress: Progress | None = None,
     on_pattern: Callable[[Level], None] | None = None,
-    next_level: bool = True,
+    **changes: Any,
 ) -> Result:
-    """Compute how to fold ``sheet`` so that one straight cut cuts ``shape`` out, and verify it.
+    """Compute how to fold a sheet so that one straight cut cuts ``shape`` out, and verify it.
 
-    ``shape`` is a shape, a drawing, loops of points (even-odd), or a file's path. Lengths are in mm.
+    ``shape`` is a file's path, the name of a sample, loops of points (even-odd), a shape, or a drawing.
 
-    Where it lies: ``margin`` is kept free along the sheet's edges, ``offset`` is where the drawing's lower left corner
-    lies. ``scale`` is "fit", or a factor on the size that the file states (mm per unit where it states none); instead,
-    ``width`` and ``height`` say how large the drawing may be at most. ``rotation`` is in degrees counter-clockwise;
-    "best" is the angle at which the drawing is largest; None gives it a quarter turn if it then fits larger, and lets a
-    method turn it so that its mirror axes are parallel to the sheet's sides.
+    ``options`` say how (see ``Options``), or only the sheet, such as "a5"; whatever is given by name beside them goes
+    before them: ``fold("fish", "a5", margin="15mm")``. Lengths are in mm, or texts such as "10mm".
 
-    How near the outline stays to the drawing: the drawing is tried as it is, and if that is not for two hands (more
-    than 60 folds, or a crease under 3 mm on A4), outlines that are at most 0.25, 0.5, 1, 2 and 4 mm off on A4, in
-    proportion on other sheets. The most exact one for two hands is taken, or the one that is easiest to fold if there
-    is none; ``Result.ladder`` has them all. ``tolerance`` is how far an outline may be off at most, ``level`` a name
-    for that: "exact" (not at all), "fine" (0.5 on A4), "normal" (2), "easy" (4, and the fewest folds are taken, not
-    the most exact outline). ``exact``: no corner moves at all; None: so it is for the methods "paper" and "gate", whose
-    patterns are never for two hands, unless one of the others is given. ``folds``: how many folds are allowed instead
-    of 60. ``small_parts`` that are narrower than the tolerance: "drop", "keep" or "enlarge" them. ``next_level``: also
-    try the tolerance after the one that is taken, to say what it would cost.
+    The drawing is tried as it is, and if that is not for two hands (more than 60 folds, or a crease under 3 mm on A4),
+    outlines that are at most 0.25, 0.5, 1, 2 and 4 mm off on A4, in proportion on other sheets. The most exact one for
+    two hands is taken, or the one that is easiest to fold if there is none; ``Result.ladder`` has them all.
 
-    How it is folded: ``method`` is one of ``foldcut.methods.CHOICES``. "mirror" folds the shape's mirror axes first and
-    the rest through all layers; "simple" folds across the whole sheet only; "compact" makes few creases; "skeleton" is
-    the method of Demaine, Demaine and Lubiw; "paper" is that of Bern, Demaine, Eppstein and Hayes, and "gate" the same
-    for several loops. "auto" takes the pattern of the first four that is easiest to fold; those of the last two have
-    thousands of folds and are made only where they are asked for. ``ribbon`` is the half-width of the strip along the
-    shape's boundary that is not folded; None is the method's default, which for "paper" and "gate" is a narrow one,
-    since without it creases fold onto the cut line. ``min_crease`` is the shortest crease allowed, None the method's
-    default (0.5 for "compact" and where "mirror" folds the half like that, else 0).
-
-    These are bounds within the same search: ``adjust`` is how far "skeleton" may move corners so that creases meet,
-    None a part of the drawing's size (about 1/500); ``symmetry`` is how far corners may be off in a drawing that is
-    taken as symmetric, and made so, by default only rounding errors in the drawing as it is, with "auto" as far as the
-    tolerance or the level that is given, or 0.5 on A4; neither exceeds ``tolerance``. ``simplify`` leaves out corners
-    of the drawing first if that moves the outline by no more than this, and without a ``tolerance`` no outline is
-    farther off than this, either. ``effort`` ("fast", "normal", "best") or ``seconds`` bounds the search.
-
-    ``limits`` bound how large a file may be. ``preparation`` says how the drawing is mended and simplified; None: it
-    must be a valid shape as it is. ``progress`` is called with a stage's name and how much is done, from 0 to 1;
-    ``on_pattern`` with each verified pattern that is better than the ones before, the first at once. Ctrl-C ends the
-    search with the best one.
+    ``progress`` is called with a stage's name and how much is done, from 0 to 1; ``on_pattern`` with each verified
+    pattern that is better than the ones before, the first at once. Ctrl-C ends the search with the best one.
 
     Raises ``BadInputError`` for what cannot be used, ``UnfoldableError`` for what cannot be folded, and
     ``CreaseTooShortError``, an ``UnfoldableError``, for a verified pattern with too short a crease. A pattern that
     fails verification is returned with its findings; ``Result.require_verified`` refuses it.
     """
+    asked = (options if isinstance(options, Options) else Options()).but(changes)
+    if isinstance(options, Sheet | str):
+        asked = replace(asked, sheet=options)
+    method, level, exact, preparation = asked.method, asked.level, asked.exact, asked.preparation
+    tolerance, simplify, adjust = in_mm(asked.tolerance), in_mm(asked.simplify), in_mm(asked.adjust)
+    ribbon, min_crease = in_mm(asked.ribbon), in_mm(asked.min_crease)
+    symmetry = AS_TOLERATED if asked.symmetry == AUTO else in_mm(asked.symmetry)
     check_choice(method)
-    exertion = Effort(effort, seconds)
-    wishes = Wishes(ribbon, min_crease, AS_TOLERATED if symmetry == AUTO else float(symmetry), adjust)
+    exertion = Effort(asked.effort, asked.seconds)
+    wishes = Wishes(ribbon, min_crease, symmetry, adjust)
     stages = Stages(progress)
     stages.up_to(READ)
     if (exact or level == "exact") and (simplify or symmetry or adjust):
@@ -238,11 +262,10 @@ def fold(
     if exact is None:
         exact = method != AUTO and METHODS[method].needs_ribbon and tolerance is None and not level
     corners = None if preparation is None else preparation.corners
-    bounds = Bounds(
-        tolerance, level, exact, HANDS_FOLDS if folds is None else folds, corners, small_parts, next_level, method
-    )
+    folds = HANDS_FOLDS if asked.folds is None else asked.folds
+    bounds = Bounds(tolerance, level, exact, folds, corners, asked.small_parts, asked.next_level, method)
     with stages("reading"):
-        paper = parse_sheet(sheet) if isinstance(sheet, str) else sheet
+        paper = asked.paper
         _check_lengths(
             paper,
             {
@@ -250,16 +273,24 @@ def fold(
                 "--min-crease": min_crease,
                 "--tolerance": tolerance,
                 "--simplify": simplify,
-                "--symmetry": None if symmetry == AUTO else float(symmetry),
+                "--symmetry": None if asked.symmetry == AUTO else symmetry,
                 "--adjust": adjust,
             },
         )
-        layout = Layout(paper, margin, scale, offset, rotation, width, height)
-        read = _read(shape, limits, layout, preparation)
+        layout = _layout(paper, asked)
+        if isinstance(shape, str | PathLike):
+            shape = drawing_path(shape)
+        file = shape.name if isinstance(shape, Path) else ""
+        read = _read(shape, asked.limits, layout, preparation)
+        notes = read.notes
+        if read.outline.is_graph:
+            if tolerance or level not in ("", "exact"):
+                notes = (*notes, "open lines and outlines that touch are folded as drawn, whatever the tolerance")
+            bounds = _bounds_of_graph(bounds, simplify, preparation)
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
-        may_turn = rotation is None and offset is None
-        title = as_title(title or read.title)
+        may_turn = layout.rotation is None and layout.offset is None
+        title = as_title(asked.title or read.title)
         drawn = Drawn(read.whole or read.outline, laying, title, read.curves(mirrored=mirrored), may_turn)
         laying.lay()
     stages.up_to(READ)
@@ -285,13 +316,58 @@ def fold(
         tried.attempts,
         made.ribbon,
         stages.seconds,
-        (*tried.notes, *read.notes, *taken.notes, *made.laid.notes),
+        (*tried.notes, *notes, *taken.notes, *made.laid.notes),
         read.drawing,
         read.prepared,
         made.told,
         made.numbers,
         ladder,
+        asked,
+        file,
     )
+
+
+def _written(files: Mapping[Path, bytes], force: bool) -> tuple[Path, ...]:
+    """Write files and return their names; without ``force`` none is replaced."""
+    from foldcut.output.atomic import OutputError, write_files
+
+    there = next((path for path in files if path.exists()), None)
+    if there is not None and not force:
+        raise OutputError(
+            f"cannot write {there}: it is there already; replace it with force=True, or give another name"
+        )
+    write_files(files, replace=force)
+    return tuple(files)
+
+
+def _layout(sheet: Sheet, options: Options) -> Layout:
+    """Return where the drawing lies on the sheet."""
+    offset = None if options.offset is None else (in_mm(options.offset[0]), in_mm(options.offset[1]))
+    margin, width, height = in_mm(options.margin), in_mm(options.width), in_mm(options.height)
+    scale = parse_scale(options.scale) if isinstance(options.scale, str) else options.scale
+    return Layout(sheet, margin, scale, offset, options.rotation, width, height)
+
+
+def _bounds_of_graph(bounds: Bounds, simplify: float, preparation: Preparation | None) -> Bounds:
+    """Return the bounds for open lines and outlines that touch, which are folded as they are drawn.
+
+    Raises ``BadInputError`` for a method and for options that are for closed outlines only.
+    """
+    check_graph(bounds.method)
+    asked: dict[str, float | None] = {"--simplify": simplify}
+    if preparation is not None:
+        asked |= {
+            "--corners": preparation.corners,
+            "--min-feature": preparation.min_feature,
+            "--separate": preparation.separate,
+        }
+    given = [option for option, value in asked.items() if value]
+    if given:
+        raise BadInputError(
+            f"{given[0]} is for closed outlines that lie apart, and this drawing has open lines or outlines that "
+            "touch; leave it out"
+        )
+    return replace(bounds, exact=True, tolerance=None, level="")
 
 
 def _check_lengths(sheet: Sheet, lengths: Mapping[str, float | None]) -> None:
@@ -306,6 +382,8 @@ def _check_lengths(sheet: Sheet, lengths: Mapping[str, float | None]) -> None:
 
 def _moved_by(pattern: FoldedPattern, drawn: object) -> float | None:
     """Return by how many mm the outline was moved from what was drawn: a shape, or loops in the file's coordinates."""
+    if pattern.shape.is_graph:
+        return None
     loops = drawn.loops if isinstance(drawn, Shape) else cast(Sequence[ArrayLike], drawn)
     try:
         on_sheet = [pattern.placement.apply(points_array(loop)) for loop in loops]
@@ -387,20 +465,20 @@ class _Read:
 
     def curves(self, *, mirrored: bool) -> tuple[CurvedLoop, ...]:
         """Return the loops of ``whole``, or else ``outline``, as they were drawn, where curves are known."""
-        if self.drawing is None or not self.drawing.curves:
+        if self.drawing is None or not self.drawing.curves or self.outline.is_graph:
             return ()
         return curves_of(self.whole or self.outline, self.drawing.loops, self.drawing.curves, mirrored=mirrored)
 
 
 def _read(
-    shape: Shape | Drawing | Sequence[ArrayLike] | str | PathLike[str],
+    shape: Shape | Drawing | Sequence[ArrayLike] | Path,
     limits: Limits | None,
     layout: Layout,
     preparation: Preparation | None,
 ) -> _Read:
     """Read a drawing, mend it as ``preparation`` says, and make a shape of it."""
-    if isinstance(shape, str | PathLike):
-        shape = read_shape(Path(shape), ReadOptions(limits=limits or Limits()))
+    if isinstance(shape, Path):
+        shape = read_shape(shape, ReadOptions(limits=limits or Limits()))
     if isinstance(shape, Shape):
         return _Read(shape, layout)
     drawing = shape if isinstance(shape, Drawing) else None
@@ -412,6 +490,12 @@ def _read(
             refuse_changes(drawing.repairs)
         if not isinstance(layout.scale, str):
             layout = replace(layout, scale=layout.scale * (drawing.unit_mm or 1.0))
+    y_down = drawing is not None and drawing.y_down
+    graph = _graph_as_drawn(loops, drawing, preparation)
+    if graph is not None:
+        outline, more = _of_graph(graph, preparation, drawing)
+        notes = (*notes, *more)
+        return _Read(outline, layout, "" if drawing is None else drawing.title, y_down, notes, drawing)
     prepared = whole = None
     if preparation is not None:
         unit = layout.place(_hull(loops))[2].scale
@@ -419,10 +503,52 @@ def _read(
         notes = (*notes, *prepared.changes)
         loops = [loop / unit for loop in prepared.loops] if prepared.changes else loops
         whole = None if prepared.whole is None else make_shape([loop / unit for loop in prepared.whole])
-    outline = make_shape(loops, y_down=drawing is not None and drawing.y_down)
+    try:
+        outline = make_shape(loops, y_down=y_down)
+    except TouchError:
+        outline = _touching(loops, y_down=y_down)
     if drawing is None:
         return _Read(outline, layout, notes=notes, prepared=prepared, whole=whole)
     return _Read(outline, layout, drawing.title, drawing.y_down, notes, drawing, prepared, whole)
+
+
+def _graph_as_drawn(
+    loops: Sequence[ArrayLike], drawing: Drawing | None, preparation: Preparation | None
+) -> CutGraph | None:
+    """Return the graph of a drawing with open lines, or of loops that meet in corners and nowhere else; or None."""
+    y_down = drawing is not None and drawing.y_down
+    if drawing is not None and drawing.lines:
+        return make_graph((), drawing.lines, join=drawing.join, y_down=y_down)
+    if preparation is not None and (preparation.separate or preparation.min_feature):
+        return None  # then outlines may be set apart
+    try:
+        make_shape(loops)
+    except TouchError:
+        graph = make_graph([points_array(loop) for loop in loops], (), y_down=y_down)
+        return graph if graph.is_as_drawn else None
+    except ShapeError:
+        pass
+    return None
+
+
+def _of_graph(
+    graph: CutGraph, preparation: Preparation | None, drawing: Drawing | None
+) -> tuple[Shape, tuple[str, ...]]:
+    """Return a graph as a shape, and notes on it."""
+    notes = []
+    unit = None if drawing is None else drawing.unit_mm
+    if graph.moved > ROUNDING * graph.size:
+        most = f"{graph.moved:.2g}" if unit is None else f"{graph.moved * unit:.2g} mm"
+        notes.append(f"ends of lines were joined, and moved by at most {most} for that")
+    if preparation is not None and preparation.mirror:
+        graph = graph.mirrored()
+        notes.append("mirrored, left to right")
+    return next(graph.shapes()), tuple(notes)
+
+
+def _touching(loops: Sequence[ArrayLike], *, y_down: bool) -> Shape:
+    """Return loops that touch as a shape."""
+    return next(make_graph([points_array(loop) for loop in loops], (), y_down=y_down).shapes())
 
 
 def _hull(loops: Sequence[ArrayLike]) -> Shape:
@@ -440,13 +566,20 @@ def _require_length(made: Made, least: float, tried: set[str]) -> None:
     length, at = numbers.shortest_crease_mm, numbers.shortest_crease_at
     if length is None or at is None or length >= least:
         return
-    remedy = remedies(made.laid.sheet, least / length, len(made.laid.shape.loops), fewer_creases(tried))
+    shape = made.laid.shape
+    method = fewer_creases(tried)
+    remedy = remedies(made.laid.sheet, least / length, len(shape.loops), method, simplify=not shape.is_graph)
     raise CreaseTooShortError(
-        f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {length:.2g} mm long, shorter than {least:g} mm; "
+        f"the crease at ({at[0]:.4g}, {at[1]:.4g}) is only {_two_digits(length)} mm long, shorter than {least:g} mm; "
         f"{remedy}, or allow it with --min-crease {_rounded_down(length)}mm",
         length,
         at,
     )
+
+
+def _two_digits(length: float) -> str:
+    """Return a length in two digits, without an exponent."""
+    return f"{length:.0f}" if length >= 100 else f"{length:.2g}"
 
 
 def _rounded_down(length: float) -> str:

@@ -23,9 +23,9 @@ FLOORS = (
     ("folding_steps",),
     ("redraw",),
     ("exporters",),
-    ("output", "web"),
-    ("pipeline",),
-    ("batch",),
+    ("options", "output", "web"),
+    ("checking", "pipeline"),
+    ("batch", "plugins"),
     ("cli",),
 )
 ONLY = {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Install the programs that read our files in the tests: node with rabbit-ear, fold and icon sets, rsvg-convert, inkscape,
-# hp2xx, qpdf, mutool, admesh, librecad, freecad, chromium, and what Inkscape's DXF importer needs.
+# Xvfb, hp2xx, qpdf, mutool, admesh, librecad, freecad, chromium, and what Inkscape's DXF importer needs.
 # What is there already is left alone. What cannot be installed is no error: the tests that need it skip and say so.
 set -uo pipefail
 cd "$(dirname "$0")"
@@ -11,6 +11,7 @@ packages=()
 if ! have node || ! have npm; then packages+=(nodejs npm); fi
 have rsvg-convert || packages+=(librsvg2-bin)
 have inkscape || packages+=(inkscape)
+have Xvfb || packages+=(xvfb)  # Inkscape runs extensions only where there is a screen
 have hp2xx || packages+=(hp2xx)
 have admesh || packages+=(admesh)
 have qpdf || packages+=(qpdf)

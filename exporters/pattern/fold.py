@@ -68,6 +68,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
         "foldcut:shape": list(pattern.shape.loops),
         "foldcut:firstFolds": list(pattern.first_folds),
     }
+    if pattern.shape.lines:
+        fold["foldcut:lines"] = list(pattern.shape.lines)
     if pattern.drawn:
         fold["foldcut:drawn"] = list(pattern.drawn)
     if pattern.moved_by is not None:

@@ -52,7 +52,8 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     mountains, valleys = (lines[creases.edges_assignment == letter] for letter in "MV")
     mountain_paths = (_segments(mountain_pieces(line, look)) for line in mountains)
     valley_paths = (_segments(valley_pieces(line, look)) for line in valleys)
-    outlines = (_closed(_flip(loop, sheet)) for loop in pattern.shape.loops)
+    outlines = [_closed(_flip(loop, sheet)) for loop in pattern.shape.loops]
+    outlines += [path_data(_flip(line, sheet).tolist(), closed=False) for line in pattern.shape.lines]
     if pattern.first_folds:
         wide = WIDE * look.crease_stroke_mm
         firsts = [_segments(_flip(line, sheet)[None]) for line in pattern.first_folds]
@@ -168,8 +169,8 @@ def _placed_legend(
     widest = sheet.width - 2 * inset
     ground = Ground(sheet.width, sheet.height, inset)
     ground.add_lines(creases.vertices_coords[creases.edges_vertices[creases.edges_assignment != "B"]])
-    for loop in pattern.shape.loops:
-        ground.add_polyline(np.concatenate([loop, loop[:1]]), OUTLINE)
+    for stroke in pattern.shape.strokes:
+        ground.add_polyline(stroke, OUTLINE)
     for line in pattern.first_folds:
         ground.add_polyline(line)
     ground.set_shape(contains(pattern.shape, ground.centres()))

@@ -101,7 +101,7 @@ def thumbnail(pattern: FoldedPattern) -> Thumbnail:
         return "".join(path_data(placed(loop[::step]), closed=True) for loop in loops)
 
     size = round(sheet.width * scale), round(sheet.height * scale)
-    return Thumbnail(*size, outlines(pattern.shape.loops), lines("M"), lines("V"), outlines(pattern.drawn))
+    return Thumbnail(*size, outlines(pattern.shape.closed_strokes), lines("M"), lines("V"), outlines(pattern.drawn))
 
 
 def contact_sheet(

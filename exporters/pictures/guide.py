@@ -30,11 +30,13 @@ from foldcut.folding_steps.half_closed import half_closed
 from foldcut.folding_steps.references import reference
 from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
+from foldcut.pattern.cut_line import pieces_of
 from foldcut.pattern.foldability import foldability
 from foldcut.profiles import LineStyle, Profile, load_profile
 
 from ..text import printable
 from . import panels, pictures, symbols
+from .animation import export_animation
 from .folded_paper import BACK, FRONT, MOVED, MOVED_BACK, FoldedPaper
 from .in_space import in_space
 from .panels import BOLD, EDGE, PANEL_MM, Item, Key, Label, Panel
@@ -125,6 +127,7 @@ def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
     if made[-1].title == COLLAPSED:
         made.pop()  # the next picture is the same
     heights = pattern.folded.vertices_coords[:, 1]
+    what = "lines to cut" if pattern.shape.is_graph else "outline of the shape"
     made += [
         sheet.turned(),
         Instruction(
@@ -135,13 +138,21 @@ def instructions(pattern: FoldedPattern, look: LineStyle) -> list[Instruction]:
         ),
         Instruction(
             "Cut",
-            f"Cut once, straight, along the outline of the shape: level, {heights.max():.1f} mm under the highest "
+            f"Cut once, straight, along the {what}: level, {heights.max():.1f} mm under the highest "
             f"point and {-heights.min():.1f} mm over the lowest.",
             pictures.front(pattern, look),
         ),
-        Instruction("Unfold", "One part is the shape, the other the sheet around it.", pictures.after(pattern, look)),
+        Instruction("Unfold", _what_is_left(pattern), pictures.after(pattern, look)),
     ]
     return made
+
+
+def _what_is_left(pattern: FoldedPattern) -> str:
+    """Say what there is after the cut."""
+    if not pattern.shape.is_graph:
+        return "One part is the shape, the other the sheet around it."
+    count = len(pieces_of(pattern.shape, pattern.sheet))
+    return f"The sheet is in {count} pieces." if count > 1 else "The sheet is in one piece, with slits."
 
 
 class _Sheet:
@@ -514,5 +525,5 @@ def _draw_marks(canvas: Canvas, marks: list[panels.Outline | panels.Text]) -> No
         canvas.drawPath(path, fill=int(bool(mark.fill)), stroke=int(bool(mark.stroke)))
 
 
-GUIDES = {".html": export_html, ".pdf": export_pdf}
+GUIDES = {".html": export_html, ".pdf": export_pdf, ".svg": export_animation}
 """The exporters of guides, by the ending of their files."""

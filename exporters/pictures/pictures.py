@@ -11,11 +11,13 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 import numpy as np
+import shapely
 
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import FoldedPattern, Shape, Sheet
 from foldcut.geometry.vectors import signed_area
+from foldcut.pattern.cut_line import pieces_of
 from foldcut.profiles import LineStyle, Profile
 
 from .construction import CONSTRUCTION
@@ -30,6 +32,18 @@ INSIDE = "#ffe08a"
 
 INSIDE_BACK = "#e6b93f"
 """The colour of the shape's back."""
+
+PIECES = (INSIDE, "#bfe3c0", "#f6c6b8", "#c9d6f2", "#e5cdea", "#d9d3b8")
+"""The colours of the pieces of a graph, in turns."""
+
+EMPTY = "#8a8a8a"
+"""The colour of what is cut out of a piece."""
+
+APART = 0.15
+"""How much farther from each other pieces of a graph are drawn than they are."""
+
+TOUCHING = 1e-6
+"""Lines that are this near to the boundary of a piece, in mm, lie along it."""
 
 OUTSIDE = "#ffffff"
 """The colour of the front of the sheet around the shape."""
@@ -109,7 +123,7 @@ def draw(
     return laid_out(panels, pattern.title, LADDER_COLUMNS if LADDER in show else 2)
 
 
-def _pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]]:
+def pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]]:
     """Yield the parts of faces on either side of the cut: face, whether inside the shape, corners flat and folded."""
     flat, folded = pattern.creases.vertices_coords, pattern.folded.vertices_coords
     for face, outline in enumerate(pattern.creases.faces_vertices.to_lists()):
@@ -130,14 +144,16 @@ def _pieces(pattern: FoldedPattern) -> Iterable[tuple[int, bool, Floats, Floats]
             yield face, side > 0, part[:, :2], part[:, 2:]
 
 
-def _colour(inside: bool, folded: Floats) -> str:
+def coloured(inside: bool, folded: Floats) -> str:
+    """Return the colour of a part of a face as it lies: of its front, or of its back."""
     front = signed_area(folded) > 0
     return (INSIDE if front else INSIDE_BACK) if inside else (OUTSIDE if front else OUTSIDE_BACK)
 
 
 def outlines(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the outline that is cut out, and over it the drawing, if that is another."""
-    keys = [Key("the outline that is cut out", stroke=CUT_OUT, width=FIRM)]
+    what = "the lines that are cut" if pattern.shape.is_graph else "the outline that is cut out"
+    keys = [Key(what, stroke=CUT_OUT, width=FIRM)]
     keys += [Key("the drawing", stroke=DRAWN)] if pattern.drawn else []
     lines = _outlines(pattern.shape, pattern.drawn)
     return Panel([faces([pattern.sheet.corners], OUTSIDE), *_filled(pattern.shape), *lines], keys)
@@ -152,7 +168,9 @@ def _filled(shape: Shape) -> list[Item]:
 def _outlines(shape: Shape, drawn: Sequence[Floats]) -> list[Item]:
     """Return the lines of the outline, and over them those of the drawing, if that is another."""
     before = [Item(drawn, stroke=DRAWN, width=THIN, closed=True)] if drawn else []
-    return [Item(list(shape.loops), stroke=CUT_OUT, width=FIRM, closed=True), *before]
+    cut = [Item(list(shape.loops), stroke=CUT_OUT, width=FIRM, closed=True)] if shape.loops else []
+    cut += [Item(list(shape.lines), stroke=CUT_OUT, width=FIRM)] if shape.lines else []
+    return [*cut, *before]
 
 
 def _levels(ladder: Ladder, look: LineStyle) -> list[Panel]:
@@ -220,12 +238,12 @@ SIDES = [
 def front(pattern: FoldedPattern, look: LineStyle) -> Panel:
     """Draw the folded sheet from the front, and where to cut."""
     rank = np.argsort(pattern.folded.layers)
-    parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
+    parts = sorted(pieces(pattern), key=lambda part: rank[part[0]])
     x = pattern.folded.vertices_coords[:, 0]
     over = 0.08 * np.ptp(x)
     line = np.array([[x.min() - over, 0.0], [x.max() + over, 0.0]])
     cut = Item([line], stroke=CUT, width=BOLD)
-    drawn = [faces([folded], _colour(inside, folded)) for _, inside, _, folded in parts]
+    drawn = [faces([folded], coloured(inside, folded)) for _, inside, _, folded in parts]
     return Panel([*drawn, cut], [Key("folded flat: the cut", stroke=CUT, width=BOLD), *SIDES])
 
 
@@ -235,10 +253,10 @@ def apart(pattern: FoldedPattern, look: LineStyle) -> Panel:
     size = float(np.ptp(pattern.folded.vertices_coords, axis=0).max())
     step = 1.6 * size / len(rank)
     side = np.array([[SIDEWAYS, UPWARD], [0.0, 1.0]])
-    parts = sorted(_pieces(pattern), key=lambda part: rank[part[0]])
+    parts = sorted(pieces(pattern), key=lambda part: rank[part[0]])
     width = min(EDGE, 0.25 * EDGE + 4.0 * EDGE / len(rank) ** 0.5)
     drawn = [
-        Item([folded @ side + (rank[face] * step, 0.0)], _colour(inside, folded), EDGE_COLOUR, width, closed=True)
+        Item([folded @ side + (rank[face] * step, 0.0)], coloured(inside, folded), EDGE_COLOUR, width, closed=True)
         for face, inside, _, folded in parts
     ]
     first = float(pattern.folded.vertices_coords[:, 0].min())
@@ -256,14 +274,38 @@ def after(pattern: FoldedPattern, look: LineStyle) -> Panel:
     aside = np.array([1.06 * pattern.sheet.width, 0.0])
     if pattern.sheet.width > pattern.sheet.height:
         aside = np.array([0.0, -1.06 * pattern.sheet.height])
+    if pattern.shape.is_graph:
+        return _pieces_apart(pattern, aside)
     lines = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
     width = fine(lines, 2 * max(pattern.sheet.width, pattern.sheet.height), EDGE)
     drawn = [
         Item([flat + aside * inside], INSIDE if inside else OUTSIDE, EDGE_COLOUR, width, closed=True)
-        for _, inside, flat, _ in _pieces(pattern)
+        for _, inside, flat, _ in pieces(pattern)
     ]
     keys = [Key("after the cut, unfolded: the shape", fill=INSIDE), Key("the rest", fill=OUTSIDE)]
     return Panel(drawn, keys)
+
+
+def _pieces_apart(pattern: FoldedPattern, aside: Floats) -> Panel:
+    """Draw the pieces that a cut along a graph leaves: those at the sheet's border, and ``aside`` the others, apart."""
+    border = shapely.box(0, 0, pattern.sheet.width, pattern.sheet.height).exterior
+    cut = shapely.union_all([shapely.linestrings(stroke) for stroke in pattern.shape.strokes])
+    middle = pattern.shape.points.mean(axis=0)
+    drawn, inner = [], 0
+    for piece in pieces_of(pattern.shape, pattern.sheet):
+        step, colour = np.zeros(2), OUTSIDE
+        if not piece.exterior.intersects(border):
+            step = aside + APART * (shapely.get_coordinates(piece.centroid)[0] - middle)
+            colour = PIECES[inner % len(PIECES)]
+            inner += 1
+        rings = [shapely.get_coordinates(ring)[:-1] + step for ring in (piece.exterior, *piece.interiors)]
+        drawn += [faces(rings[:1], colour), faces(rings[1:], EMPTY)]
+        slits = shapely.difference(shapely.intersection(cut, piece), shapely.buffer(piece.boundary, TOUCHING))
+        ends = [shapely.get_coordinates(part) + step for part in shapely.get_parts(slits)]
+        drawn.append(Item([line for line in ends if len(line) > 1], stroke=CUT, width=FIRM))
+    keys = [Key("after the cut, unfolded: what is left of the sheet", fill=OUTSIDE)]
+    keys += [Key("pieces", fill=PIECES[0])] if inner else []
+    return Panel([item for item in drawn if item.lines], keys)
 
 
 PANELS: dict[str, Callable[[FoldedPattern, LineStyle], Panel]] = {

@@ -207,7 +207,7 @@ def places(recipe: Recipe, path: Path) -> Iterator[Path]:
         if place.is_file() and not place.samefile(path):
             yield place
     stem = Path(recipe.drawing).stem
-    if stem in sample_names() and sample_path(stem).name == recipe.drawing:
+    if stem in sample_names(lines=True) and sample_path(stem).name == recipe.drawing:
         yield sample_path(stem)
 
 

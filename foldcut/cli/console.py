@@ -48,9 +48,9 @@ class Console(NamedTuple):
     quiet: bool = False
 
     @property
-    def draws_progress(self) -> bool:
-        """Whether a progress bar is wanted and stderr can show it."""
-        return sys.stderr.isatty() and not (self.quiet or self.as_json)
+    def tells_progress(self) -> bool:
+        """Whether people are told on stderr how far the work is."""
+        return not (self.quiet or self.as_json)
 
     def report(self, report: dict[str, Any], lines: Sequence[str]) -> None:
         """Print a report: the dictionary for programs, or the lines for people."""

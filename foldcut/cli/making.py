@@ -33,13 +33,13 @@ def fold_or_open(request: Request, console: Console) -> Result | Reopened:
 def folded(request: FoldRequest, console: Console) -> Result:
     """Read a drawing and fold it, with progress on stderr."""
     from foldcut import pipeline
-    from foldcut.cli.progress import ProgressBar, ProgressLines
+    from foldcut.cli.progress import ProgressLines, progress_for
 
-    with ProgressBar(console.draws_progress) as bar:
+    with progress_for(console) as bar:
         progress = ProgressLines(sys.stderr) if request.progress_lines else bar
         drawing = request.source.read(request.reading)
         try:
-            return pipeline.fold(drawing, **request.folding.keywords(), progress=progress, on_pattern=progress.found)
+            return pipeline.fold(drawing, request.folding, progress=progress, on_pattern=progress.found)
         except ShapeError as error:
             if request.source.text is not None:
                 raise

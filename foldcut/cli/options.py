@@ -8,12 +8,11 @@ commands' own ``run`` see the parsed arguments.
 from __future__ import annotations
 
 import math
-import os
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from foldcut.cli.console import Console
 from foldcut.cli.parser import Parser, nearest
@@ -24,7 +23,7 @@ from foldcut.redraw.bounds import FEWEST, HANDS_CREASE_MM, HANDS_FOLDS, LEVELS, 
 
 if TYPE_CHECKING:
     from foldcut.core.model import Sheet
-    from foldcut.drawing.mend import Preparation
+    from foldcut.options import Options
     from foldcut.output.recipe import Recipe
     from foldcut.output.render import JobOptions
     from foldcut.profiles import Profile
@@ -36,16 +35,10 @@ PATTERN_STEM = "-creases"
 """``foldcut make`` puts this behind the drawing's name when it names a pattern itself."""
 LONGEST_STEM = 40
 """A file that is named after a text gets this many of its letters."""
-USUAL_MACHINES = {".dxf": ("laser-dxf",), ".pdf": ("printer-a4", "printer-letter", "print-shop-a3")}
-"""The profiles for files with these endings when no machine is named; among printers the one for the sheet is taken."""
-LETTER_COUNTRIES = frozenset(("BZ", "CA", "CL", "CO", "CR", "GT", "MX", "NI", "PA", "PH", "PR", "SV", "US", "VE"))
-"""Where letter paper is usual: Unicode CLDR, supplemental data, paperSize US-Letter."""
 FILES_OF = {"--font": "", "--profile": ".toml"}
 """The options that may name a file, and what its name ends in."""
 NOT_REPEATED = ("shape", "progress")
 """What has no part in what files are made of, or is not an option."""
-LARGEST_SCALE = 1e12
-"""Nobody means a larger scale, nor a smaller one than 1 in this."""
 USUAL_SOLID = "scored-sheet"
 """The profile for solids when the one that is named has none."""
 USUAL_SHEET = "a4"
@@ -182,14 +175,16 @@ def named_source(shape: str) -> Source:
     path = Path(shape)
     if is_standard_input(shape) or path.is_file():
         return Source(path)
-    if shape in sample_names():
+    if shape in sample_names(lines=True):
         return Source(sample_path(shape))
     if path.is_dir():
         raise BadInputError(f"{shape}: is a folder; give a drawing, or give the folder to foldcut batch")
     if path.exists():
         raise BadInputError(f"{shape}: {NOT_ORDINARY}")
     remedy = "give a drawing or one of the samples, which foldcut samples lists"
-    raise BadInputError(f"{shape}: there is no such file; {nearest(shape, sample_names(), 'the sample ') or remedy}")
+    raise BadInputError(
+        f"{shape}: there is no such file; {nearest(shape, sample_names(lines=True), 'the sample ') or remedy}"
+    )
 
 
 # ---- how it is read ----
@@ -226,6 +221,12 @@ def add_reading(command: ArgumentParser) -> None:
         "mm is a unit of the drawing (default: 0.05mm, both at its own size and scaled to 200 mm)",
     )
     reading.add_argument(
+        "--open",
+        action="store_true",
+        help="cut along every line that is drawn: open lines, lines that cross, and sides that two outlines share "
+        "(default: cut out what closed outlines enclose)",
+    )
+    reading.add_argument(
         "--strokes",
         choices=("lines", "outline"),
         default="lines",
@@ -256,42 +257,12 @@ def reading(args: Namespace) -> ReadOptions:
         suffix=vars(args)["from"] or "",
         threshold=args.threshold,
         strokes=args.strokes,
+        open_lines=args.open,
         limits=parse_limits(args.limit),
     )
 
 
 # ---- how it is laid on the sheet, folded and mended ----
-
-
-@dataclass(frozen=True)
-class FoldOptions:
-    """How a drawing is laid on the sheet, mended and folded: the fields are keyword arguments of ``pipeline.fold``."""
-
-    sheet: Sheet
-    margin: float
-    scale: str | float
-    offset: tuple[float, float] | None
-    rotation: str | float | None
-    width: float | None
-    height: float | None
-    method: str
-    ribbon: float | None
-    min_crease: float | None
-    tolerance: float | None
-    level: str
-    exact: bool | None
-    folds: int | None
-    small_parts: str
-    simplify: float
-    symmetry: float | str
-    adjust: float | None
-    effort: str
-    seconds: float | None
-    preparation: Preparation
-
-    def keywords(self) -> dict[str, Any]:
-        """Return the arguments for ``pipeline.fold``."""
-        return dict(vars(self))
 
 
 def add_folding(command: ArgumentParser) -> None:
@@ -468,17 +439,18 @@ def _joined(names: Iterable[str]) -> str:
     return f"{', '.join(most)} and {last}" if most else last
 
 
-def folding(args: Namespace) -> FoldOptions:
+def folding(args: Namespace) -> Options:
     """Return how a drawing is laid on the sheet, mended and folded."""
     from foldcut.core.units import parse_length
     from foldcut.drawing.mend import Preparation
     from foldcut.drawing.placement import parse_sheet
+    from foldcut.options import Options
 
     def length(text: str | None) -> float | None:
         return None if text is None else parse_length(text)
 
     sheet = parse_sheet(args.sheet or _usual_sheet(args))
-    return FoldOptions(
+    return Options(
         sheet=sheet,
         margin=_usual_margin(args, sheet) if args.margin is None else parse_length(args.margin),
         scale=_scale(args.scale, args.width, args.height),
@@ -511,19 +483,12 @@ def folding(args: Namespace) -> FoldOptions:
 
 def _scale(text: str | None, width: str | None, height: str | None) -> str | float:
     """Return "fit", or the factor that "1.5" or "1:2" (half size) means."""
+    from foldcut.drawing.placement import parse_scale
+
     if text is not None and (width is not None or height is not None):
         other = "--width" if width is not None else "--height"
         raise BadInputError(f"--scale and {other} both say how large the drawing is; give one of them")
-    if not text or text == "fit":
-        return "fit"
-    numerator, colon, denominator = text.partition(":")
-    try:
-        scale = float(numerator) / (float(denominator) if colon else 1.0)
-    except (ValueError, ZeroDivisionError):
-        scale = 0.0
-    if not 1 / LARGEST_SCALE < scale < LARGEST_SCALE:
-        raise BadInputError(f"--scale {text} is not a scale; give fit, a number such as 1.5, or a ratio such as 1:2")
-    return scale
+    return parse_scale(text or "fit")
 
 
 def parse_pair(text: str, option: str) -> tuple[float, float]:
@@ -556,7 +521,7 @@ class FoldRequest:
 
     source: Source
     reading: ReadOptions
-    folding: FoldOptions
+    folding: Options
     progress_lines: bool
 
 
@@ -788,10 +753,12 @@ def machine(args: Namespace, default: str | None = None) -> Machine:
 
 def usual_machines(args: Namespace, endings: Iterable[str]) -> dict[str, Machine]:
     """Return the machines for files with these endings that have an obvious one, if the user names none."""
+    from foldcut.output.saving import USUAL_MACHINES, usual_machine
+
     if args.profile is not None:
         return {}
     known = {ending.lower() for ending in endings} & USUAL_MACHINES.keys()
-    return {ending: machine(args, default=_usual_machine(args, ending)) for ending in sorted(known)}
+    return {ending: machine(args, default=usual_machine(ending, args.sheet or "")) for ending in sorted(known)}
 
 
 # ---- solids ----
@@ -878,28 +845,9 @@ def no_machine() -> Machine:
     return Machine(None, None, JobOptions())
 
 
-def _usual_machine(args: Namespace, ending: str) -> str:
-    """Return the machine for an ending: of several the one for the sheet, or for the paper of the user's country."""
-    from foldcut.drawing.placement import parse_sheet
-    from foldcut.profiles import load_profile
-
-    names = USUAL_MACHINES[ending]
-    wanted = parse_sheet(args.sheet or ("letter" if _letter_is_usual() else USUAL_SHEET))
-    for name in names:
-        own = parse_sheet(load_profile(name).sheet)
-        if sorted((own.width, own.height)) == sorted((wanted.width, wanted.height)):
-            return name
-    return names[1] if len(names) > 1 and _letter_is_usual() else names[0]
-
-
-def _letter_is_usual() -> bool:
-    """Whether letter paper is usual where the user lives, by the locale."""
-    locale = next((os.environ[name] for name in ("LC_ALL", "LC_PAPER", "LANG") if os.environ.get(name)), "")
-    return locale.partition(".")[0].partition("_")[2] in LETTER_COUNTRIES
-
-
 def _profile_asked_for(args: Namespace) -> Profile | None:
     """Return the profile that decides on the sheet: the named one, or that of an output; above all a printer's."""
+    from foldcut.output.saving import USUAL_MACHINES, usual_machine
     from foldcut.profiles import load_profile
 
     if not hasattr(args, "profile"):
@@ -909,7 +857,7 @@ def _profile_asked_for(args: Namespace) -> Profile | None:
     outputs = [args.output] if isinstance(args.output, str) else args.output or []
     formats = [f".{name.strip()}" for name in (getattr(args, "formats", None) or "").split(",")]
     endings = {*(Path(output).suffix.lower() for output in outputs), *formats} & USUAL_MACHINES.keys()
-    profiles = [load_profile(_usual_machine(args, ending), args.set) for ending in sorted(endings)]
+    profiles = [load_profile(usual_machine(ending, args.sheet or ""), args.set) for ending in sorted(endings)]
     return min(profiles, key=lambda profile: profile.page is None, default=None)
 
 

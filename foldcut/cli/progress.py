@@ -1,12 +1,15 @@
-"""Progress on stderr: a bar for people, or lines of JSON for programs that ask for them with ``--progress``.
+"""Progress on stderr: a bar or lines for people, or lines of JSON for programs that ask for them with ``--progress``.
 
 The bar appears when stderr is a terminal and the work takes longer than a second, or something has to be compiled; it
-disappears when the work is done.
+disappears when the work is done. Where stderr is no terminal, as in the log of a build, a line is written every few
+seconds instead.
 """
 
 from __future__ import annotations
 
 import json
+import sys
+import threading
 import time
 from contextlib import ExitStack, suppress
 from types import TracebackType
@@ -15,6 +18,7 @@ from typing import TYPE_CHECKING, TextIO
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from foldcut.cli.console import Console
     from foldcut.redraw.ladder import Level
 
 PATIENCE_S = 1.0
@@ -23,6 +27,8 @@ AT_ONCE = "compiling"
 """A stage whose name begins with this shows it at once: it takes long, and tells nothing until it is over."""
 BETWEEN_LINES_S = 0.1
 """A stage writes no more than one line in this time."""
+EVERY_S = 5.0
+"""Where there is no terminal, people are told this often how far the work is."""
 
 
 class ProgressLines:
@@ -75,8 +81,7 @@ class ProgressBar:
 
     def found(self, level: Level) -> None:
         """Keep showing which pattern there is already: Ctrl-C would take it."""
-        off = f"{level.off_by_mm:.2g} mm off" if level.tolerance_mm else "as drawn"
-        self._found = f" ({level.folds} folds so far, {off})"
+        self._found = _so_far(level)
 
     def __call__(self, stage: str, fraction: float) -> None:
         """Show that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
@@ -90,3 +95,66 @@ class ProgressBar:
             self._progress = self._open.enter_context(Progress(console=Console(stderr=True), transient=True))
             self._progress.add_task(stage, total=1.0)
         self._progress.update(self._progress.task_ids[0], description=stage + self._found, completed=fraction)
+
+
+class ProgressText:
+    """A callback ``text(stage, fraction)`` that writes a line every ``EVERY_S``; use it in a ``with`` statement.
+
+    A thread writes the lines, so that there are some even while nothing new is told. It begins with the first stage:
+    before that, while files are read, processes are forked, which threads do not survive.
+    """
+
+    def __init__(self, out: TextIO) -> None:
+        self._out = out
+        self._started = time.monotonic()
+        self._stage, self._fraction, self._found = "", 0.0, ""
+        self._done = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> ProgressText:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._done.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def found(self, level: Level) -> None:
+        """Keep telling which pattern there is already."""
+        self._found = _so_far(level)
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        """Remember that ``stage`` is at work and that this ``fraction`` of the whole is done, from 0 to 1."""
+        is_new = stage != self._stage
+        self._stage, self._fraction = stage, fraction
+        if is_new and stage.startswith(AT_ONCE):
+            self._tell()
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._tell_often, daemon=True)
+            self._thread.start()
+
+    def _tell_often(self) -> None:
+        while not self._done.wait(EVERY_S):
+            self._tell()
+
+    def _tell(self) -> None:
+        seconds = time.monotonic() - self._started
+        line = f"foldcut: {seconds:3.0f} s, {self._fraction:3.0%}: {self._stage}{self._found}\n"
+        with suppress(OSError, ValueError):  # nobody listens, and the pattern is wanted all the same
+            self._out.write(line)  # all at once: two threads print
+            self._out.flush()
+
+
+def progress_for(console: Console) -> ProgressBar | ProgressText:
+    """Return how people are told of the progress of a command: as a bar, in lines, or not at all."""
+    if console.tells_progress and not sys.stderr.isatty():
+        return ProgressText(sys.stderr)
+    return ProgressBar(console.tells_progress)
+
+
+def _so_far(level: Level) -> str:
+    """Return which pattern there is already, in brackets."""
+    off = f"{level.off_by_mm:.2g} mm off" if level.tolerance_mm else "as drawn"
+    return f" ({level.folds} folds so far, {off})"

@@ -19,6 +19,7 @@ from foldcut.core.units import rounded_up
 from foldcut.folding_steps.phases import Phase, in_words
 from foldcut.geometry.vectors import cross
 from foldcut.methods import METHODS, fewer_creases
+from foldcut.pattern.cut_line import pieces_of
 from foldcut.pattern.first_folds import first_fold_count, is_wedge, layers_after, sectors_left
 from foldcut.pattern.foldability import PAPER_MM, crease_numbers, foldability, thickness
 from foldcut.proof.verify import CHECKS
@@ -68,6 +69,7 @@ def make_report(
         "title": pattern.title,
         "sheet": {"name": sheet.name, "width_mm": sheet.width, "height_mm": sheet.height},
         "drawing": _drawing_report(result.drawing),
+        **({"pieces": len(pieces_of(pattern.shape, sheet))} if pattern.shape.is_graph else {}),
         "scale_mm_per_unit": pattern.placement.scale,
         "corners": pattern.shape.corner_count,
         "ladder": _ladder_report(result.ladder),
@@ -110,7 +112,7 @@ def _drawing_report(drawing: Drawing | None) -> Report | None:
         return None
     return {
         "loops": len(drawing.loops),
-        "points": sum(map(len, drawing.loops)),
+        "points": sum(map(len, (*drawing.loops, *drawing.lines))),
         "unit_mm": drawing.unit_mm,
         "size": list(drawing.size),
         "size_mm": None if drawing.size_mm is None else list(drawing.size_mm),
@@ -127,7 +129,8 @@ def _drawing_rows(report: Report) -> list[tuple[str, str]]:
     width, height = drawing["size"] if unit is None else drawing["size_mm"]
     size = f"{width:.4g} x {height:.4g}"
     said = "in a unit that the file does not say" if unit is None else f"mm; the file's unit is {unit:.4g} mm"
-    loops = f"{_count(drawing['loops'], 'loop')}, {drawing['points']} points"
+    loops = _count(drawing["loops"], "loop") if drawing["loops"] else "lines"
+    loops = f"{loops}, {drawing['points']} points"
     rows = [("drawing", f"{loops}, {size} {said}")]
     return [*rows, ("ignored", ", ".join(drawing["ignored"]))] if drawing["ignored"] else rows
 
@@ -281,10 +284,11 @@ def make_lines(report: Report) -> list[str]:
     """Return the report of ``foldcut make`` as text."""
     sheet = Sheet(report["sheet"]["width_mm"], report["sheet"]["height_mm"], report["sheet"]["name"])
     seconds = report["seconds"]
+    used = f"{report['sheet_used']:.0%} of it is the shape"
     rows = [
         *_drawing_rows(report),
         ("sheet", f"{sheet}; 1 unit of the drawing is {report['scale_mm_per_unit']:.4g} mm"),
-        ("", f"{report['sheet_used']:.0%} of it is the shape"),
+        ("", f"cut into {_count(report['pieces'], 'piece')}" if "pieces" in report else used),
         *_ladder_rows(report),
         *_method_rows(report),
         *_fold_rows(report),
@@ -479,7 +483,8 @@ def decision_lines(report: Report) -> list[str]:
         number, parts = report["states"], report["states_of_parts"]
         product = f", {' x '.join(map(str, parts))} of parts that do not depend on each other" if len(parts) > 1 else ""
         rows.append(("states", "too many to be counted" if number is None else f"{number:,}{product}"))
-    return _aligned([*rows, *([] if report["folds"] is None else _verdict_rows(report))])
+    rows += [] if report["folds"] is None else _verdict_rows(report)
+    return _aligned([*rows, *(_file_rows(report) if "files" in report else [])])
 
 
 def reopened_report(result: Reopened, files: Sequence[Report], made: Sequence[MadeFor] = ()) -> Report:

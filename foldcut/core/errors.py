@@ -25,6 +25,10 @@ class ShapeError(BadInputError):
     """The drawing is not a set of disjoint simple loops, or it does not fit on the sheet."""
 
 
+class TouchError(ShapeError):
+    """Loops of the drawing touch; what they draw may still be a graph that can be cut (``drawing.graph``)."""
+
+
 class SheetError(BadInputError):
     """A sheet, a length or a placement on the sheet makes no sense."""
 

@@ -10,7 +10,7 @@ and in mm from then on. Fields have the names that FOLD gives them, where it has
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,14 +19,20 @@ from foldcut.core.arrays import Chars, Floats, Ints, Ragged, points_array
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """Closed loops, filled by the even-odd rule: what the one cut cuts out.
+    """What the one cut cuts: closed loops, filled by the even-odd rule, or any planar graph of straight edges.
 
     ``loops`` are ``(n, 2)`` arrays without a repeated last point. All run counter-clockwise, no two cross or touch, and
     no three points in a row are collinear. ``parent[i]`` is the innermost loop around loop i, or -1.
+
+    Of a graph, ``loops`` are the edges whose two sides go to opposite sides of the cut line. These loops may touch at
+    corners (``touching``), and there may be none. ``lines``, ``(n, 2)`` each, are the edges whose two sides go to the
+    same side of the cut line, so that the paper is folded along them; they meet each other and the loops in corners.
     """
 
     loops: tuple[Floats, ...]
     parent: tuple[int, ...]
+    lines: tuple[Floats, ...] = ()
+    touching: bool = False
 
     def depth(self, loop: int) -> int:
         """Return how many loops surround ``loop``: an even number for an outer boundary, an odd one for a hole."""
@@ -35,8 +41,34 @@ class Shape:
 
     @property
     def corner_count(self) -> int:
-        """The number of corners of all loops together."""
-        return sum(len(loop) for loop in self.loops)
+        """The number of corners of all loops and lines together."""
+        return sum(len(line) for line in (*self.loops, *self.lines))
+
+    @property
+    def is_graph(self) -> bool:
+        """Whether this is more than loops that lie apart."""
+        return bool(self.lines) or self.touching
+
+    @property
+    def points(self) -> Floats:
+        """The corners of all loops, and then those of all lines, ``(k, 2)``."""
+        return np.concatenate([*self.loops, *self.lines])
+
+    @property
+    def strokes(self) -> tuple[Floats, ...]:
+        """Where the cut goes, as lines ``(n, 2)``: the loops, which end where they begin, and the lines."""
+        return (*(np.concatenate([loop, loop[:1]]) for loop in self.loops), *self.lines)
+
+    @property
+    def closed_strokes(self) -> tuple[Floats, ...]:
+        """The same as closed polygons, for what draws only these: the loops, and each line there and back."""
+        return (*self.loops, *(np.concatenate([line, line[-2:0:-1]]) for line in self.lines))
+
+    def with_points(self, points: Floats) -> Shape:
+        """Return the shape with its corners, in the order of ``points``, at other places ``(k, 2)``."""
+        ends = np.cumsum([len(line) for line in (*self.loops, *self.lines)])[:-1]
+        moved = tuple(points_array(part) for part in np.split(points, ends))
+        return replace(self, loops=moved[: len(self.loops)], lines=moved[len(self.loops) :])
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,14 @@ from __future__ import annotations
 
 import math
 import re
+from typing import overload
 
 from foldcut.core.errors import SheetError
 
-__all__ = ["LENGTH", "LONGEST_MM", "MM_PER_INCH", "MM_PER_UNIT", "parse_length", "rounded_up"]
+__all__ = ["LENGTH", "LONGEST_MM", "MM_PER_INCH", "MM_PER_UNIT", "Length", "in_mm", "parse_length", "rounded_up"]
+
+Length = float | str
+"""A length in mm, or a text such as "10mm", "1cm" or "0.5in"."""
 
 MM_PER_INCH = 25.4
 """Millimetres per inch."""
@@ -47,6 +51,15 @@ def parse_length(text: str) -> float:
             f"{text!r} is not a length; give a number from 0 up with mm, cm or in, such as 10mm, 1cm, 0.5in or 12"
         )
     return length
+
+
+@overload
+def in_mm(length: Length) -> float: ...
+@overload
+def in_mm(length: Length | None) -> float | None: ...
+def in_mm(length: Length | None) -> float | None:
+    """Return a length in mm; raises ``SheetError`` for a text that is none."""
+    return parse_length(length) if isinstance(length, str) else length
 
 
 def rounded_up(length: float) -> str:

@@ -27,6 +27,7 @@ __all__ = [
     "SHEET_LIMITS_MM",
     "Layout",
     "as_it_lies",
+    "parse_scale",
     "parse_sheet",
     "place",
 ]
@@ -60,6 +61,24 @@ FIT_TOLERANCE = 1e-9
 
 ROTATIONS = 360
 """The number of angles that are tried; the best of them is then improved."""
+
+
+LARGEST_SCALE = 1e12
+"""Nobody means a larger scale, nor a smaller one than 1 in this."""
+
+
+def parse_scale(text: str) -> str | float:
+    """Return "fit", or the factor that "1.5" or "1:2" (half size) means; raises ``SheetError`` for any other text."""
+    if text == "fit":
+        return "fit"
+    numerator, colon, denominator = text.partition(":")
+    try:
+        scale = float(numerator) / (float(denominator) if colon else 1.0)
+    except (ValueError, ZeroDivisionError):
+        scale = 0.0
+    if not 1 / LARGEST_SCALE < scale < LARGEST_SCALE:
+        raise SheetError(f"--scale {text} is not a scale; give fit, a number such as 1.5, or a ratio such as 1:2")
+    return scale
 
 
 def parse_sheet(text: str) -> Sheet:
@@ -99,7 +118,7 @@ def as_it_lies(sheet: Sheet, shape: Shape, rotation: float = 0.0) -> Sheet:
     """
     if not sheet.either_way:
         return sheet
-    width, height = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    width, height = np.ptp(shape.points @ _rotation_matrix(rotation).T, axis=0)
     if width <= (1 + FIT_TOLERANCE) * height:
         return Sheet(sheet.width, sheet.height, sheet.name)
     return Sheet(sheet.height, sheet.width, f"{sheet.name} landscape")
@@ -122,13 +141,14 @@ def place(
     ``ShapeError`` for a shape that does not fit inside the margin, strictly inside the sheet.
     """
     _check_numbers(sheet, margin, scale, offset, rotation)
-    points = np.concatenate(shape.loops)
+    points = shape.points
     pivot = _box_centre(points)
     turn = _rotation_matrix(rotation)
     turned = (points - pivot) @ turn.T
     centre, size = _box_centre(turned), np.ptp(turned, axis=0)
     room = np.array([sheet.width, sheet.height]) - 2 * margin
-    factor = float((room / size).min()) if scale == "fit" else float(scale)
+    with np.errstate(divide="ignore"):  # a single line has no width or no height
+        factor = float((room / size).min()) if scale == "fit" else float(scale)
     with np.errstate(over="ignore"):  # an infinite size is refused as any other that is too large
         target = np.array([sheet.width, sheet.height]) / 2 if offset is None else offset + factor * size / 2
         placed = (turned - centre) * factor + target
@@ -136,9 +156,7 @@ def place(
     linear = factor * turn
     matrix = np.column_stack([linear, target - linear @ pivot - factor * centre])
     matrix.setflags(write=False)
-    ends = np.cumsum([len(loop) for loop in shape.loops])[:-1]
-    loops = tuple(points_array(loop) for loop in np.split(placed, ends))
-    return Shape(loops, shape.parent), Placement(matrix)
+    return shape.with_points(placed), Placement(matrix)
 
 
 @dataclass(frozen=True)
@@ -191,12 +209,14 @@ def _scale_to(shape: Shape, width: float | None = None, height: float | None = N
     With both, it is the largest scale at which neither is exceeded. Raises ``SheetError`` for lengths that are not
     above 0.
     """
-    size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    size = np.ptp(shape.points @ _rotation_matrix(rotation).T, axis=0)
     scales = []
     for name, length, extent in (("width", width, size[0]), ("height", height, size[1])):
         if length is not None:
             if not 0 < length < math.inf:
                 raise SheetError(f"the {name} of the drawing is {length:g} mm; give a length above 0")
+            if not extent:
+                raise SheetError(f"the drawing is a line with no {name}; leave out --{name}")
             scales.append(length / float(extent))
     return min(scales)
 
@@ -205,9 +225,10 @@ def _lies_better_turned(
     shape: Shape, sheet: Sheet, *, margin: float = 10.0, scale: str | float = "fit", rotation: float = 0.0
 ) -> bool:
     """Whether ``shape`` fits ``sheet`` larger after another quarter turn, or with a fixed ``scale``, fits only then."""
-    size = np.ptp(np.concatenate(shape.loops) @ _rotation_matrix(rotation).T, axis=0)
+    size = np.ptp(shape.points @ _rotation_matrix(rotation).T, axis=0)
     room = np.array([sheet.width, sheet.height]) - 2 * margin
-    straight, turned = (float((room / extents).min()) for extents in (size, size[::-1]))
+    with np.errstate(divide="ignore"):
+        straight, turned = (float((room / extents).min()) for extents in (size, size[::-1]))
     return straight * (1 + FIT_TOLERANCE) < turned and (
         scale == "fit" or straight * (1 + FIT_TOLERANCE) < float(scale) <= turned * (1 + FIT_TOLERANCE)
     )
@@ -215,7 +236,7 @@ def _lies_better_turned(
 
 def _best_rotation(shape: Shape, sheet: Sheet, *, margin: float = 10.0) -> float:
     """Return the angle in degrees, from 0 to 180, at which ``shape`` fits ``sheet`` largest."""
-    points = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(np.concatenate(shape.loops))))
+    points = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(shape.points)))
     hull = Shape((points_array(points),), (-1,))
 
     def taken(degrees: float) -> float:

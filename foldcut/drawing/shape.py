@@ -22,7 +22,7 @@ import shapely
 from numpy.typing import ArrayLike
 
 from foldcut.core.arrays import Floats, Ints, blocks, index_array, points_array
-from foldcut.core.errors import ShapeError
+from foldcut.core.errors import ShapeError, TouchError
 from foldcut.core.model import Shape
 from foldcut.geometry.vectors import signed_area
 
@@ -320,7 +320,8 @@ def _refuse_crossing(boundary: _Boundary, frame: _Frame, one: int, other: int) -
         verb, place = "touches", ends[reaches.argmin()]
     subject, target = boundary.pair(one, other)
     remedy = ", or all that touch with --separate" if verb == "touches" else ""
-    raise ShapeError(
+    error = TouchError if verb == "touches" else ShapeError
+    raise error(
         f"{subject} {verb} {target} at {frame.at(place)}; "
         f"separate the two edges by at least {frame.length(FEATURE_TOLERANCE)}{remedy}"
     )
@@ -330,8 +331,10 @@ def _refuse_small_features(boundary: _Boundary, frame: _Frame) -> None:
     distance, corner, edge = _smallest_feature(boundary)
     if distance < FEATURE_TOLERANCE:
         subject, target = boundary.pair(corner, edge)
-        verb = "touches" if distance <= COLLINEAR_TOLERANCE else f"comes within {frame.length(distance)} of"
-        raise ShapeError(
+        touches = distance <= COLLINEAR_TOLERANCE
+        verb = "touches" if touches else f"comes within {frame.length(distance)} of"
+        error = TouchError if touches else ShapeError
+        raise error(
             f"{subject} {verb} {target} at {frame.at(boundary.corners[corner])}; keep corners and edges at "
             f"least {frame.length(FEATURE_TOLERANCE)} apart ({FEATURE_TOLERANCE:g} of the drawing's size)"
         )

@@ -3,7 +3,7 @@
 ``FoldFile`` -> ``Decision``. A file that is right as it stands is judged as it stands (``judge``). Beyond that,
 
 - coordinates may be rounded: the vertices may move as far as the tolerance says, to the nearest pattern whose angles
-  fold flat exactly;
+  fold flat exactly; a file that says that they were moved is given as much slack as the one before it, and no more;
 - a layer order that is missing, or is given for some pairs of faces only, is looked for;
 - edges assigned U may be folded either way, and if they cannot be folded, stay flat.
 
@@ -76,6 +76,9 @@ class Decision:
     moved: Repaired | None = None
     notes: tuple[str, ...] = ()
     tolerance: float | None = None
+
+    def __repr__(self) -> str:
+        return f"<Decision: {self.sentence}>"
 
 
 def decide(file: FoldFile, shape: Shape | None = None, tolerance: float = TOLERANCE) -> Decision:
@@ -164,7 +167,8 @@ class _Deciding:
 
     def _as_it_says(self, pattern: CreasePattern, found: list[Finding], moved: Repaired | None) -> Decision:
         """Judge the order of all layers that the file has, with vertices where they were moved to."""
-        loose = _loose(pattern) if moved is None else [times * moved.most / _diagonal(pattern) for times in ERRORS]
+        error = self._error(pattern, moved)
+        loose = [times * error / _diagonal(pattern) for times in ERRORS] if error else _loose(pattern)
         tolerances = sorted({*(min(share, LOOSEST) for share in loose), *COINCIDENT}, reverse=True)
         within = verify(with_folds(pattern), self.file.layers, self.shape, tolerances)
         if not within:
@@ -174,10 +178,16 @@ class _Deciding:
             return _refused(pattern, f"folds flat, but the cut is not the drawing's: {found[0]}", found)
         return _refused(pattern, f"does not fold flat as the file says: {found[0]}", found)
 
+    def _error(self, pattern: CreasePattern, moved: Repaired | None) -> float:
+        """Return by how many mm vertices were moved, here or, within the tolerance, before the file was written."""
+        if moved is not None:
+            return moved.most
+        return min(self.file.repaired_by, self.tolerance * _diagonal(pattern))
+
     def _search(self, pattern: CreasePattern, moved: Repaired | None) -> Decision:
         """Look for an order that agrees with what the file gives of one."""
         given = given_orders(self.file)
-        error = 0.0 if moved is None else moved.most
+        error = self._error(pattern, moved)
         answer = find_order(pattern, given, error)
         if answer.folds is None:
             assert answer.reason is not None

@@ -20,12 +20,14 @@ from typing import Any, NoReturn
 import numpy as np
 
 from foldcut.core.arrays import Bools, Chars, Floats, Ints, Ragged, index_array, points_array, sealed
-from foldcut.core.errors import FileFormatError
+from foldcut.core.errors import FileFormatError, TouchError
 from foldcut.core.files import is_standard_input, read_bytes
-from foldcut.core.model import CreasePattern, Placement
+from foldcut.core.model import CreasePattern, Placement, Shape
 from foldcut.core.text import as_title
 from foldcut.core.units import MM_PER_UNIT
+from foldcut.drawing.graph import make_graph, shape_of_parts
 from foldcut.drawing.limits import Limits
+from foldcut.drawing.shape import make_shape
 from foldcut.foldfile.claims import Claims, read_claims
 from foldcut.foldfile.frames import is_folded_form, with_pattern_first
 from foldcut.foldfile.parts import LARGEST, fail, indices, numbers, rows_of, shown
@@ -63,9 +65,11 @@ class FoldFile:
     first folded frame. ``placement``, ``loops`` (the shape on the sheet), ``first_folds`` and ``drawn`` (the drawing
     there) are foldcut's own entries.
     ``unit_mm`` is the length that was assumed for the unit of the file. ``notes`` say what was left out or assumed.
+    ``repaired_by``: how many mm the vertices were moved, at most, so that their angles fold flat, as the file says.
     ``claims`` are all the other fields about the pattern; ``turned`` ``(f,)``: which faces the file has clockwise;
     ``own_layers``: whether ``layers`` are foldcut's own entry and not sorted from faceOrders. ``moved_by``: by how
-    many mm ``loops`` were moved from the drawing, as the file says.
+    many mm ``loops`` were moved from the drawing, as the file says. ``lines``: what the cut follows besides ``loops``,
+    on the sheet.
     """
 
     pattern: CreasePattern
@@ -82,6 +86,21 @@ class FoldFile:
     turned: Bools | None = None
     own_layers: bool = False
     moved_by: float | None = None
+    repaired_by: float = 0.0
+    lines: tuple[Floats, ...] = ()
+
+    @property
+    def shape(self) -> Shape | None:
+        """The shape on the sheet, if the file says what the cut cuts; raises ``ShapeError`` where it is none."""
+        if not self.loops and not self.lines:
+            return None
+        if not self.lines:
+            try:
+                return make_shape(self.loops or ())
+            except TouchError:
+                pass
+        make_graph(self.loops or (), self.lines)
+        return shape_of_parts(self.loops or (), self.lines)
 
 
 def read_fold(path: Path | str) -> FoldFile:
@@ -175,7 +194,9 @@ class _Reader:
             claims,
             turned,
             given and "foldcut:layers" in self.data,
-            self.moved_by(),
+            self.length("foldcut:movedBy"),
+            self.length("foldcut:repairedBy") or 0.0,
+            self.point_lists("foldcut:lines", unit_mm, least=2) or (),
         )
 
     def claims(self, pattern: CreasePattern, *, given: bool) -> Claims:
@@ -397,15 +418,14 @@ class _Reader:
             )
         return Placement(array)
 
-    def moved_by(self) -> float | None:
-        """Return by how many mm the shape was moved from the drawing, as the file says."""
-        name = "foldcut:movedBy"
+    def length(self, name: str) -> float | None:
+        """Return an entry that is a length in mm, or None if the file does not have it."""
         if name not in self.data:
             return None
-        (moved,) = numbers(name, [self.data[name]])
-        if moved < 0:
-            fail(name, f"{moved:g} is not a length in mm from 0 up")
-        return moved
+        (length,) = numbers(name, [self.data[name]])
+        if length < 0:
+            fail(name, f"{length:g} is not a length in mm from 0 up")
+        return length
 
     def rows(self, name: str) -> Iterator[tuple[str, list[Any]]]:
         """Yield the place in the file and the row, for each row of an entry that is a list of lists."""

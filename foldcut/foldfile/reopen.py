@@ -15,7 +15,6 @@ from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError
 from foldcut.core.model import CreasePattern, Finding, FoldedPattern, FoldedState, Shape, Sheet
 from foldcut.drawing.placement import SHEET_LIMITS_MM
-from foldcut.drawing.shape import make_shape
 from foldcut.foldfile.first_folds import why_not_first
 from foldcut.foldfile.judge import judge
 from foldcut.foldfile.read import FoldFile
@@ -55,16 +54,17 @@ def reopen(file: FoldFile) -> Reopened:
     missing = {
         "foldcut:layers or faceOrders, which face lies on which": file.layers,
         "foldedForm frame, where the vertices land": file.folded,
-        "foldcut:shape, what the cut cuts out": file.loops or None,
+        "foldcut:shape, what the cut cuts out": file.loops or file.lines or None,
         "foldcut:placement, where the drawing lies on the sheet": file.placement,
     }
     absent = [what for what, value in missing.items() if value is None]
-    if file.layers is None or file.folded is None or not file.loops or file.placement is None:
+    shape = file.shape
+    if file.layers is None or file.folded is None or shape is None or file.placement is None:
         raise BadInputError(
             f"the file has no {'; no '.join(absent)}. Only FOLD files that foldcut wrote have these and can be "
             "reopened; `foldcut check` judges any crease pattern, and `foldcut solve` writes it"
         )
-    sheet, shape = _sheet(creases), make_shape(file.loops)
+    sheet = _sheet(creases)
     findings = judge(file, shape) or _check_folded(creases, file.folded, shape, sheet)
     folded = FoldedState(file.folded, file.layers)
     first: Loops = ()

@@ -8,7 +8,6 @@ there is none, and only formats without layers can be written.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -27,7 +26,16 @@ from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof.tolerance import COINCIDENT
 from foldcut.proof.verify import verify
 
-__all__ = ["CIRCULAR", "Solved", "is_rectangle", "solve", "with_pairs", "without_flat_lines"]
+__all__ = [
+    "CIRCULAR",
+    "Solved",
+    "as_json",
+    "completed",
+    "face_orders_of",
+    "is_rectangle",
+    "solve",
+    "without_flat_lines",
+]
 
 LOOSE = (1e-4, 1e-5, 1e-6, 1e-7)
 """The list of layers is proven with one of these tolerances, relative to the sheet's diagonal, if not a finer one."""
@@ -43,12 +51,14 @@ class Solved:
     """A pattern that folds flat, in mm from the sheet's lower left corner; ``in_a_circle``: it has no list of layers.
 
     ``folded_pattern.folded.layers`` is then any order of the faces, and nothing that shows layers may be made of it.
-    ``pairs`` ``(n, 2)``: the faces that lie on each other, the upper one first.
+    ``pairs`` ``(n, 2)``: the faces that lie on each other, the upper one first. ``repaired_by``: how far vertices were
+    moved so that their angles fold flat, in mm.
     """
 
     folded_pattern: FoldedPattern
     pairs: Indices
     in_a_circle: bool
+    repaired_by: float
 
 
 def without_flat_lines(file: FoldFile) -> FoldFile:
@@ -58,7 +68,7 @@ def without_flat_lines(file: FoldFile) -> FoldFile:
     if kept.all():
         return file
     bare = pattern_of_edges(pattern.vertices_coords, pattern.edges_vertices[kept], pattern.edges_assignment[kept])
-    return FoldFile(bare, None, None, file.unit_mm, file.notes, file.title)
+    return FoldFile(bare, None, None, file.unit_mm, file.notes, file.title, repaired_by=file.repaired_by)
 
 
 def solve(file: FoldFile, tolerance: float, width_mm: float | None = None) -> tuple[Solved | None, Decision]:
@@ -74,8 +84,8 @@ def solve(file: FoldFile, tolerance: float, width_mm: float | None = None) -> tu
     pairs = np.empty((0, 2), dtype=np.intp) if decision.pairs is None else decision.pairs
     in_a_circle = layers is None
     coords = pattern.vertices_coords - pattern.vertices_coords.min(axis=0)
-    if width_mm is not None:
-        coords = coords * (width_mm / float(coords[:, 0].max()))
+    scale = 1.0 if width_mm is None else width_mm / float(coords[:, 0].max())
+    coords = coords * scale
     pattern = replace(pattern, vertices_coords=sealed(coords))
     sheet = Sheet(*coords.max(axis=0).tolist())
     shortest, longest = SHEET_LIMITS_MM
@@ -89,7 +99,8 @@ def solve(file: FoldFile, tolerance: float, width_mm: float | None = None) -> tu
     folded = FoldedState(_landed(pattern), index_array(any_order))
     placement = Placement(np.array([(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)]))
     made = FoldedPattern(pattern, folded, sheet, Shape((), ()), placement, file.title)
-    return Solved(made, pairs, in_a_circle), decision
+    moved_mm = file.repaired_by if decision.moved is None else decision.moved.most
+    return Solved(made, pairs, in_a_circle, scale * moved_mm), decision
 
 
 def _with_list(file: FoldFile, decision: Decision) -> tuple[CreasePattern, Ints | None]:
@@ -127,20 +138,32 @@ def is_rectangle(solved: Solved) -> bool:
     return abs(area - sheet.width * sheet.height) <= RECTANGULAR * sheet.width * sheet.height
 
 
-def with_pairs(data: bytes, solved: Solved) -> bytes:
-    """Return a FOLD file of a pattern whose layers are in a circle, with the order of pairs in place of the list."""
+def completed(data: bytes, solved: Solved) -> bytes:
+    """Return a FOLD file with what its exporter does not know of.
+
+    That is by how much vertices were moved and, of a pattern whose layers are in a circle, the order of pairs in place
+    of the list.
+    """
+    if not solved.in_a_circle and not solved.repaired_by:
+        return data
     document = json.loads(data)
-    creases = solved.folded_pattern.creases
+    if solved.repaired_by:
+        document["foldcut:repairedBy"] = solved.repaired_by
+    if solved.in_a_circle:
+        document["faceOrders"] = face_orders_of(solved.folded_pattern.creases, solved.pairs)
+        document.pop("foldcut:layers")
+    return as_json(document)
+
+
+def face_orders_of(creases: CreasePattern, pairs: Indices) -> list[list[int]]:
+    """Return the rows of ``faceOrders`` for pairs of faces, the upper one first."""
     up = fold_faces(creases, edge_faces(creases)).up
-    upper, lower = solved.pairs.T
-    document["faceOrders"] = np.column_stack([upper, lower, np.where(up[lower], 1, -1)]).tolist()
-    document.pop("foldcut:layers")
-    return "\n".join(_lines_of(document)).encode()
+    upper, lower = pairs.T
+    orders: list[list[int]] = np.column_stack([upper, lower, np.where(up[lower], 1, -1)]).tolist()
+    return orders
 
 
-def _lines_of(document: dict[str, Any]) -> Iterator[str]:
-    """Yield a JSON object with one line for each key."""
-    yield "{"
-    for at, (key, value) in enumerate(document.items(), 1):
-        yield f"{json.dumps(key)}: {json.dumps(value)}{',' * (at < len(document))}"
-    yield "}\n"
+def as_json(document: dict[str, Any]) -> bytes:
+    """Return a JSON object with one line for each key."""
+    lines = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in document.items()]
+    return ("{\n" + ",\n".join(lines) + "\n}\n").encode()

@@ -63,7 +63,7 @@ def check_pattern(pattern: FoldedPattern) -> None:
     slack = 1e-6 * sheet.diagonal
     parts = {
         "a vertex": ([pattern.creases.vertices_coords], slack),
-        "the shape": (pattern.shape.loops, slack),
+        "the shape": ((*pattern.shape.loops, *pattern.shape.lines), slack),
         "a first fold": (pattern.first_folds, slack),
         "the drawing": (pattern.drawn, DRAWN_BEYOND * sheet.diagonal),
     }

@@ -65,8 +65,8 @@ HOLE_CORNERS = 24
 
 
 def outline(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:
-    """Return the loops of the shape: where the cut will be on the flat sheet."""
-    return [np.concatenate([loop, loop[:1]]) for loop in pattern.shape.loops]
+    """Return the loops and lines of the shape: where the cut will be on the flat sheet."""
+    return list(pattern.shape.strokes)
 
 
 def first_folds(pattern: FoldedPattern, room: Room | None = None) -> list[Floats]:

@@ -39,6 +39,7 @@ class Method:
     - ``needs_ribbon``: without a ribbon along the cut its creases fold onto the cut line;
     - ``few_creases``: it is the one to try where another method's creases get too short;
     - ``construction``: its stages can be drawn;
+    - ``graphs``: it folds any planar graph, not only loops that lie apart;
     - ``cuts_down``: more paper around the drawing makes more folds, so the sheet may be cut down first.
     """
 
@@ -49,6 +50,7 @@ class Method:
     needs_ribbon: bool = False
     few_creases: bool = False
     construction: bool = False
+    graphs: bool = False
     cuts_down: bool = False
 
     def fold(self, problem: Problem, effort: Effort) -> Made:
@@ -83,7 +85,13 @@ METHODS = {
             needs_ribbon=True,
             construction=True,
         ),
-        Method("skeleton", "any loops, few creases, but not all drawings", package="skeleton", cuts_down=True),
+        Method(
+            "skeleton",
+            "any loops, few creases, but not all drawings",
+            package="skeleton",
+            graphs=True,
+            cuts_down=True,
+        ),
         Method("gate", "the same as paper for several loops", package="gate", needs_ribbon=True),
     )
 }
@@ -97,6 +105,16 @@ def check_choice(name: str) -> None:
     """Raise ``BadInputError`` unless a pattern can be asked for by this name."""
     if name not in CHOICES:
         raise BadInputError(f"unknown method {name!r}; known: {', '.join(CHOICES)}")
+
+
+def check_graph(name: str) -> None:
+    """Raise ``BadInputError`` if a method that is asked for does not fold open lines and figures that touch."""
+    if name != AUTO and not METHODS[name].graphs:
+        known = " or ".join(method.name for method in METHODS.values() if method.graphs)
+        raise BadInputError(
+            f"--method {name} folds closed outlines that lie apart, and this drawing has open lines or outlines that "
+            f"touch; leave it out, or give --method {known}"
+        )
 
 
 def fewer_creases(tried: Collection[str] = ()) -> str:

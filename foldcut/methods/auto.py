@@ -57,6 +57,8 @@ def run(method: str, problem: Problem, effort: Effort) -> tuple[Made, tuple[Atte
 
     Raises ``UnfoldableError`` with the reason of each that was tried where none makes a pattern.
     """
+    if method == AUTO and problem.shape.is_graph:
+        method = next(name for name, row in METHODS.items() if row.graphs)
     if method == AUTO:
         return _best(problem, effort)
     problem.stages.up_to(FOLDED)

@@ -68,7 +68,7 @@ class Frame:
     def is_same(self) -> bool:
         """Whether the frame is what was asked for, to the last bit."""
         on, size = self.laid.sheet, (self.sheet.width, self.sheet.height)
-        same = all(np.array_equal(a, b) for a, b in zip(self.shape.loops, self.laid.shape.loops, strict=True))
+        same = np.array_equal(self.shape.points, self.laid.shape.points)
         return same and (on.width, on.height) == size
 
     @property
@@ -93,7 +93,8 @@ class Frame:
         """Return a shape of the frame on the sheet that was asked for."""
         if shape is self.shape:
             return self.laid.shape
-        return Shape(tuple(self.points(loop) for loop in shape.loops), shape.parent)
+        loops, lines = (tuple(map(self.points, parts)) for parts in (shape.loops, shape.lines))
+        return replace(shape, loops=loops, lines=lines)
 
     def regions(self, regions: Sequence[Region]) -> tuple[Region, ...]:
         """Return regions of the frame on the sheet that was asked for, the first of them the whole sheet."""
@@ -181,7 +182,7 @@ def cut_down(laid: Laid) -> tuple[Sheet, float] | None:
     sheet = Sheet(min(_rounded_down(width), laid.sheet.width), min(_rounded_down(height), laid.sheet.height))
     if sheet.width * sheet.height > MOST_LEFT * laid.sheet.width * laid.sheet.height:
         return None
-    size = np.ptp(np.concatenate(laid.shape.loops), axis=0)
+    size = np.ptp(laid.shape.points, axis=0)
     margin = float(min(sheet.width - size[0], sheet.height - size[1])) / 2
     return sheet, MARGIN_LEFT * margin
 
@@ -204,7 +205,7 @@ def _page(laid: Laid) -> Frame:
 
 
 def _moved(shape: Shape, step: Floats) -> Shape:
-    return Shape(tuple(points_array(loop + step) for loop in shape.loops), shape.parent) if step.any() else shape
+    return shape.with_points(shape.points + step) if step.any() else shape
 
 
 def _middle_of_sheet(sheet: Sheet) -> Floats:
@@ -213,6 +214,6 @@ def _middle_of_sheet(sheet: Sheet) -> Floats:
 
 def _middle(shape: Shape) -> Floats:
     """Return the middle of the rectangle around a shape."""
-    points = np.concatenate(shape.loops)
+    points = shape.points
     middle: Floats = (points.min(axis=0) + points.max(axis=0)) / 2
     return middle

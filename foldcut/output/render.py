@@ -72,6 +72,27 @@ class JobOptions:
         subtitle, lines = hints(pattern, COLOURS.get(profile.operations["mark"].colour, "outline's"))
         return (replace(made[0], subtitle=subtitle, hints=lines), *made[1:])
 
+    def words(self) -> tuple[str, ...]:
+        """Return the options as they are typed on the command line, those that are not as the profile says."""
+        at = self.layout.at
+        values = {
+            "--material": self.material,
+            "--treatment": self.treatment,
+            "--two-sided": self.two_sided,
+            "--registration": self.registration,
+            "--marks": None if self.marks is None else ",".join(self.marks) or "none",
+            "--tile": self.tile,
+            "--at": None if at is None else f"{at[0]:g}mm,{at[1]:g}mm",
+            "--copies": None if self.layout.copies == 1 else self.layout.copies,
+            "--tabs": self.tabs,
+            "--frame": self.framed,
+        }
+        return tuple(
+            name if value is True else f"{name}={value}"
+            for name, value in values.items()
+            if value is not None and value is not False
+        )
+
     def sides(self, path: Path) -> dict[Side, Path]:
         """Return the files that ``path`` stands for: one, or one for the front and one for the back; a PDF has both."""
         if not self.two_sided or path.suffix.lower() not in JOB_EXPORTERS or path.suffix.lower() == DUPLEX:

@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers, blocks
-from foldcut.core.model import CreasePattern, Shape
+from foldcut.core.model import CreasePattern, Shape, Sheet
 from foldcut.geometry.planar_graph import edge_faces, half_edges
 from foldcut.pattern.face_maps import FaceMaps
 
@@ -24,7 +24,9 @@ __all__ = [
     "face_polygons",
     "fold_boundary",
     "fold_pieces",
+    "pieces_of",
     "sides_of",
+    "sides_of_lines",
 ]
 
 BATCH = 1 << 16
@@ -42,6 +44,22 @@ def contains(shape: Shape, points: Floats) -> Bools:
     return odd
 
 
+def sides_of_lines(shape: Shape) -> Bools:
+    """Return for each of a shape's lines whether the paper beside it is inside the shape, ``(n,)``."""
+    return contains(shape, np.array([line[:2].mean(axis=0) for line in shape.lines]).reshape(-1, 2))
+
+
+def pieces_of(shape: Shape, sheet: Sheet) -> list[shapely.Polygon]:
+    """Return the pieces of the sheet that a cut along all loops and lines leaves, the largest first, as they lie flat.
+
+    A slit that ends within a piece is not seen in it.
+    """
+    lines = [shapely.linestrings(stroke) for stroke in shape.strokes]
+    divided = shapely.union_all([*lines, shapely.box(0, 0, sheet.width, sheet.height).exterior])
+    pieces: list[shapely.Polygon] = list(shapely.get_parts(shapely.polygonize([divided])))
+    return sorted(pieces, key=lambda piece: (-round(piece.area, 6), piece.bounds))
+
+
 def fold_boundary(
     pattern: CreasePattern, maps: FaceMaps, shape: Shape, tolerance: float
 ) -> tuple[Floats, Indices, Floats]:
@@ -56,9 +74,10 @@ def fold_boundary(
 
 
 def sides_of(shape: Shape) -> Floats:
-    """Return the sides of all loops, ``(n, 2, 2)``."""
-    starts = np.concatenate(shape.loops)
-    return np.stack([starts, np.concatenate([np.roll(loop, -1, axis=0) for loop in shape.loops])], axis=1)
+    """Return the sides of all loops, and then those of all lines, ``(n, 2, 2)``."""
+    starts = [*shape.loops, *(line[:-1] for line in shape.lines)]
+    ends = [*(np.roll(loop, -1, axis=0) for loop in shape.loops), *(line[1:] for line in shape.lines)]
+    return np.stack([np.concatenate(starts), np.concatenate(ends)], axis=1)
 
 
 def edges_near(

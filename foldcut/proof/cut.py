@@ -10,11 +10,17 @@ piece are vertices of the pattern and points of the boundary, where the height i
 greatest at corners. So if no inner vertex is below the line and no outer one above it, every piece is on its own
 side and reaches the line with an edge at most: a point strictly within a piece is strictly off the line.
 
+A shape may be any planar graph (docs/graphs.md): loops whose two sides go to opposite sides of the cut line, and lines
+whose two sides go to the same side. Then the paper is folded along the lines, on the cut line, and nowhere else on it.
+The argument stays: loops and lines divide the faces into pieces, and each piece reaches the line with an edge at most.
+
 In a large pattern, only the edges that reach the line are compared with the boundary: see ``is_surely_cut``.
 ``pattern.cut_line`` divides and folds the boundary.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -64,18 +70,17 @@ def check_cut(
     ``faces_of_edges`` is ``edge_faces(pattern)``, ``maps`` is ``fold_faces`` of both, ``shape`` is on the sheet in mm,
     and ``tolerance`` is in mm.
     """
-    if not shape.loops:
+    if not shape.loops and not shape.lines:
         return [Finding("cut", "the shape has no loops; give at least one")]
     sides = sides_of(shape)
     findings = check_on_sheet(pattern, faces_of_edges, sides, tolerance)
     if findings:
         return findings
-    if len(pattern.edges_vertices) >= MANY_EDGES and is_surely_cut(
-        pattern, faces_of_edges, maps, shape, sides, tolerance
-    ):
+    is_large = len(pattern.edges_vertices) >= MANY_EDGES and not shape.is_graph
+    if is_large and is_surely_cut(pattern, faces_of_edges, maps, shape, sides, tolerance):
         return []
     near = edges_near(pattern, sides, 2 * tolerance)
-    findings = _check_creases(pattern, sides, near, tolerance)
+    findings = _check_creases(pattern, sides, _of_loops(shape, near), tolerance)
     pieces, _, landed = fold_pieces(pattern, faces_of_edges, maps, sides, near, tolerance)
     folded = np.concatenate([landed[:, 0], landed[:, 1]])
     along, level = line_through(folded)
@@ -164,6 +169,13 @@ def _check_creases(
     return findings
 
 
+def _of_loops(shape: Shape, near: tuple[Indices, Indices]) -> tuple[Indices, Indices]:
+    """Return the pairs of a side and an edge near it whose side is of a loop: along lines, paper has to be folded."""
+    side, edge = near
+    kept = side < sum(len(loop) for loop in shape.loops)
+    return side[kept], edge[kept]
+
+
 def _lengths(sides: Floats) -> Floats:
     lengths: Floats = np.hypot(*(sides[:, 1] - sides[:, 0]).T)
     return lengths
@@ -216,8 +228,9 @@ def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list
     ends = pattern.vertices_coords[pattern.edges_vertices[crease]]
     length, middle = np.hypot(*(ends[:, 1] - ends[:, 0]).T), ends.mean(axis=1)
     inside = contains(shape, middle)
+    beyond = length - _along_lines(ends, shape, ON_THE_LINE * diagonal)
     findings = []
-    for at in np.flatnonzero(length > SEVERED * diagonal).tolist():
+    for at in np.flatnonzero(beyond > SEVERED * diagonal).tolist():
         where = "inside" if inside[at] else "outside"
         message = (
             f"crease {crease[at]}, {where} the shape, folds onto the cut line for {length[at]:.3g} mm: the cut would "
@@ -225,3 +238,14 @@ def _check_severed(pattern: CreasePattern, height: Floats, shape: Shape) -> list
         )
         findings.append(finding("cut", message, middle[at], length[at]))
     return findings
+
+
+def _along_lines(creases: Floats, shape: Shape, tolerance: float) -> Floats:
+    """Return how much of each crease, ``(n, 2, 2)``, lies along lines of the shape, ``(n,)`` mm."""
+    along = np.zeros(len(creases))
+    if shape.lines and len(creases):
+        lines = sides_of(replace(shape, loops=(), parent=()))
+        tree = shapely.STRtree(shapely.linestrings(lines))
+        crease, line = tree.query(shapely.linestrings(creases), predicate="dwithin", distance=tolerance)
+        np.add.at(along, crease, collinear_overlap(creases[crease], lines[line], tolerance)[0])
+    return along

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers, blocks
+from foldcut.core.arrays import Bools, Floats, Indices, Ints, Numbers, Ragged, blocks
 from foldcut.core.model import CreasePattern, Finding
 from foldcut.geometry.planar_graph import Keys, half_edges, pair_keys, signed_areas
 from foldcut.proof.findings import MOST_FINDINGS, at_edge, finding, first
@@ -22,11 +23,22 @@ _BATCH = 256
 MANY_SIDES = 64
 """In faces with more sides than this, a tree finds sides that a corner comes close to; else all pairs are compared."""
 
+MOST_NEAR = 10_000_000
+"""No more pairs of things whose boxes meet are looked at one by one: that takes some 2 s."""
+
+MOST_PLACES = 2_000_000
+"""The same where it is only looked for the places of a fault that is known."""
+
+SAMPLE = 64
+"""From so many things it is concluded how many boxes all of them meet."""
+
 
 def check_planar(
     pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints, tolerance: float, *, places: bool
-) -> list[Finding]:
+) -> tuple[list[Finding], bool]:
     """Find all that keeps the faces from tiling a sheet with one simple outline, edge to edge.
+
+    Also returns whether any other tolerance would find it, too.
 
     ``sides`` is ``edge_sides(pattern)``, ``faces_of_edges`` its faces, and ``tolerance`` is in mm. With ``places``,
     crossings are also looked for, which say where a fault comes from.
@@ -43,14 +55,14 @@ def check_planar(
     """
     convex, close = _look_at_faces(pattern, tolerance)
     findings = [*_check_face_outlines(pattern, convex), *_check_sides(pattern, sides, faces_of_edges)]
-    if not findings and close:
+    if not findings and (close or _large_faces_come_close(pattern, tolerance)):
         findings = _vertices_on_edges(pattern, tolerance)
         if findings:
-            return findings
+            return findings, False
     if findings:
-        return [*findings, *_check_crossings(pattern, tolerance)] if places else findings
+        return [*findings, *_check_crossings(pattern, tolerance)] if places else findings, True
     findings = _check_outline(pattern, sides)
-    return findings and (_check_crossings(pattern, tolerance) or findings)
+    return findings and (_check_crossings(pattern, tolerance) or findings), True
 
 
 def short_edges(pattern: CreasePattern, lengths: Floats, tolerance: float) -> list[Finding]:
@@ -79,6 +91,7 @@ def check_edges(pattern: CreasePattern) -> list[Finding]:
 def _look_at_faces(pattern: CreasePattern, tolerance: float) -> tuple[Bools, bool]:
     """Return which faces are surely convex, ``(f,)``, and whether a corner of any face comes close to a side of it.
 
+    Faces with more than ``MANY_SIDES`` are not looked at for that.
     A face is surely convex, and so simple and counter-clockwise, if it turns left at every corner by more than rounding
     can account for, and goes around once. Close means within the tolerance of a side that does not end in the corner.
     """
@@ -92,9 +105,7 @@ def _look_at_faces(pattern: CreasePattern, tolerance: float) -> tuple[Bools, boo
         following = np.append(np.arange(1, len(x)), 0)
         ax, ay = x[following] - x, y[following] - y  # from each corner to the next one
         convex[some] = _turn_left(ax, ay, following, off)
-        if len(outlines) > MANY_SIDES:
-            close = close or any(_comes_close(coords, outline, tolerance) for outline in outlines.T)
-        else:
+        if len(outlines) <= MANY_SIDES:
             close = close or _come_close(x, y, ax, ay, tolerance)
     return convex, close
 
@@ -132,16 +143,20 @@ def _come_close(x: Floats, y: Floats, ax: Floats, ay: Floats, tolerance: float) 
     return False
 
 
-def _comes_close(coords: Floats, outline: Ints, tolerance: float) -> bool:
-    """Whether a corner of one polygon, with many sides, comes close to a side that it does not end.
+def _large_faces_come_close(pattern: CreasePattern, tolerance: float) -> bool:
+    """Whether a corner of a face with many sides comes close to a side that it does not end; the faces are simple."""
+    faces = pattern.faces_vertices
+    large = np.flatnonzero(faces.lengths > MANY_SIDES).tolist()
+    return any(_comes_close(pattern.vertices_coords, faces[face], tolerance) for face in large)
 
-    It does if it names a vertex twice.
-    """
-    if len(np.unique(outline)) < len(outline):
-        return True
+
+def _comes_close(coords: Floats, outline: Ints, tolerance: float) -> bool:
+    """Whether a corner of one polygon comes close to a side that it does not end, or there are too many to ask."""
     ends = np.stack([outline, np.roll(outline, -1)], axis=1)
     tree = shapely.STRtree(shapely.linestrings(coords[ends]))
     corners = shapely.points(coords[outline])
+    if _few_enough(tree, corners) < len(corners):
+        return True
     for some in blocks(len(outline), _BATCH):
         vertex, side = tree.query(corners[some], predicate="dwithin", distance=tolerance * (1 + 1e-9))
         if (ends[side] != outline[some][vertex][:, None]).all(axis=1).any():
@@ -154,14 +169,25 @@ def _check_face_outlines(pattern: CreasePattern, convex: Bools) -> list[Finding]
     coords = pattern.vertices_coords
     unsure = np.flatnonzero(~convex)
     rest = pattern.faces_vertices.take(unsure)
-    outlines = shapely.linearrings(coords[rest.values], indices=rest.rows)
-    simple = shapely.is_valid(shapely.polygons(outlines))
+    simple = _names_no_vertex_twice(rest)  # GEOS takes the square of the corners for one that does
+    asked = np.flatnonzero(simple)
+    outlines = rest.take(asked)
+    rings = shapely.linearrings(coords[outlines.values], indices=outlines.rows)
+    simple[asked] = shapely.is_valid(shapely.polygons(rings))
     clockwise = signed_areas(coords, rest) <= 0
     findings = []
     for at in first(~simple | clockwise):
         problem = "runs clockwise; reverse it" if simple[at] else "is not a simple polygon; its sides cross or touch"
         findings.append(finding("planar", f"face {unsure[at]} {problem}", coords[rest[at]].mean(axis=0)))
     return findings
+
+
+def _names_no_vertex_twice(faces: Ragged) -> Bools:
+    """Return which faces name each of their vertices once, ``(f,)``."""
+    keys = pair_keys(faces.rows, faces.values)
+    once = np.ones(len(faces), dtype=np.bool_)
+    once[faces.rows[_repeated(keys)]] = False
+    return once
 
 
 def _check_sides(pattern: CreasePattern, sides: Numbers, faces_of_edges: Ints) -> list[Finding]:
@@ -223,7 +249,10 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
     lines = shapely.linestrings(coords[edges])
     tree = shapely.STRtree(lines)
     findings: list[Finding] = []
-    for some in blocks(len(lines), _BATCH):
+    start, size, end = 0, 1, _few_enough(tree, lines, MOST_PLACES)
+    while start < end and len(findings) < MOST_FINDINGS:  # a few at first: each may cross all others
+        some = slice(start, min(start + size, end))
+        start, size = some.stop, min(2 * size, _BATCH)
         one, other = tree.query(lines[some], predicate="crosses")
         one = one + some.start
         once = np.flatnonzero(one < other)[: MOST_FINDINGS - len(findings)]
@@ -233,18 +262,30 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
             finding("planar", f"edges {a} and {b} cross; divide both there", place)
             for a, b, place in zip(one.tolist(), other.tolist(), places, strict=True)
         ]
-        if len(findings) >= MOST_FINDINGS:
-            break
     return [*findings, *_vertices_on_edges(pattern, tolerance, tree)]
 
 
+def _few_enough(tree: shapely.STRtree, asked: NDArray[np.object_], most: int = MOST_NEAR) -> int:
+    """Return how many of the geometries, from the first on, may be asked what in the tree they come near to.
+
+    So many that some ``most`` boxes meet theirs, as a sample of them says.
+    """
+    sample = asked[:: max(1, len(asked) // SAMPLE)][:SAMPLE]
+    near = sum(len(tree.query(one)) for one in sample) / len(sample)
+    return min(len(asked), int(most / max(near, 1.0)))
+
+
 def _vertices_on_edges(pattern: CreasePattern, tolerance: float, tree: shapely.STRtree | None = None) -> list[Finding]:
-    """Find vertices that lie on an edge without being one of its ends; ``tree``, if given, holds all edges."""
-    coords, edges = pattern.vertices_coords, pattern.edges_vertices
+    """Find vertices that lie on an edge without being one of its ends.
+
+    ``tree`` holds all edges; it is given where other findings decide, and only the first places are wanted.
+    """
+    coords, edges, decides = pattern.vertices_coords, pattern.edges_vertices, tree is None
     tree = tree or shapely.STRtree(shapely.linestrings(coords[edges]))
     points = shapely.points(coords)
     findings: list[Finding] = []
-    for some in blocks(len(points), _BATCH):
+    enough = _few_enough(tree, points, MOST_NEAR if decides else MOST_PLACES)
+    for some in blocks(enough, _BATCH):
         vertex, edge = tree.query(points[some], predicate="dwithin", distance=tolerance)
         vertex = vertex + some.start
         apart = np.flatnonzero((edges[edge] != vertex[:, None]).all(axis=1))[: MOST_FINDINGS - len(findings)]
@@ -254,6 +295,9 @@ def _vertices_on_edges(pattern: CreasePattern, tolerance: float, tree: shapely.S
         ]
         if len(findings) >= MOST_FINDINGS:
             break
+    if decides and enough < len(points) and not findings:
+        what = "edges run past so many vertices that it was not found out whether these lie on them"
+        findings = [finding("planar", f"{what}; divide long edges", coords[0])]
     return findings
 
 

@@ -49,6 +49,9 @@ CHECKS = (
 )
 """The names of the checks, as findings give them, in their order."""
 
+MANY_SIDES = 100_000
+"""Faces with more sides than this are counted first."""
+
 ASSIGNMENTS = ("B", "M", "V", "F", "U")
 """FOLD's letters for edges: border, mountain, valley, flat and unassigned; cuts and joins are not supported."""
 
@@ -73,37 +76,45 @@ def verify(
     the pattern is not verified, and a finding says so. Edges assigned F or U count as not folded. One of the
     ``tolerances``, relative to the sheet's diagonal, the coarsest first, has to find nothing.
     """
-    findings = check_arrays(pattern)
+    findings = check_arrays(pattern) or check_sides_at_most(pattern)
     if findings:
         return findings
     diagonal = float(np.hypot(*np.ptp(pattern.vertices_coords, axis=0)))
     coarse, *finer = (share * diagonal for share in tolerances)
     lengths, loose = edge_lengths(pattern), check_edges(pattern)
 
-    def found_within(tolerance: float, *, places: bool) -> list[Finding]:
+    def found_within(tolerance: float, *, places: bool) -> tuple[list[Finding], bool]:
         findings = short_edges(pattern, lengths, tolerance) + loose
-        return findings or _verify_within(tolerance, pattern, layers, shape, places=places)
+        return (findings, bool(loose)) if findings else _verify_within(tolerance, pattern, layers, shape, places=places)
 
-    findings = found_within(coarse, places=True)
-    return findings if findings and all(found_within(tolerance, places=False) for tolerance in finer) else []
+    findings, for_all = found_within(coarse, places=True)
+    for tolerance in finer:
+        if for_all or not findings:
+            break
+        found, for_all = found_within(tolerance, places=False)
+        findings = findings if found else []
+    return findings
 
 
 def _verify_within(
     tolerance: float, pattern: CreasePattern, layers: Ints | PairOrder | None, shape: Shape | None, *, places: bool
-) -> list[Finding]:
-    """Verify with one tolerance, in mm; with ``places``, also find where edges cross, the cause of many faults."""
+) -> tuple[list[Finding], bool]:
+    """Verify with one tolerance, in mm; also return whether any other would find faults, too.
+
+    With ``places``, also find where edges cross, the cause of many faults.
+    """
     sides = edge_sides(pattern)
     faces_of_edges = faces_of_sides(pattern, sides)
-    findings = check_planar(pattern, sides, faces_of_edges, tolerance, places=places)
+    findings, for_all = check_planar(pattern, sides, faces_of_edges, tolerance, places=places)
     if findings:
-        return findings
+        return findings, for_all
     del sides
     maps = fold_faces(pattern, faces_of_edges)
     findings = check_closure(pattern, faces_of_edges, maps, tolerance)
     if findings or not is_flat_at_vertices(pattern, faces_of_edges, maps, tolerance):
         findings = [*check_vertices(pattern, faces_of_edges, tolerance), *findings]
     if findings:
-        return findings
+        return findings, False
     if layers is None:
         findings = [Finding("layers", "no layer order: whether the layers can lie flat is not verified")]
     elif isinstance(layers, PairOrder):
@@ -117,7 +128,7 @@ def _verify_within(
             ]
     if shape is not None:
         findings += check_cut(pattern, faces_of_edges, maps, shape, tolerance)
-    return findings
+    return findings, False
 
 
 def check_arrays(pattern: CreasePattern) -> list[Finding]:
@@ -149,6 +160,18 @@ def check_arrays(pattern: CreasePattern) -> list[Finding]:
         for face in first(faces.lengths < 3)
     ]
     return findings
+
+
+def check_sides_at_most(pattern: CreasePattern) -> list[Finding]:
+    """Find, before anything takes long, that faces have more sides than the edges can have.
+
+    Of fewer than ``MANY_SIDES`` sides those that are wrong are found one by one.
+    """
+    sides, edges = len(pattern.faces_vertices.values), len(pattern.edges_vertices)
+    if sides <= max(2 * edges, MANY_SIDES):
+        return []
+    problem = f"the faces have {sides:,} sides, and {edges:,} edges have two sides each"
+    return [Finding("planar", f"{problem}; name each side of a face once, and list its edge")]
 
 
 def check_closure(pattern: CreasePattern, faces_of_edges: Ints, maps: FaceMaps, tolerance: float) -> list[Finding]:

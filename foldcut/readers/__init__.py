@@ -61,7 +61,7 @@ def read_shape(path: str | Path, options: ReadOptions | None = None, data: bytes
         if reader.is_text:
             options.limits.check_numbers(source.data)
         drawing: Drawing = import_module(f"foldcut.readers.{reader.module}").read(source, options)
-        options.limits.check_loops(drawing.loops)
+        options.limits.check_loops((*drawing.loops, *drawing.lines))
         drawing = replace(drawing, title=as_title(drawing.title))
     except FileFormatError as error:
         raise FileFormatError(f"{path}: {' '.join(str(error).split())}") from None

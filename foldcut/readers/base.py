@@ -36,7 +36,8 @@ class ReadOptions:
     at the size that the file states, or in drawing units where it states none; None: than 0.05, measured like
     ``flatten_mm``. ``layers`` and ``ids``: read only these. ``suffix``: the format, whatever the file is
     called. ``threshold``: how light a pixel of the shape may be in a picture, from 0 for black to 1 for white.
-    ``strokes``: "lines" reads strokes as lines without width, "outline" as the area that they cover.
+    ``strokes``: "lines" reads strokes as lines without width, "outline" as the area that they cover. ``open_lines``:
+    all lines are to be cut as they are drawn, open ones too; otherwise outlines are, and open lines are left out.
     """
 
     flatten_mm: float = 0.05
@@ -46,6 +47,7 @@ class ReadOptions:
     suffix: str = ""
     threshold: float = 0.5
     strokes: str = "lines"
+    open_lines: bool = False
     limits: Limits = field(default_factory=Limits)
 
     def __post_init__(self) -> None:
@@ -89,7 +91,9 @@ class Drawing:
     had to be mended, which ``--strict`` refuses. ``y_down``: the y axis of the file points down, so y has changed sign.
     ``curves``: what the loops were flattened from, in the same order; empty if all of them are straight lines, or if
     that is not known. ``lost``: outlines that the file has and that are not among the loops, since others cover them.
-    ``sha256``: the hash of the file's bytes, "" if there is no file.
+    ``sha256``: the hash of the file's bytes, "" if there is no file. ``lines``: if all lines are to be cut as they are
+    drawn, these, ``(n, 2)``, and no loops; ``join``: how far ends of lines may be apart that are joined then, in
+    drawing units, None for a small part of the drawing's size.
     """
 
     loops: tuple[Floats, ...]
@@ -102,11 +106,15 @@ class Drawing:
     curves: tuple[CurvedLoop, ...] = ()
     lost: tuple[Floats, ...] = ()
     sha256: str = ""
+    lines: tuple[Floats, ...] = ()
+    join: float | None = None
 
     @property
     def size(self) -> tuple[float, float]:
         """Width and height in drawing units."""
-        width, height = np.ptp(np.concatenate(self.loops), axis=0).tolist() if self.loops else (0.0, 0.0)
+        if not self.loops and not self.lines:
+            return 0.0, 0.0
+        width, height = np.ptp(np.concatenate([*self.loops, *self.lines]), axis=0).tolist()
         return width, height
 
     @property

@@ -101,7 +101,19 @@ def _read(document: Any, title: str, options: ReadOptions, ignored: Counter[str]
     if np.ptp(corners[:, 2]) > 0:
         notes += ("the z coordinates were ignored",)
     told = counted(ignored)
-    return Drawing(found.loops, unit_mm, title, notes, False, told, found.repairs, found.curves, found.lost)
+    return Drawing(
+        found.loops,
+        unit_mm,
+        title,
+        notes,
+        False,
+        told,
+        found.repairs,
+        found.curves,
+        found.lost,
+        lines=found.lines,
+        join=found.join,
+    )
 
 
 class _Drawn(NamedTuple):

@@ -38,6 +38,10 @@ FILLED_OVER = "left out loops that the fill rule nonzero fills over, since they 
 """The note on such loops."""
 
 
+CUT_OPEN = "cut along open lines, too, with --open"
+"""The remedy where lines are no outline."""
+
+
 @dataclass(frozen=True, eq=False)
 class Outline:
     """What one element of a file draws: lines, ``(n, 2)``, and whether each is closed.
@@ -61,6 +65,8 @@ class Loops:
     """Closed loops of one even-odd set, ``notes`` on how they were found, and ``repairs`` that were needed.
 
     ``curves``: the loops before they were flattened; nothing if all are polygons. ``lost``: loops that others cover.
+    ``lines``: if all lines are to be cut as drawn, these, and no loops; ends are joined later that are no farther apart
+    than ``join``.
     """
 
     loops: tuple[Floats, ...]
@@ -68,6 +74,8 @@ class Loops:
     repairs: tuple[str, ...]
     curves: tuple[CurvedLoop, ...] = ()
     lost: tuple[Floats, ...] = ()
+    lines: tuple[Floats, ...] = ()
+    join: float | None = None
 
 
 def loops_of(
@@ -78,7 +86,11 @@ def loops_of(
     ``own_y``: what y is multiplied by to be that of the file, in which places are told. Ends that are no more than
     ``options.join_gap`` apart are joined. What encloses no area is left out. Raises ``FileFormatError`` if nothing is
     left then.
+
+    With ``options.open_lines`` nothing is joined, filled or left out.
     """
+    if options.open_lines:
+        return _as_drawn(outlines, options, unit_mm, extent)
     gap = options.join_gap(unit_mm, extent)
 
     def place(point: Floats) -> str:
@@ -127,13 +139,29 @@ def loops_of(
     whole = [loop for loop in joined if not _is_flat(loop)]
     flat += len(joined) - len(whole)
     if not loops and not whole:
-        raise FileFormatError("the outlines of the file enclose no area; draw at least one closed outline")
+        raise FileFormatError(
+            f"the outlines of the file enclose no area; draw at least one closed outline, or {CUT_OPEN}"
+        )
     nothing = f"left out {flat} outline{'s' * (flat > 1)} without area" if flat else ""
     repairs = filter(None, [_closed_gaps([*gaps, *more], extent, unit_mm), stray, nothing])
     found = (*loops, *whole)
     curves, lost = _curves_of(found, curved), (*united.lost, *(loop for part in over for loop in part.loops))
     notes = [FILLED_OVER.format(named(over, place))] if over else []
     return Loops(found, (*united.notes, *notes), tuple(repairs), curves, lost)
+
+
+def _as_drawn(outlines: Sequence[Outline], options: ReadOptions, unit_mm: float | None, extent: float) -> Loops:
+    """Return all outlines as lines, as they are drawn; closed ones end where they begin."""
+    lines = [
+        points_array(np.concatenate([points, points[:1]]))
+        if is_closed or (outline.filled and len(points) > 2)
+        else points
+        for outline in outlines
+        for points, is_closed in outline.lines
+        if len(points)
+    ]
+    join = None if options.join_mm is None else options.join_gap(unit_mm, extent)
+    return Loops((), (), (), lines=tuple(lines), join=join)
 
 
 def closed_loops(
@@ -153,14 +181,24 @@ def drawing_of(
     rings: Sequence[Floats], lines: Sequence[Floats], title: str, options: ReadOptions, ignored: Counter[str]
 ) -> Drawing:
     """Return a drawing, its unit unknown: the rings of polygons or, if there are none, the loops that lines form."""
-    if rings:
+    if rings and not (options.open_lines and lines):
         closed, repairs = closed_loops(rings, options, None)
         return Drawing(closed, None, title, ignored=counted(ignored + Counter(line=len(lines))), repairs=repairs)
-    points = np.concatenate(lines)
+    points = np.concatenate([*rings, *lines])
     finite = points[np.isfinite(points).all(axis=1)]
     extent = float(np.ptp(finite, axis=0).max()) if len(finite) else 0.0
-    found = loops_of([Outline([(line, False) for line in lines])], options, None, extent)
-    return Drawing(found.loops, None, title, found.notes, ignored=counted(ignored), repairs=found.repairs)
+    outlines = [Outline([(ring, True) for ring in rings]), Outline([(line, False) for line in lines])]
+    found = loops_of(outlines if rings else outlines[1:], options, None, extent)
+    return Drawing(
+        found.loops,
+        None,
+        title,
+        found.notes,
+        ignored=counted(ignored),
+        repairs=found.repairs,
+        lines=found.lines,
+        join=found.join,
+    )
 
 
 def _curves_of(loops: Sequence[Floats], curved: dict[int, tuple[Floats, CurvedLoop]]) -> tuple[CurvedLoop, ...]:
@@ -263,14 +301,17 @@ def join(
         if alone and not left:
             enough = rounded_up(1.001 * float(distances.max()) * mm)
             raise FileFormatError(
-                f"a line ends {at}; close the outline, or join ends that are farther apart with --join {enough}mm"
+                f"a line ends {at}; close the outline, or join ends that are farther apart with --join {enough}mm, "
+                f"or {CUT_OPEN}"
             )
         what = f"{len(free)} lines that end" if len(free) > 1 else "a line that ends"
-        stray = "; ".join(filter(None, [stray, f"left out {what} where no other continues, {at}"]))
+        stray = "; ".join(filter(None, [stray, f"left out {what} where no other continues, {at} ({CUT_OPEN})"]))
     for members in meeting.values():
         if len(members) > 2:
             at = place(ends[members[0]])
-            raise FileFormatError(f"{len(members)} lines end at {at}; keep only two, so that one continues the other")
+            raise FileFormatError(
+                f"{len(members)} lines end at {at}; keep only two, so that one continues the other, or {CUT_OPEN}"
+            )
     loops, gaps, trails = [], [], []
     for start in sorted(left):
         end, points, trail = 2 * start, list[Floats](), list[tuple[int, bool]]()

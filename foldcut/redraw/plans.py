@@ -25,6 +25,7 @@ from foldcut.geometry.mirror_axes import symmetric
 from foldcut.methods.frame import Frame, frames
 from foldcut.methods.mirror.halves import halves_of
 from foldcut.methods.mirror.unfold import Half
+from foldcut.pattern.first_folds import FEWEST_OF_WEDGE
 from foldcut.redraw.narrow_parts import SmallPart, treated
 from foldcut.redraw.proxy import Field
 from foldcut.redraw.starts import Axis as StartAxis
@@ -153,8 +154,8 @@ class Plan:
 class Drawing:
     """A drawing, and how it is laid, with what is smaller than the tolerance treated.
 
-    ``target`` is in mm of ``frame``; ``small_parts`` are those that were treated, in mm of the frame. ``curves`` are
-    the loops of ``laying.outline`` where they are known.
+    ``target`` is in mm of ``frame``; ``small_parts`` are those that were treated, in mm of the frame; ``untreated`` is
+    the target before. ``curves`` are the loops of ``laying.outline`` where they are known.
     """
 
     laying: Laying
@@ -166,6 +167,7 @@ class Drawing:
     treatment: str
     tolerance: float
     may_turn: bool
+    untreated: Target
 
     @classmethod
     def of(
@@ -184,8 +186,14 @@ class Drawing:
         """
         laid = laying.lay(turn)
         frame = next(frames(laid))
-        target, parts = treated(Target.of_frame(frame, curves), tolerance, treatment)
-        return cls(laying, laid, frame, target, tuple(curves), tuple(parts), treatment, tolerance, may_turn)
+        untreated = Target.of_frame(frame, curves)
+        target, parts = treated(untreated, tolerance, treatment)
+        return cls(laying, laid, frame, target, tuple(curves), tuple(parts), treatment, tolerance, may_turn, untreated)
+
+    def within(self, tolerance: float) -> Drawing:
+        """Return the drawing for outlines that are at most ``tolerance`` mm of the frame off."""
+        target, parts = treated(self.untreated, tolerance, self.treatment)
+        return replace(self, target=target, small_parts=tuple(parts), tolerance=tolerance)
 
     def turned(self, turn: float) -> Drawing:
         """Return the drawing turned by so many degrees more."""
@@ -198,8 +206,10 @@ class Drawing:
         return simplify(self.target.shape, self.tolerance).shape.corner_count
 
     def copies(self) -> int:
-        """Return into how many parts the drawing's mirror axes divide it: 1, 2 or 4."""
+        """Return into how many parts the drawing's mirror axes divide it: 1, 2, 4, or 6 and more around one point."""
         found = self.symmetry
+        if len(found.axes) >= FEWEST_OF_WEDGE:
+            return 2 * len(found.axes)
         if any(_pairs(found.axes)):
             return 4
         return 2 if found.axes or found.others else 1

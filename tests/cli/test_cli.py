@@ -8,6 +8,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -21,8 +22,9 @@ from support.places import ROOT
 from support.recipes import without_recipe
 
 from foldcut import pipeline
+from foldcut.cli.console import Console
 from foldcut.cli.main import main
-from foldcut.cli.progress import ProgressBar, ProgressLines
+from foldcut.cli.progress import ProgressBar, ProgressLines, progress_for
 from foldcut.core.arrays import points_array
 from foldcut.core.model import Finding, Sheet
 from foldcut.exporters import export
@@ -653,6 +655,32 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
     out, error = capsys.readouterr()
     assert out == ""
     assert "layers" in error
+
+
+def test_without_a_terminal_a_line_tells_the_progress_every_few_seconds(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress_for(Console(as_json=False)) as progress:
+        progress("packing", 0.25)
+    assert capsys.readouterr() == ("", ""), "it was done soon"
+    monkeypatch.setattr("foldcut.cli.progress.EVERY_S", 0.001)
+    with progress_for(Console(as_json=False)) as progress:
+        progress("packing", 0.25)
+        time.sleep(0.05)  # nothing new is told, and it does not look as if it hung
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert error.startswith("foldcut:   0 s, 25%: packing\n" * 2)
+    for silent in (Console(as_json=True), Console(as_json=False, quiet=True)):
+        with progress_for(silent) as progress:
+            progress("packing", 0.25)
+            time.sleep(0.01)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_lines_say_at_once_that_something_is_compiled(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress_for(Console(as_json=False)) as progress:
+        progress("compiling: a minute", 0.0)
+    assert capsys.readouterr().err == "foldcut:   0 s,  0%: compiling: a minute\n"
 
 
 @pytest.mark.parametrize(

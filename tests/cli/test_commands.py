@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import pkgutil
 import subprocess
 import sys
 from argparse import Namespace
-from dataclasses import fields
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from foldcut import pipeline
 from foldcut.cli import commands, options
 from foldcut.cli.commands import COMMANDS, load
 from foldcut.cli.main import main
 from foldcut.cli.parser import Parser, parse
 from foldcut.core.errors import BadInputError
+from foldcut.core.units import in_mm
+from foldcut.drawing.limits import Limits
+from foldcut.drawing.mend import Preparation
+from foldcut.options import Options
 
 
 def arguments(*words: str) -> Namespace:
@@ -54,19 +56,69 @@ def test_only_the_chosen_command_is_imported() -> None:
     assert imported("view", "--help") == ["make"]
 
 
-def test_fold_options_are_keyword_arguments_of_fold() -> None:
-    known = inspect.signature(pipeline.fold).parameters
-    assert {field.name for field in fields(options.FoldOptions)} <= known.keys()
+def test_the_command_line_says_all_that_fold_can_be_told() -> None:
     made = options.folding(arguments("fish", "--sheet", "a5", "--ribbon", "1mm", "--scale", "1:2", "--corners", "9"))
-    assert made.keywords().keys() == {field.name for field in fields(options.FoldOptions)}
-    assert (made.sheet.name, made.ribbon, made.scale, made.preparation.corners) == ("A5", 1.0, 0.5, 9)
+    assert isinstance(made, Options)
+    assert (made.paper.name, made.ribbon, made.scale) == ("A5", 1.0, 0.5)
+    assert made.preparation is not None
+    assert made.preparation.corners == 9
 
 
 def test_fold_options_are_those_of_fold_by_default() -> None:
-    known = inspect.signature(pipeline.fold).parameters
-    made = options.folding(arguments("fish")).keywords()
-    same = made.keys() - {"sheet", "preparation"}
-    assert {name: made[name] for name in same} == {name: known[name].default for name in same}
+    made = options.folding(arguments("fish"))
+    assert made == Options(sheet=made.sheet, preparation=made.preparation)
+    assert made.paper == Options().paper
+
+
+@pytest.mark.parametrize(
+    ("words", "same"),
+    [
+        ((), Options()),
+        (
+            ("--sheet=120x90mm", "--margin=5mm", "--width=40mm", "--rotate=30", "--method=compact", "--effort=fast"),
+            Options(sheet="120x90mm", margin=5, width=40, rotation=30, method="compact", effort="fast"),
+        ),
+        (
+            ("--scale=1:2", "--offset=30mm,4cm", "--tolerance=1mm", "--folds=20", "--min-crease=0.123456789mm"),
+            Options(scale="1:2", offset=(30, "4cm"), tolerance="1mm", folds=20, min_crease=0.123456789),
+        ),
+        (
+            (
+                "--level=easy",
+                "--small-parts=keep",
+                "--seconds=2.5",
+                "--symmetry=auto",
+                "--adjust=0.5mm",
+                "--height=2in",
+            ),
+            Options(level="easy", small_parts="keep", seconds=2.5, symmetry="auto", adjust=0.5, height="2in"),
+        ),
+        (
+            ("--exact", "--ribbon=1mm", "--corners=9", "--strict", "--min-feature=2mm", "--separate=1mm", "--mirror"),
+            Options(exact=True, ribbon=1, preparation=Preparation(9, 2, 1, mirror=True, strict=True)),
+        ),
+        (("--simplify=0.5mm",), Options(simplify=0.5)),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
+)
+def test_python_puts_the_same_words_into_recipes(words: tuple[str, ...], same: Options) -> None:
+    args = arguments("fish", *words)
+    assert same.words() == options.folding_words(args).options
+    plain = replace(options.folding(args), sheet="", scale="")
+    assert plain == replace(in_numbers(same), sheet="", scale="")
+
+
+def in_numbers(given: Options) -> Options:
+    """Return options as the command line has them: lengths as numbers, and a preparation."""
+    names = ("margin", "width", "height", "ribbon", "min_crease", "tolerance", "simplify", "adjust")
+    offset = given.offset and (in_mm(given.offset[0]), in_mm(given.offset[1]))
+    lengths = {name: in_mm(getattr(given, name)) for name in names}
+    return replace(given, offset=offset, preparation=given.preparation or Preparation(), **lengths)
+
+
+def test_what_the_command_line_cannot_say_is_in_no_recipe() -> None:
+    assert Options(title="a fish").words() is None
+    assert Options(limits=Limits(points=5)).words() is None
 
 
 def test_options_with_a_value_of_their_own_are_told_in_order(tmp_path: Path) -> None:

@@ -188,9 +188,9 @@ def test_qpdf_and_mutool_read_the_pdf(pattern: FoldedPattern, tmp_path: Path) ->
         assert {tuple(map(round, map(float, page.mediabox[2:]))) for page in pdf.pages} == {(595, 842)}
 
 
-def test_the_command_writes_pdf_or_html(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for name in ("a.pdf", "a.html"):
+def test_the_command_writes_what_the_name_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("a.pdf", "a.html", "a.svg"):
         assert main(["guide", "triangle", "--effort", "fast", "--quiet", "-o", str(tmp_path / name)]) == 0
         assert (tmp_path / name).stat().st_size > 5000
-    assert main(["guide", "triangle", "-o", str(tmp_path / "a.svg")]) == 2
-    assert "guides are PDF or HTML" in capsys.readouterr().err
+    assert main(["guide", "triangle", "-o", str(tmp_path / "a.png")]) == 2
+    assert "guides are PDF, HTML or animated SVG" in capsys.readouterr().err

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import base64
 import dataclasses
+import hashlib
 import html
 import json
 import re
@@ -16,14 +18,18 @@ from support.programs import require_program, run_node
 
 from foldcut.core.model import Finding, FoldedPattern
 from foldcut.exporters import export
+from foldcut.exporters.pattern.html_page import page_part, pattern_in
 from foldcut.pipeline import fold
-from foldcut.samples import sample_path
+from foldcut.samples import sample_names, sample_path
 
 KINDS = ("mountain", "valley")
 CONTROLS = (
+    *("print", "save-svg", "save-png"),
     *("pattern-held", "M", "V", "shape", "first", "before", "after", "larger", "smaller", "whole"),
-    *("folded-held", "fold", "play", "layers", "apart", "cut", "front", "side"),
+    *("folded-held", "back", "play", "on", "fold", "cut", "only", "spin", "front", "side", "layers", "apart"),
 )
+BENT = 1e-3
+"""Millimetres: places between steps are written with four digits."""
 
 
 def counted(count: int, kind: str) -> str:
@@ -63,7 +69,7 @@ def test_a_title_with_markup_does_not_leave_its_place() -> None:
     title = "</script><script>alert(1)</script> DATA &"
     page = export(dataclasses.replace(square_out_of_square(), title=title), ".html").decode()
     assert data_of(page)["title"] == title
-    assert page.count("<script") == 2
+    assert page.replace(page_part("page.js"), "").count("<script") == 2
     assert "alert(1)</script>" not in page
 
 
@@ -73,13 +79,16 @@ def test_a_page_with_a_thousand_creases_is_under_3_mb() -> None:
     assert len(export(pattern, ".html")) < 3e6
 
 
-SHOWN = ("fish", "letter-a", "star", "ring", "two-triangles", "paper-chain", "snowflake")
+PX = 96 / 25.4
+"""CSS pixels in a millimetre."""
+
+SHOWN = ("fish", "letter-a", "snowflake")
 """Samples whose pages are opened: of one loop and several, with one first fold, several, and none."""
 
 
 def test_pages_work_in_a_browser(tmp_path: Path) -> None:
     chromium = require_program("chromium")
-    patterns = {name: folded(name) for name in SHOWN} | {"book": book_fold(), "markup": square_out_of_square()}
+    patterns = {name: folded(name) for name in SHOWN} | {"book": book_fold()}
     for name, pattern in patterns.items():
         (tmp_path / f"{name}.html").write_bytes(export(pattern, ".html"))
     seen = run_node("page.cjs", chromium, *(tmp_path / f"{name}.html" for name in patterns), timeout=400)
@@ -96,7 +105,12 @@ def test_pages_work_in_a_browser(tmp_path: Path) -> None:
         assert page["crease"].startswith(f"Crease 1 of {pattern.creases.crease_count}: "), name
         assert page["layers"] == f"1 of {len(pattern.creases.faces_vertices)}", name
         assert page["flat"] == "Flat, as printed.", name
-        assert "approximation" in page["between"], name
+        steps = json.loads(pattern_in((tmp_path / f"{name}.html").read_bytes()))["steps"]
+        assert page["between"].startswith("Exact" if "line" in steps[0] else "This movement is a picture"), name
+        assert page["steps"] == len(steps), name
+        assert (page["back"], page["on"]) == (str(100 * len(steps) - 100), str(100 * len(steps))), name
+        assert page["saved"].endswith(".svg"), name
+        assert page["printed"] == pytest.approx([pattern.sheet.width * PX, pattern.sheet.height * PX, 0], abs=0.1), name
         assert page["folded"].startswith("Folded flat"), name
         assert page["pictures"] == 4, name
         assert page["wide"] <= 390, name  # a phone need not scroll sideways
@@ -109,6 +123,35 @@ def test_pages_work_in_a_browser(tmp_path: Path) -> None:
             {letter for letter in letters if letter in "MV"}
         ), name
         assert page["reached"] == [control for control in CONTROLS if control != "first" or pattern.first_folds], name
+
+
+def test_straight_folds_of_all_samples_move_without_bending_or_crossing(tmp_path: Path) -> None:
+    names = sample_names()
+    for name in names:
+        (tmp_path / f"{name}.json").write_bytes(pattern_in(export(folded(name), ".html")))
+    moved = run_node("folding.mjs", *(tmp_path / f"{name}.json" for name in names))
+    assert sum(one["straight"] for one in moved) > 40
+    for name, one in zip(names, moved, strict=True):
+        assert (one["crossings"], one["through"]) == (0, 0), name
+        assert max(one["longest"], one["jump"]) < BENT, name
+
+
+def test_a_fold_that_goes_the_wrong_way_is_seen(tmp_path: Path) -> None:
+    data = json.loads(pattern_in(export(folded("star"), ".html")))
+    data["steps"][1]["over"] = not data["steps"][1]["over"]
+    (tmp_path / "star.json").write_text(json.dumps(data))
+    (seen,) = run_node("folding.mjs", tmp_path / "star.json")
+    assert seen["crossings"] > 0
+
+
+def test_nothing_runs_in_a_page_but_its_own_script() -> None:
+    page = export(square_out_of_square(), ".html").decode()
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', page)
+    for name, kind in (("page.css", "style-src"), ("page.js", "script-src")):
+        digest = base64.b64encode(hashlib.sha256(page_part(name).encode()).digest()).decode()
+        assert f"{kind} 'sha256-{digest}'" in policy
+        assert f">{page_part(name)}<" in page
+    assert "unsafe" not in policy
 
 
 @pytest.mark.parametrize("place", ["flat", "folded"])

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import escape, quoteattr
 
 import shapely
 from cases.table import CASES
@@ -29,7 +30,7 @@ from foldcut.drawing.mend import Preparation, prepare
 from foldcut.drawing.placement import parse_sheet
 from foldcut.drawing.shape import invariant_faults, make_shape
 from foldcut.foldfile.decide import decide
-from foldcut.foldfile.read import read_fold
+from foldcut.foldfile.patterns import read_pattern
 from foldcut.profiles import load_profile
 from foldcut.readers import Drawing, ReadOptions, read_shape
 from foldcut.readers.typed_text import draw_text
@@ -83,12 +84,27 @@ def _by_suffix(suffix: str) -> Callable[[bytes], None]:
     return read
 
 
-def _fold(data: bytes) -> None:
-    with tempfile.NamedTemporaryFile(suffix=".fold") as file:
-        file.write(data)
-        file.flush()
-        read = read_fold(file.name)
-    decide(read)
+def _pattern(suffix: str) -> Callable[[bytes], None]:
+    """Return a function that does all that ``check`` does with a pattern."""
+
+    def read(data: bytes) -> None:
+        with tempfile.NamedTemporaryFile(suffix=suffix) as file:
+            file.write(data)
+            file.flush()
+            pattern = read_pattern(Path(file.name))
+        decide(pattern)
+
+    return read
+
+
+def _css(data: bytes) -> None:
+    """Read a drawing with a style sheet, and with the same text as the style of one element."""
+    text = "".join(letter for letter in data.decode("utf-8", "replace") if letter.isprintable() or letter == "\n")
+    for drawing in (
+        f"<svg><style>{escape(text)}</style>{STYLED}</svg>",
+        f"<svg><g style={quoteattr(text)}>{STYLED}</g></svg>",
+    ):
+        read_svg(drawing.encode())
 
 
 def _text(data: bytes) -> None:
@@ -120,6 +136,15 @@ def _values(data: bytes) -> None:
         raise errors[0]
 
 
+read_svg = _by_suffix("svg")
+
+STYLED = (
+    '<g id="a" class="b c"><rect width="40" height="30"/><path id="d" class="c" data-x="1" d="M5 5H20V20z"/></g>'
+    '<use href="#d" x="50" width="9"/><clipPath id="e"><circle r="30"/></clipPath>'
+)
+"""The elements that style sheets are tried on."""
+
+
 # --- seeds
 
 
@@ -147,6 +172,16 @@ SVGS = (
     'width="9" height="9" stroke="red" stroke-dasharray="1 2"/></g></svg>',
     '<svg><path d="M50 0 2 29 98 29 21 99 21 0 80 99z"/><path fill="#fff" d="M20 20H60V60z"/></svg>',
     '<svg><path fill-rule="evenodd" d="M0 0H40V40H0ZM10 10h9v9h-9zM5 5C9 5 30 9 35 35Z"/><svg><rect/></svg></svg>',
+)
+
+
+SHEETS = (
+    ".b>rect,g~#d:not(.e){fill:none!important;stroke:red;stroke-width:2mm}",
+    "@media screen{#d{transform:rotate(9deg)}}@media print{rect{display:none}}",
+    "@namespace s url(http://www.w3.org/2000/svg);s|rect,[data-x^='1' i],*:first-child{fill:var(--d, #fff8)}",
+    "transform:translate(10px,5%) matrix(1,0,0,1,2,2);transform-origin:50% left;--a:var(--b);--b:var(--a)",
+    ".c{clip-path:url(#e);d:path('M0 0H9V9z');opacity:.0;fill:hsl(9deg 50% 50%/20%)}/* \\26 */@import 'x.css';",
+    "fill:color-mix(in srgb,red,lab(50% 1 2));visibility:hidden;stroke-dasharray:1 2;width:calc(1px + 2em)",
 )
 
 
@@ -352,6 +387,27 @@ def _font(*, outlines: str, composite: bool = False) -> bytes:
     return stream.getvalue()
 
 
+CPS = ("1 0 0 9 0\n1 9 0 9 9\n1 9 9 0 9\n1 0 9 0 0\n2 0 0 9 9\n3 4.5 4.5 9 0\n", "2,0,-9,0,9\n\n0 0 0 1e2 -.5\n")
+OPX = (
+    '<java><object class="java.beans.XMLDecoder"><object class="oripa.DataSet"><array class="oripa.OriLineProxy">'
+    + "".join(
+        f'<void index="{at}"><object class="oripa.OriLineProxy"><void property="type"><int>{kind}</int></void>'
+        + "".join(
+            f'<void property="{name}"><double>{value}</double></void>'
+            for name, value in zip(("x0", "y0", "x1", "y1"), ends, strict=True)
+        )
+        + "</object></void>"
+        for at, (kind, *ends) in enumerate([(1, 0, 0, 9, 0), (1, 9, 0, 9, 9), (1, 9, 9, 0, 0), (2, 9, 0, 4.5, 4.5)])
+    )
+    + "</array></object></object></java>"
+)
+CREASES = (
+    '<svg><g fill="none" stroke="#000"><rect width="90" height="60"/><path stroke="red" d="M0 0 90 60M45 0v60"/>'
+    '<line stroke="blue" x2="90" y1="60"/><polyline stroke="#888" points="0,30 45,30 90,30"/></g></svg>',
+    '<svg width="9cm" height="9cm" viewBox="0 0 9 9"><style>.m{stroke:#f00}.v{stroke:#00f}path{stroke:#000}</style>'
+    '<path d="M0 0H9V9H0z"/><path class="m" d="M0 4H9"/><path class="v" d="M4 0V9"/></svg>',
+)
+
 VALUES = (
     b"10mm",
     b".5e1 in",
@@ -376,5 +432,9 @@ TARGETS = {
     "image": Target(_by_suffix("png"), (*_cases(".png", *PICTURES), *_cases(".jpg")), mend_png),
     "text": Target(_text, FONTS),
     "values": Target(_values, VALUES),
-    "fold": Target(_fold, _cases(".fold", (GOLDEN / "book.fold").read_bytes())),
+    "css": Target(_css, tuple(sheet.encode() for sheet in SHEETS)),
+    "fold": Target(_pattern(".fold"), _cases(".fold", (GOLDEN / "book.fold").read_bytes())),
+    "cp": Target(_pattern(".cp"), _cases(".cp", *CPS)),
+    "opx": Target(_pattern(".opx"), _cases(".opx", OPX)),
+    "creases": Target(_pattern(".svg"), tuple(drawing.encode() for drawing in CREASES)),
 }

@@ -13,6 +13,7 @@ from fuzz.targets import TARGETS, BrokenPromiseError, Target, mend_png
 from support.places import TESTS
 
 from foldcut.core.errors import FileFormatError
+from foldcut.foldfile.patterns import FORMATS
 from foldcut.readers import READERS
 
 FOLDER = TESTS / "fuzz"
@@ -26,7 +27,8 @@ def test_the_seeds_are_taken_or_refused(reader: str) -> None:
 
 def test_every_reader_has_a_target() -> None:
     modules = {row.module.removesuffix("_loops").removesuffix("_points") for row in READERS.values()}
-    assert modules | {"text", "fold", "values"} == set(TARGETS)
+    others = {"text", "css", "values", *(ending[1:] for ending in FORMATS if ending != ".svg"), "creases"}
+    assert modules | others == set(TARGETS)
     assert {file.stem for file in (FOLDER / "words").iterdir()} <= set(TARGETS)
 
 

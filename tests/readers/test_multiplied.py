@@ -181,8 +181,20 @@ def turned(count: int) -> list[list[float]]:
             [[k, (k + 1) % 2503] for k in range(2503)],
             [list(range(2503))],
         ),
+        fold_file(CORNERS, SIDES, [[0, 1, 2, 3] * 100_000]),
+        fold_file(CORNERS, SIDES, [[0, 1, 2, 3]] * 50_000),
+        fold_file(turned(8_000), [[k, (k + 1) % 8_000] for k in range(8_000)], [list(range(8_000))]),
+        fold_file(turned(8_000), [[k, (k + 1) % 8_000] for k in range(8_000)], [[*range(8_000), *range(50)]]),
     ],
-    ids=["a vertex many times", "edges that cross", "vertices in one place"],
+    ids=[
+        "a vertex many times",
+        "edges that cross",
+        "vertices in one place",
+        "a face of 400,000 corners",
+        "many faces of the same edges",
+        "a face that crosses itself all over",
+        "the same, with vertices named twice",
+    ],
 )
 def test_findings_of_a_fold_file_are_bounded(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "a.fold"

@@ -346,7 +346,7 @@ def test_near_misses_and_what_has_no_pattern_are_searched_once_more(
     costs: list[Any] = []
 
     def search(starts: list[Any], _work: int, _ends: object, *, tightens: bool = True, short_cost: Any = None) -> None:
-        assert starts
+        assert list(starts)
         searched.append(tightens)
         costs.append(short_cost)
         one.folded = folded

@@ -48,6 +48,7 @@ COMMANDS = {
     "coupon": Entry("coupon:COUPON", "write a test card of scores and perforations for a machine"),
     "profiles": Entry("profiles:PROFILES", "list, show and validate the machines' profiles"),
     "samples": Entry("samples:SAMPLES", "list the drawings that come with foldcut"),
+    "inkscape-extension": Entry("inkscape:INKSCAPE_EXTENSION", "write an extension for Inkscape that calls foldcut"),
     "compile": Entry("compile:COMPILE", "compile once what folding spends most of its time in"),
 }
 """The commands by name, in the order of ``foldcut --help``."""

@@ -97,7 +97,7 @@ def batch(args: Namespace) -> int:
     from foldcut.batch.drawings import letters_of
     from foldcut.batch.run import run_batch
     from foldcut.batch.worker import Recipe
-    from foldcut.cli.progress import ProgressBar
+    from foldcut.cli.progress import progress_for
     from foldcut.jobs.arrange import IN_THE_CORNER
     from foldcut.output.recipe import Recipe as FileRecipe
     from foldcut.readers.typed_text import letter_names
@@ -112,16 +112,16 @@ def batch(args: Namespace) -> int:
     nesting = None if not args.nest else asked_nesting(formats, machine, names)
     # with --nest copies may lie on several beds
     checked = machine if nesting is None else replace(machine, job=replace(machine.job, layout=IN_THE_CORNER))
-    Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", checked).check_formats(folding.sheet)
+    Outputs(tuple(Path(f"drawing{ending}") for ending in formats), "drawing", checked).check_formats(folding.paper)
     if nesting is not None:
         formats = tuple(dict.fromkeys((".fold", *(ending for ending in formats if ending not in nesting.endings))))
     out = Path(args.output)
-    fold = folding.keywords() | {"next_level": False}  # nobody reads what it would cost
+    fold = {**vars(folding), "next_level": False}  # nobody reads what it would cost
     made = FileRecipe("make").also(*options.words(args, add_letters, text=None))
     made = made.also(*options.folding_words(args)).also(*machine.words)
     recipe = Recipe(fold, options.reading(args), formats, machine.profile, machine.job, made)
     done = ""
-    with ProgressBar(console.draws_progress) as bar:
+    with progress_for(console) as bar:
 
         def progress(text: str, part: float) -> None:
             nonlocal done

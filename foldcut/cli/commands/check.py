@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
+from foldcut.cli.parser import output_name
 from foldcut.core.errors import BadInputError
 from foldcut.core.files import is_standard_input
 
 if TYPE_CHECKING:
     from foldcut.cli.console import Console
-    from foldcut.core.arrays import Floats
     from foldcut.foldfile.decide import Decision
-    from foldcut.foldfile.read import FoldFile
 
 EXAMPLES = """\
 examples:
@@ -24,18 +23,13 @@ examples:
   foldcut check star.fold --shape star     also check that the cut gives this shape
   foldcut check crane.fold --tolerance 1e-3   of coordinates that are good to a thousandth of the sheet
   foldcut check crane.fold --states        in how many layer orders does it fold flat?
+  foldcut check crane.fold --tolerance 1e-3 --repair    also write it as it folds exactly, to crane-repaired.fold
   foldcut check fish.fold --json
 exit status: 0 it folds flat, 1 it does not, 2 the file cannot be read, 3 not decided
 """
 
 MOST_TOLERANCE = 0.01
 """The largest ``--tolerance``: a pattern that is farther off than this is another pattern."""
-
-CUT_WRONG = "is not cut as the drawing"
-"""What is said of a pattern of which only the cut is wrong."""
-
-MOST_MOVED = 0.02
-"""An outline that was moved by more than this part of a drawing's diagonal is not taken as that drawing's."""
 
 
 def add_options(command: ArgumentParser) -> None:
@@ -44,6 +38,19 @@ def add_options(command: ArgumentParser) -> None:
     command.add_argument("--shape", metavar="SHAPE", help="the drawing that the cut must give, or the name of a sample")
     add_tolerance(command)
     command.add_argument("--states", action="store_true", help="also count the layer orders in which it folds flat")
+    command.add_argument(
+        "--repair",
+        action="store_true",
+        help="also write the pattern with its vertices where it folds flat exactly, and say how far they were moved",
+    )
+    command.add_argument(
+        "-o",
+        "--output",
+        type=output_name,
+        metavar="OUT",
+        help="the .fold file that --repair writes (default: NAME-repaired.fold)",
+    )
+    options.add_force(command)
     options.add_reading(command)
     options.add_timeout(command)
     options.add_console(command)
@@ -75,37 +82,50 @@ def tolerance_of(args: Namespace) -> float:
 
 def check(args: Namespace) -> int:
     """Decide whether the pattern of a FOLD file folds flat."""
+    from foldcut.checking import decide_cut
     from foldcut.cli import report
-    from foldcut.drawing.mend import Preparation, prepare
-    from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.decide import decide, states_of
+    from foldcut.foldfile.decide import states_of
     from foldcut.foldfile.patterns import read_pattern_apart
+    from foldcut.foldfile.repaired import repaired_file
+    from foldcut.output.atomic import Inputs, check_targets, write_files
 
     tolerance = tolerance_of(args)
     if args.shape and is_standard_input(args.file) and is_standard_input(args.shape):
         raise BadInputError("the pattern and --shape cannot both be standard input; give one of them as a file")
+    repaired = target_of(args)
+    inputs = Inputs([Path(args.file), *([] if args.shape is None else [Path(args.shape)])])
+    if repaired is not None:
+        check_targets([repaired], replace=args.force, inputs=inputs)
     read = read_pattern_apart(Path(args.file))
-    shape, notes = None, read.notes
-    if args.shape:
-        drawing = options.named_source(args.shape).read(options.reading(args))
-        notes += drawing.repairs
-        if read.placement is not None:
-            loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
-        else:
-            loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
-            notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
-        prepared = prepare(loops, Preparation())
-        notes += prepared.changes
-        shape = make_shape(prepared.loops)
-    decision = decide(read, shape, tolerance)
-    findings = decision.findings
-    if findings and shape is not None and read.loops and all(finding.check == "cut" for finding in findings):
-        decision, more = judge_moved(read, shape.loops, decision, tolerance)
-        notes += more
-    checked = report.decision_report(decision, shape is not None, notes + decision.notes)
+    drawing = options.named_source(args.shape).read(options.reading(args)) if args.shape else None
+    decision = decide_cut(read, drawing, tolerance)
+    checked = report.decision_report(decision, drawing is not None, decision.notes)
     if args.states and decision.folds:
         checked |= report.states_report(states_of(read, decision))
+    if repaired is not None and decision.folds:
+        data = repaired_file(read, decision)
+        files = [{"path": str(repaired), "bytes": len(data), "replaced": repaired.exists()}]
+        write_files({repaired: data}, replace=args.force, inputs=inputs)
+        checked |= {"files": files, "next": []}
     return tell(options.console(args), checked, report.decision_lines(checked), decision, with_shape=bool(args.shape))
+
+
+def target_of(args: Namespace) -> Path | None:
+    """Return the file to which the repaired pattern is written, None if it is not."""
+    if not args.repair:
+        if args.output or args.force:
+            raise BadInputError(
+                f"{'-o' if args.output else '--force'} is for --repair, which writes the pattern; add it"
+            )
+        return None
+    path = Path(args.file)
+    stem = "pattern" if is_standard_input(path) else path.stem
+    target = Path(args.output or f"{stem}-repaired.fold")
+    if target.suffix.lower() != ".fold":
+        raise BadInputError(
+            f"{target}: --repair writes .fold; for other formats give that file to foldcut solve with -o {target.name}"
+        )
+    return target
 
 
 def share(text: str) -> float:
@@ -140,40 +160,6 @@ def tell(
     console.report(report | {"error": {"type": kind, "message": message}}, lines)
     print_error(message)
     return status
-
-
-def judge_moved(
-    read: FoldFile, drawing: Sequence[Floats], before: Decision, tolerance: float
-) -> tuple[Decision, tuple[str, ...]]:
-    """Judge the outline that a file cuts out instead of the drawing, if it is as near to it as the file states.
-
-    Returns the decision and notes; ``before`` is the decision if the drawing itself is to be cut out.
-    """
-    from dataclasses import replace
-
-    from foldcut.core.model import Finding
-    from foldcut.drawing.shape import make_shape
-    from foldcut.foldfile.decide import decide
-    from foldcut.redraw.deviation import EXACT, drawing_size, left_out, moved_by
-
-    assert read.loops is not None
-    moved, most = moved_by(read.loops, drawing), MOST_MOVED * drawing_size(drawing)
-    stated = read.moved_by
-    notes: tuple[str, ...] = ()
-    if stated is not None and stated > most:
-        notes = (f"the file states that it was moved by {stated:.3g} mm, over 2 % of the drawing's size: too much",)
-    slack = 2 * EXACT * drawing_size(drawing)
-    if stated is None or moved > min(stated, most) + slack:
-        said = "does not state by how much" if stated is None else f"states {stated:.3g} mm"
-        first = before.findings[0]
-        what = f"the outline was moved from the drawing by {moved:.3g} mm, and the file {said}; {first.message}"
-        finding = Finding("cut", what, first.place, moved)
-        return replace(before, sentence=f"{CUT_WRONG}: {finding}", findings=(finding,)), notes
-    notes += (f"the outline is at most {moved:.3g} mm off the drawing, as the file states",)
-    far = left_out(read.loops, drawing, moved)
-    if far:
-        notes += (f"parts of the drawing narrower than {2 * moved:.3g} mm are left out, up to {far:.3g} mm from it",)
-    return decide(read, make_shape(read.loops), tolerance), notes
 
 
 CHECK = Command(

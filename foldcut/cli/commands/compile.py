@@ -22,13 +22,17 @@ def add_options(command: ArgumentParser) -> None:
 
 def compile_(args: Namespace) -> int:
     """Compile, and say how long it took."""
+    from foldcut.cli.progress import progress_for
     from foldcut.geometry.straight_skeleton import moving
     from foldcut.redraw import compiling
 
     console = Console(args.json)
     started = perf_counter()
-    moving.compile_ahead()
-    compiling.compile_ahead()
+    with progress_for(console) as progress:
+        if not compiling.is_compiled():
+            progress(compiling.COMPILING, 0.0)
+        moving.compile_ahead()
+        compiling.compile_ahead()
     seconds = perf_counter() - started
     console.report({"ok": True, "seconds": seconds}, [f"compiled in {seconds:.1f} s, and kept for later"])
     return DONE

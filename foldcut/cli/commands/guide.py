@@ -20,13 +20,18 @@ EXAMPLES = """\
 examples:
   foldcut guide letter-a                   letter-a-guide.pdf
   foldcut guide logo.svg -o logo.html
+  foldcut guide star -o star-folds.svg     it folds, in any browser
 """
 
 
 def add_options(command: ArgumentParser) -> None:
     """Add the output, the drawing and the search."""
     command.add_argument(
-        "-o", "--output", type=output_name, metavar="OUT", help="a .pdf or .html (default: NAME-guide.pdf)"
+        "-o",
+        "--output",
+        type=output_name,
+        metavar="OUT",
+        help="a .pdf, .html or animated .svg (default: NAME-guide.pdf)",
     )
     options.add_request(command)
     options.add_console(command)
@@ -39,7 +44,9 @@ def guide(args: Namespace) -> int:
     request, recipe = options.request(args), options.recipe(args)
     output = Path(args.output or f"{request.source.stem}-guide.pdf")
     if output.suffix.lower() not in GUIDES:
-        raise BadInputError(f"{output}: guides are PDF or HTML; give a name that ends in {' or '.join(GUIDES)}")
+        raise BadInputError(
+            f"{output}: guides are PDF, HTML or animated SVG; give a name that ends in {', '.join(GUIDES)}"
+        )
 
     def written(result: Result | Reopened) -> bytes:
         return GUIDES[output.suffix.lower()](result.folded_pattern)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from foldcut.cli import options
 from foldcut.cli.commands import Command
+from foldcut.cli.console import DONE
 from foldcut.cli.making import fold_or_open, recipe_of, write_and_report
 from foldcut.cli.options import PATTERN_STEM, FoldRequest, Machine, Request, Source
 from foldcut.cli.outputs import Outputs, is_bundle
@@ -57,7 +58,8 @@ Existing files are replaced only with --force. Ctrl-C ends the search and goes o
 
 VIEW_EXAMPLES = """\
 examples:
-  foldcut view fish                        fish.html; open it in a browser
+  foldcut view fish                        writes fish.html and opens it in the browser
+  foldcut view fish --no-open              only writes it
   foldcut view logo.svg --sheet a5 -o out/logo.html
   foldcut view logo.fold                   a pattern that foldcut made before
 """
@@ -95,6 +97,33 @@ def add_options(command: ArgumentParser) -> None:
     options.add_console(command)
 
 
+def add_view_options(command: ArgumentParser) -> None:
+    """Add the options of ``make``, and whether the page is opened."""
+    add_options(command)
+    command.add_argument(
+        "--no-open",
+        action="store_true",
+        help="do not open the page in the browser (it is not opened, either, with -o, --json or --quiet, where the "
+        "output is no terminal, and on a machine without a screen)",
+    )
+
+
+def view(args: Namespace) -> int:
+    """Fold a drawing, write its page and open it in the browser."""
+    from foldcut.cli.browser import has_screen, open_page
+
+    status = make(args)
+    wanted = not (args.no_open or args.output or args.json or args.quiet or args.again is not None)
+    if status == DONE and wanted and has_screen():
+        open_page(Path(page_name(options.request(args).source)))
+    return status
+
+
+def page_name(source: Source) -> str:
+    """Return the name of the page of a drawing, unless another is given."""
+    return f"{source.stem}.html"
+
+
 def make(args: Namespace) -> int:
     """Fold a drawing and write its files."""
     if args.again is not None:
@@ -110,7 +139,7 @@ def make(args: Namespace) -> int:
     source = request.source
     usual = options.usual_machines(args, (Path(out).suffix for out in args.output or ()))
     machine = options.no_machine() if usual else options.machine(args)
-    default = [f"{source.stem}.html"] if args.command == "view" else default_names(source, machine)
+    default = [page_name(source)] if args.command == "view" else default_names(source, machine)
     paths = output_paths(args.output or default)
     bundles = [path.suffix.lower() for path in paths if is_bundle(path)]
     solids = options.solid_machines(args, [path.suffix for path in paths], bundles)
@@ -151,7 +180,7 @@ def request_sheet(request: Request) -> Sheet:
     from foldcut.drawing.placement import SHEET_LIMITS_MM
 
     least = SHEET_LIMITS_MM[0]
-    return request.folding.sheet if isinstance(request, FoldRequest) else Sheet(least, least)
+    return request.folding.paper if isinstance(request, FoldRequest) else Sheet(least, least)
 
 
 def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
@@ -189,9 +218,10 @@ MAKE = Command(
     "Compute how to fold a sheet so that one straight cut gives the drawing.", MAKE_EXAMPLES, add_options, make
 )
 VIEW = Command(
-    "Compute the pattern as `foldcut make` does and write NAME.html: the pattern, and the sheet in 3D with sliders "
-    "that fold it and take its layers off. The page is one file, needs no network, and works in any browser.",
+    "Compute the pattern as `foldcut make` does, write NAME.html and open it in the browser: the pattern, and the "
+    "sheet in 3D with a player that folds it step by step, cuts it and opens the shape. The page is one file, needs no "
+    "network, and works in any browser.",
     VIEW_EXAMPLES,
-    add_options,
-    make,
+    add_view_options,
+    view,
 )

@@ -64,6 +64,7 @@ def solve(args: Namespace) -> int:
     from foldcut.cli import report
     from foldcut.core.units import parse_length
     from foldcut.foldfile.patterns import read_pattern_apart
+    from foldcut.foldfile.solved import completed
     from foldcut.foldfile.solved import solve as solve_file
     from foldcut.jobs.errors import TooLargeError
     from foldcut.output.atomic import Inputs, check_targets, write_files
@@ -89,8 +90,7 @@ def solve(args: Namespace) -> int:
         contents, made = outputs.contents(solved.folded_pattern, recipe_of(args, path))
     except TooLargeError as error:
         raise BadInputError(f"{error.what}; {error.keeping}, or make the sheet smaller with --width") from None
-    if solved.in_a_circle:
-        contents = without_lists(contents, solved)
+    contents = {p: completed(data, solved) if p.suffix == ".fold" else data for p, data in contents.items()}
     files = [{"path": str(p), "bytes": len(data), "replaced": p.exists()} for p, data in contents.items()]
     write_files(contents, replace=args.force, inputs=inputs)
     console.report(*report.solved_report(told, files, made))
@@ -116,13 +116,6 @@ def check_kinds(names: Sequence[Path], solved: Solved) -> None:
             raise UnfoldableError(f"{name}: {CIRCULAR}; write .fold, .svg, .cp, or a machine's file")
         if name.suffix.lower() != ".fold" and not is_rectangle(solved):
             raise BadInputError(f"{name}: the sheet is no rectangle; write .fold, or draw the border as a rectangle")
-
-
-def without_lists(contents: dict[Path, bytes], solved: Solved) -> dict[Path, bytes]:
-    """Return files in which FOLD has the order of pairs instead of a list of layers."""
-    from foldcut.foldfile.solved import with_pairs
-
-    return {path: with_pairs(data, solved) if path.suffix == ".fold" else data for path, data in contents.items()}
 
 
 SOLVE = Command(

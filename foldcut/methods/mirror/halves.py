@@ -55,6 +55,9 @@ NESTED = 1.5
 FLAT = 3.0
 """A side that runs on along the border goes on for no longer than this many times the distance that is asked for."""
 
+CLOSED = (None, (False, True), (True, False), (True, True))
+"""How the loops of a wedge may be closed beyond its borders, as for ``closed_wedge``."""
+
 QUARTER = (0, 1)
 """Both borders of a quarter of the plane, as axes."""
 
@@ -98,13 +101,16 @@ def one_loop_halves(shape: Shape, sheet: Sheet, axes: tuple[int, ...]) -> Iterat
         yield Half(shape, (points_array(loop),), half, axes)
 
 
-def closed_wedge(wedge: Wedge, near: tuple[bool, bool]) -> Wedge | None:
+def closed_wedge(wedge: Wedge, near: tuple[bool, bool] | None) -> Wedge | None:
     """Return a wedge with loops that are closed straight beyond its last border, its first one, or both.
 
-    ``near`` says for the last border and for the first one whether that is just beyond it, or far away; None where
-    loops would cross. The straight skeleton of these loops differs from that of the whole shape: near a border it has
-    the ridges between the shape and a side along the border, where otherwise the ridges of both sides of it meet.
+    ``near`` says for the last border and for the first one whether that is just beyond it, or far away; with None the
+    loops stay those of the whole shape. None where loops would cross. The straight skeleton of these loops differs from
+    that of the whole shape: near a border it has the ridges between the shape and a side along the border, where
+    otherwise the ridges of both sides of it meet.
     """
+    if near is None:
+        return wedge
     borders = wedge.borders
     chains, closed, size = _in_quarter(wedge)
     away = np.where(near, JUST_BEYOND, FAR[0]) * size

@@ -26,7 +26,7 @@ from foldcut.geometry.partial_symmetry import partial_axis
 from foldcut.methods.base import Effort, Made, Problem, straight_folds
 from foldcut.methods.compact.method import search_told
 from foldcut.methods.frame import ADJUST, Frame, frame_scale, frames, in_frame
-from foldcut.methods.mirror.halves import closed_wedge, halves_of, one_loop_halves, one_loop_wedges
+from foldcut.methods.mirror.halves import CLOSED, closed_wedge, halves_of, one_loop_halves, one_loop_wedges
 from foldcut.methods.mirror.search import fold_mirrored
 from foldcut.methods.mirror.skeletal import (
     fold_part,
@@ -60,9 +60,6 @@ FEW = 2.0
 
 FINALISTS = 2
 """How many ways to lay the shape are searched further."""
-
-CLOSED = (None, (False, True), (True, False), (True, True))
-"""How loops are closed beyond a wedge's borders: see ``_Around``."""
 
 TILTS = (1 / 4, 1 / 3, 1 / 2, 1 / 6)
 """How far wedges are turned, in parts of their angle, where creases are short with an axis along the sheet."""
@@ -133,7 +130,7 @@ class _Around:
     def loops(self, frame: Frame) -> Wedge:
         """Return the wedge of a frame's sheet, with the loops to fold it by."""
         whole = self.wedge(frame.shape, frame.sheet)
-        closed = whole if self.near is None else closed_wedge(whole, self.near)
+        closed = closed_wedge(whole, self.near)
         if closed is None:
             raise UnfoldableError("the shape cannot be cut off at the wedge's borders")
         return closed

@@ -110,8 +110,9 @@ class Ridges:
 
     ``size`` ``(2,)`` mm is the sheet's; ``snap`` in mm: points less far apart are one; ``places`` are the skeleton's
     points as plain numbers. ``shape_at_left`` is for each skeleton face 1.0 where the shape is on the left of its side,
-    else -1.0. ``edges`` are the ridges, ``degree`` is how many of them meet in a vertex. ``nodes`` are the vertices
-    strictly on the sheet that are no corners of the shape; at those in ``odd`` an odd number of ridges meet.
+    else -1.0. ``edges`` are the ridges, and of a graph also the sides that are folded; ``degree`` is how many of them
+    meet in a vertex. ``corners`` are those of the shape. ``nodes`` are the vertices strictly on the sheet that are no
+    corners, or in ``odd``: there an odd number of creases meet. At corners of a graph that happens where a line ends.
     """
 
     def __init__(self, skeleton: Skeleton, sheet: Sheet) -> None:
@@ -144,9 +145,10 @@ class Ridges:
             (a, b) for a, b in self._face_of if a < b and (b, a) in self._face_of and not skeleton.is_side((a, b))
         ]
         self.degree = Counter(vertex for edge in self.edges for vertex in edge)
-        corners = {vertex for side in skeleton.base for vertex in side}
-        self.nodes = [v for v in self.degree if v not in corners and self.on_sheet(self.places[v])]
+        self.corners = {vertex for side in skeleton.base for vertex in side}
         self.odd = [v for v, count in self.degree.items() if count % 2 and self.on_sheet(self.places[v])]
+        inner = self.degree.keys() - self.corners | {*self.odd}  # of a graph, some corners are odd
+        self.nodes = [v for v in self.degree if v in inner and self.on_sheet(self.places[v])]
 
     def u(self, face: int, vertex: int) -> float:
         """Return how far along a skeleton face's side a vertex is, in mm."""
@@ -300,9 +302,10 @@ class Perpendiculars:
         ending = {node for path in self.paths for node in (path.start, path.end)}
         for node in self.ridges.odd:
             if node not in ending:
+                remedy = "move a line or leave one out" if self.ridges.skeleton.is_graph else "try a larger --adjust"
                 raise UnfoldableWhereError(
                     "no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
-                    f"{MOST_CROSSINGS} crossings; try a larger --adjust",
+                    f"{MOST_CROSSINGS} crossings; {remedy}",
                     self.ridges.skeleton.points[node].tolist(),
                 )
 

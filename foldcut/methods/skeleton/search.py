@@ -108,7 +108,8 @@ def ridges_of(shape: Shape, sheet: Sheet, ribbon: float) -> Ridges:
     """Return the ridges of a shape's straight skeleton; raise ``UnfoldableError`` if some meet within the ribbon."""
     skeleton = skeleton_of(shape, sheet)
     ridges = Ridges(skeleton, sheet)
-    lowest = min((float(skeleton.height[node]) for node in ridges.nodes), default=np.inf)
+    heights = (float(skeleton.height[node]) for node in ridges.nodes if node not in ridges.corners)
+    lowest = min(heights, default=np.inf)
     if lowest <= ribbon:
         raise UnfoldableWhereError(
             "creases of the straight skeleton meet {0:.2g} mm from the cut, within the ribbon of {1:.6g} mm",

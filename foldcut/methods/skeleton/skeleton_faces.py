@@ -23,12 +23,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from foldcut.core.arrays import Floats, Numbers
+from foldcut.core.arrays import Bools, Floats, Numbers
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
+from foldcut.drawing.graph import edges_of
 from foldcut.geometry.straight_skeleton import StraightSkeleton, straight_skeleton
 from foldcut.geometry.union_find import groups
 from foldcut.geometry.vectors import left_normal
+from foldcut.pattern.cut_line import contains
 
 Edge = tuple[int, int]
 """Two vertices."""
@@ -89,7 +91,9 @@ class Skeleton:
 
     ``points`` ``(n, 2)`` mm, the shape's corners first, in the order of its sides; ``height`` ``(n,)`` mm, the distance
     from the nearest sides; ``starts`` ``(s, 2)`` mm and ``along`` ``(s, 2)``, the first corner and the unit direction
-    of every side; ``faces``; ``base``, the number of the side that an edge is.
+    of every side; ``faces``; ``base``, the number of the side that an edge is. Of a graph, ``folded`` are the sides
+    that are creases, in both directions; each dead end adds a side without length, square to the edge that ends there.
+    ``is_graph``: corners cannot be moved.
     """
 
     points: Floats
@@ -98,14 +102,16 @@ class Skeleton:
     along: Floats
     faces: Sequence[SkeletonFace]
     base: Mapping[Edge, int]
+    folded: frozenset[Edge] = frozenset()
+    is_graph: bool = False
 
     def u(self, side: int, vertex: int) -> float:
         """Return how far along a side a vertex is, in mm."""
         return float((self.points[vertex] - self.starts[side]) @ self.along[side])
 
     def is_side(self, edge: Edge) -> bool:
-        """Return whether an edge, in either direction, is a side of the shape."""
-        return edge in self.base or edge[::-1] in self.base
+        """Return whether an edge, in either direction, is a side of the shape that is not folded."""
+        return (edge in self.base or edge[::-1] in self.base) and edge not in self.folded
 
     @cached_property
     def flanks_at(self) -> Mapping[int, frozenset[Flank]]:
@@ -123,19 +129,14 @@ def skeleton_of(shape: Shape, sheet: Sheet) -> Skeleton:
 
     Raises ``UnfoldableError`` where sides of the shape cross or touch.
     """
+    if shape.is_graph:
+        return _skeleton_of_graph(shape, sheet)
     starts = np.concatenate(shape.loops)
     count = len(starts)
     first = np.cumsum([0, *(len(loop) for loop in shape.loops)]).tolist()
     edges = [(a + k, a + (k + 1) % (b - a)) for a, b in pairwise([*first, count + 4]) for k in range(b - a)]
-    middle, half = np.array([sheet.width, sheet.height]) / 2, FRAME * sheet.diagonal
-    frame = middle + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-    try:
-        plane = straight_skeleton(np.concatenate([starts, frame]), np.array(edges))
-    except ValueError as error:
-        raise UnfoldableError(f"the shape has no straight skeleton: {error}") from error
-    near, exact = NEAR * sheet.diagonal, EXACT * sheet.diagonal
-    points, height, joined = _joined(plane, near, exact)
-    outlines = _outlines(plane, _faces(plane, points, height, joined, near, exact), exact)
+    plane = _plane(starts, edges, sheet)
+    points, height, outlines = _exact(plane, sheet)
     inside_is_left = np.repeat([shape.depth(k) % 2 == 0 for k in range(len(shape.loops))], np.diff(first))
     base = {edge: number for number, edge in enumerate(edges[:count])}
     bare = Skeleton(points, height, starts, plane.graph.side_along[: 2 * count : 2], (), base)
@@ -146,6 +147,61 @@ def skeleton_of(shape: Shape, sheet: Sheet) -> Skeleton:
             sign = 1 if flanks[0].left == inside_is_left[flanks[0].side] else -1
             faces.append(_face(bare, flanks, sign, outline))
     return replace(bare, faces=faces)
+
+
+def _skeleton_of_graph(shape: Shape, sheet: Sheet) -> Skeleton:
+    """Return the same for a graph: every side has its own two flanks, and what is inside is found by looking there."""
+    graph = edges_of(shape)
+    count = len(graph.edges)
+    frame = [(len(graph.points) + k, len(graph.points) + (k + 1) % 4) for k in range(4)]
+    plane = _plane(graph.points, [*graph.edges, *frame], sheet)
+    points, height, outlines = _exact(plane, sheet)
+    caps_from = 2 * (count + len(frame))
+    places = np.concatenate([np.arange(0, 2 * count, 2), np.arange(caps_from, plane.graph.side_count)])
+    base = {edge: number for number, edge in enumerate(graph.edges)}
+    folded = frozenset(edge for a, b in graph.folded for edge in ((a, b), (b, a)))
+    starts, along = plane.graph.side_start[places], plane.graph.side_along[places]
+    bare = Skeleton(points, height, starts, along, (), base, folded, is_graph=True)
+    inside = _regions_inside(plane, shape, sheet)
+    faces = []
+    for sides, outline in outlines:
+        of_edges, of_caps = ([k for k in sides if k < 2 * count], [k for k in sides if k >= caps_from])
+        if not of_edges and not of_caps:
+            continue  # of the frame
+        flanks = (
+            *(Flank(side // 2, side % 2 == 0) for side in of_edges),
+            *(Flank(count + side - caps_from, True) for side in of_caps),
+        )
+        faces.append(_face(bare, flanks, 1 if inside[plane.graph.side_region[sides[0]]] else -1, outline))
+    return replace(bare, faces=faces)
+
+
+def _regions_inside(plane: StraightSkeleton, shape: Shape, sheet: Sheet) -> Bools:
+    """Return which faces of the plane are inside the shape: a point beside a long side of each tells."""
+    graph = plane.graph
+    length = np.hypot(*(graph.points[graph.head] - graph.points[graph.tail]).T)
+    order = np.argsort(length, kind="stable")
+    longest = np.zeros(int(graph.side_region.max()) + 1, dtype=np.intp)
+    longest[graph.side_region[order]] = order
+    middles = (graph.points[graph.tail[longest]] + graph.points[graph.head[longest]]) / 2
+    return contains(shape, middles + NEAR * sheet.diagonal * left_normal(graph.side_along[longest]))
+
+
+def _plane(points: Floats, edges: Sequence[Edge], sheet: Sheet) -> StraightSkeleton:
+    """Return the straight skeleton of edges between points and of a frame, whose edges are the last four."""
+    middle, half = np.array([sheet.width, sheet.height]) / 2, FRAME * sheet.diagonal
+    frame = middle + half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    try:
+        return straight_skeleton(np.concatenate([points, frame]), np.array(edges))
+    except ValueError as error:
+        raise UnfoldableError(f"the shape has no straight skeleton: {error}") from error
+
+
+def _exact(plane: StraightSkeleton, sheet: Sheet) -> tuple[Floats, Floats, list[tuple[list[int], Vertices]]]:
+    """Return the points and their heights with near ones joined, and the outlines of the faces."""
+    near, exact = NEAR * sheet.diagonal, EXACT * sheet.diagonal
+    points, height, joined = _joined(plane, near, exact)
+    return points, height, _outlines(plane, _faces(plane, points, height, joined, near, exact), exact)
 
 
 def _joined(plane: StraightSkeleton, near: float, exact: float) -> tuple[Floats, Floats, Numbers]:

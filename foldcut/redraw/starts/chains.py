@@ -29,6 +29,9 @@ SHARP = math.radians(28)
 APART = 1.5
 """Of corners nearer to each other along the line than this many tolerances, only the sharpest is kept."""
 
+SAME_MM = 1e-4
+"""Points of a row that are nearer to each other than this, in mm, are one: a direction between them means nothing."""
+
 MEET = math.sin(math.radians(2.5))
 """Lines with a smaller sine of the angle between them do not make a corner."""
 
@@ -124,7 +127,8 @@ class Chains:
 def chains_of(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Chains | None:
     """Return the chains of a drawing's dense loops; ``tolerance`` in mm decides how dense their samples are.
 
-    None if the drawing is not symmetric enough about ``axes`` for its loops to be taken apart.
+    ``axes``: none, one, two at right angles, or several through one point, evenly spaced and in order of their
+    directions. None if the drawing is not symmetric enough about them for its loops to be taken apart.
     """
     loops = [loop if drawn.depth(k) % 2 == 0 else loop[::-1] for k, loop in enumerate(drawn.loops)]
     crossing = [[axis for axis in axes if _crosses(axis, loop)] for loop in loops]
@@ -137,7 +141,7 @@ def chains_of(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Chai
         if chain is None:
             return None
         chains.append(chain)
-        for ways in _ways([axis for axis in axes if axis not in crossing[k]]):
+        for ways in _ways(axes, crossing[k]):
             image = loop
             for axis in ways:
                 image = axis.mirrored(image)[::-1]
@@ -149,8 +153,14 @@ def chains_of(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Chai
     return Chains(tuple(chains), tuple(one for one in source if one is not None), tuple(axes))
 
 
-def _ways(axes: Sequence[Axis]) -> list[tuple[Axis, ...]]:
-    """Return the products of reflections in one or two axes."""
+def _ways(axes: Sequence[Axis], crossed: Sequence[Axis]) -> list[tuple[Axis, ...]]:
+    """Return the products of reflections, in one or two axes, that may bring a loop to another place.
+
+    ``crossed`` are the axes that it crosses: it is its own image in these.
+    """
+    if len(axes) > 2:
+        return [(), *((axis,) for axis in axes), *((axes[0], axis) for axis in axes[1:])]
+    axes = [axis for axis in axes if axis not in crossed]
     if not axes:
         return [()]
     if len(axes) == 1:
@@ -181,6 +191,8 @@ def _chain(number: int, loop: Floats, tolerance: float, axes: Sequence[Axis]) ->
         return None
     points = half
     ends = (axes[0], axes[0])
+    if len(axes) > 2:  # of the half, the part between the first two axes
+        axes = [axes[0], Axis(axes[1].place, axes[1].angle + math.pi)]
     if len(axes) == 2:
         # of the half, the part on the left of the other axis
         halved = _open_part(points, axes[1])
@@ -246,7 +258,7 @@ def _turns(points: Floats) -> Floats:
 
 def _sampled(number: int, points: Floats, tolerance: float, ends: tuple[Axis | None, Axis | None]) -> Chain:
     """Return a chain of samples of a dense row of points, true corners among them."""
-    keep = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > 1e-9])
+    keep = np.concatenate([[True], np.hypot(*np.diff(points, axis=0).T) > SAME_MM])
     points = points[keep]
     turns = np.zeros(len(points))
     turns[1:-1] = np.abs(_turns(points))
@@ -309,7 +321,14 @@ def loop_corners(chain: Chain, lines: Sequence[Line], reach: float, *, true_corn
                 tips[k] = place
     row = np.concatenate([tips[0], row, tips[1]])
     half = np.concatenate([row, _image(row, end)])
-    return half if start is end else np.concatenate([half, _image(half, start)])
+    if start is end:
+        return half
+    sectors = round(math.pi / abs(math.remainder(end.angle - start.angle, math.pi)))
+    if sectors == 2:
+        return np.concatenate([half, _image(half, start)])
+    once = half[: len(half) - len(tips[0])]  # the corner on the first axis comes again at the other end
+    turns = 2 * (end.angle - start.angle) * np.arange(sectors)
+    return np.concatenate([_turned(once, start.place, turn) for turn in turns.tolist()])
 
 
 def _corner(chain: Chain, a: Line, b: Line, reach: float, true_corners: bool) -> Floats:
@@ -328,6 +347,13 @@ def _corner(chain: Chain, a: Line, b: Line, reach: float, true_corners: bool) ->
     feet = [place + (line.offset - float(line.normal @ place)) * line.normal for line in (a, b)]
     between: Floats = (feet[0] + feet[1]) / 2
     return between
+
+
+def _turned(points: Floats, about: Floats, turn: float) -> Floats:
+    """Return points, ``(n, 2)``, turned by so many radians about a place."""
+    cosine, sine = math.cos(turn), math.sin(turn)
+    turned: Floats = (points - about) @ np.array([(cosine, sine), (-sine, cosine)]) + about
+    return turned
 
 
 def _image(row: Floats, axis: Axis) -> Floats:

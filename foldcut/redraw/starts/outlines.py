@@ -143,8 +143,8 @@ LOOSE_KINDS = tuple(
 def starts(drawn: Shape, tolerance: float, axes: Sequence[Axis] = ()) -> Iterator[Shape]:
     """Yield outlines within ``tolerance`` mm of a drawing's dense loops, the most promising first.
 
-    ``drawn``: the loops in mm of the frame, flattened to 0.02 mm or so. ``axes``: mirror axes to keep exactly, at most
-    two, at right angles. Each outline has the same loops, nested in the same way.
+    ``drawn``: the loops in mm of the frame, flattened to 0.02 mm or so. ``axes``: mirror axes to keep exactly, as
+    for ``chains_of``. Each outline has the same loops, nested in the same way.
     """
     for start in all_starts(drawn, tolerance, axes):
         yield start.shape
