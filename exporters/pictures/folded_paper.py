@@ -124,10 +124,11 @@ class FoldedPaper:
             under = np.minimum(more, len(under))
         return under[part]
 
-    def top(self, state: FoldedState, folded: Bools, closing: Ints) -> CreasePattern | None:
+    def top(self, state: FoldedState, folded: Bools, closing: Ints) -> tuple[CreasePattern, bool] | None:
         """Return the sheet as it lies as if it were one layer, with the creases that are ``closing``, seen from above.
 
-        None where it is no such sheet: its layers are not all as large as the topmost one.
+        With it comes whether its printed side is up. None where it is no such sheet: the topmost layer does not cover
+        all others.
         """
         on_top = np.flatnonzero(self.depths(state, folded) == 0) if folded.any() else np.arange(len(self.faces))
         rings, at = self.faces.to_lists(), state.vertices_coords
@@ -144,7 +145,7 @@ class FoldedPaper:
         here = np.zeros(len(kinds), dtype=np.bool_)
         here[closing] = True
         kinds = np.where((kinds == "F") & here, seen, kinds)[some]
-        return CreasePattern(at, self.ends[some], kinds, Ragged.from_rows(faces))
+        return CreasePattern(at, self.ends[some], kinds, Ragged.from_rows(faces)), up
 
     def names(self, state: FoldedState, folded: Bools) -> list[Label]:
         """Return labels for the sheet's corners where they lie; several at one place share one."""

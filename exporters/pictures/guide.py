@@ -335,17 +335,18 @@ class _Sheet:
         """Return the picture of the sheet when the creases of a step have begun to close, where that is found."""
         if step.edges.size < LEAST_CREASES:
             return []
-        pattern = self.paper.top(self.state, self.folded, step.edges)
-        found = None if pattern is None else half_closed(pattern)
-        if pattern is None or found is None:
+        top = self.paper.top(self.state, self.folded, step.edges)
+        found = None if top is None else half_closed(top[0])
+        if top is None or found is None:
             return []
+        pattern, up = top
         drawn = {(min(ends), max(ends)) for ends in pattern.edges_vertices[pattern.edges_assignment != "F"].tolist()}
         together = ", all layers together" if self.folded.any() else ""
         text = (
             f"On the way, seen from the front and above{together}. (Computed: lengths are within "
             f"{rounded_up(max(0.001, found.strain_mm))} mm, nothing crosses, and faces bend a little.)"
         )
-        return [Instruction("Closing", text, Panel(in_space(found, drawn), self.paper.back(self.state)))]
+        return [Instruction("Closing", text, Panel(in_space(found, drawn, up=up), [Key("the back", fill=BACK)]))]
 
     def _ways(self, step: FoldingStep, look: LineStyle) -> list[Item]:
         """Return the creases of a step as they look from above: of those on each other, the highest."""

@@ -24,8 +24,11 @@ DARKEST = 0.72
 """How bright a part is that is seen from its edge; 1 is that of one seen from straight above it."""
 
 
-def in_space(sheet: HalfClosed, drawn: set[tuple[int, int]]) -> list[Item]:
-    """Return a sheet in space; ``drawn``: the edges that are drawn, each as its lower and its higher vertex."""
+def in_space(sheet: HalfClosed, drawn: set[tuple[int, int]], *, up: bool = True) -> list[Item]:
+    """Return a sheet in space; ``drawn``: the edges that are drawn, each as its lower and its higher vertex.
+
+    ``up``: the printed side is on the side that triangles go round counter-clockwise.
+    """
     x, y, z = sheet.points.T
     seen = np.stack([x, y * math.cos(TILT) + z * math.sin(TILT)], axis=1)
     depth = z * math.cos(TILT) - y * math.sin(TILT)
@@ -33,7 +36,7 @@ def in_space(sheet: HalfClosed, drawn: set[tuple[int, int]]) -> list[Item]:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1)[:, None]
     facing = normals @ np.array([0.0, -math.sin(TILT), math.cos(TILT)])
-    fronts: Bools = facing > 0
+    fronts: Bools = (facing > 0) == up
     items = []
     for number in np.argsort(depth[sheet.triangles].mean(axis=1), kind="stable").tolist():
         triangle = sheet.triangles[number].tolist()
