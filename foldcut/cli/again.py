@@ -86,6 +86,7 @@ def make_again(args: Namespace) -> int:
     write_files(contents, replace=args.force, inputs=inputs)
     report = {"ok": True, "again": str(path), "same": same, "foldcut": recipe.version, "files": files}
     report["changed"] = list(map(str, changed))
+    report |= {"made": recipe.lines()[0], "drawing": None if drawing is None else str(drawing.path)}
     lines = [
         str(path),
         f"  made      {recipe.lines()[0]}",
