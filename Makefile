@@ -107,6 +107,9 @@ pictures: $(VENV)/installed
 	$(BIN)/foldcut make snowflake -o docs/snowflake-wedge.svg --force
 	$(BIN)/foldcut make rosette -o docs/rosette.svg --force
 	$(BIN)/foldcut make paper-chain -o docs/paper-chain.svg --force
+	$(BIN)/foldcut draw tangram --show pattern,pieces -o docs/tangram.svg --force
+	$(BIN)/foldcut draw spiders-web --show pattern,pieces -o docs/spiders-web.svg --force
+	$(BIN)/foldcut draw slit-card --show pattern,pieces -o docs/slit-card.svg --force
 	$(BIN)/python docs/drawings/machines.py
 	$(KITE) --show packing -o docs/figure-1.svg
 	$(TRIANGLE) --show rabbit-ear -o docs/figure-2.svg

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Finding
+from foldcut.drawing.graph import make_graph, shapes_of
 from foldcut.drawing.mend import Preparation, prepare
-from foldcut.drawing.shape import make_shape
 from foldcut.foldfile.decide import TOLERANCE, Decision, decide
 from foldcut.foldfile.patterns import read_pattern
 from foldcut.foldfile.read import FoldFile
@@ -56,16 +56,29 @@ def decide_cut(read: FoldFile, drawing: Drawing | None, tolerance: float) -> Dec
         return replace(decision, notes=read.notes + decision.notes)
     notes = read.notes + drawing.repairs
     if read.placement is not None:
-        loops = [read.placement.apply(loop) for loop in drawing.own_coordinates()]
+        unit = read.placement.scale
+        loops, lines = (
+            tuple(map(read.placement.apply, drawing.own_coordinates(drawn))) for drawn in (drawing.loops, drawing.lines)
+        )
     else:
-        loops = [loop * (drawing.unit_mm or 1.0) for loop in drawing.loops]
+        unit = drawing.unit_mm or 1.0
+        loops, lines = (tuple(line * unit for line in drawn) for drawn in (drawing.loops, drawing.lines))
         notes += ("foldcut:placement is missing: the drawing is taken to lie on the sheet as drawn, in mm, y up",)
-    prepared = prepare(loops, Preparation())
-    notes += prepared.changes
-    shape = make_shape(prepared.loops)
+    if lines:
+        shapes = list(make_graph((), lines, join=drawing.join and drawing.join * unit).shapes())
+    else:
+        prepared = prepare(loops, Preparation())
+        notes += prepared.changes
+        shapes = shapes_of(prepared.loops)
+    shape = shapes[0]
     decision = decide(read, shape, tolerance)
+    for other in shapes[1:]:  # of a graph, the file need not have the sides of the cut that come first
+        if all(finding.check != "cut" for finding in decision.findings):
+            break
+        decision = decide(read, other, tolerance)
     findings = decision.findings
-    if findings and read.loops and all(finding.check == "cut" for finding in findings):
+    are_loops = read.loops and not read.lines and not shape.is_graph
+    if findings and are_loops and all(finding.check == "cut" for finding in findings):
         decision, more = _judge_moved(read, shape.loops, decision, tolerance)
         notes += more
     return replace(decision, notes=notes + decision.notes)
@@ -95,4 +108,4 @@ def _judge_moved(
     far = left_out(read.loops, drawing, moved)
     if far:
         notes += (f"parts of the drawing narrower than {2 * moved:.3g} mm are left out, up to {far:.3g} mm from it",)
-    return decide(read, make_shape(read.loops), tolerance), notes
+    return decide(read, read.shape, tolerance), notes

@@ -1,7 +1,7 @@
 """The sample drawings that come with foldcut, and where their files are.
 
 All are drawn by hand in mm, with few corners and no thin parts, since small features cost creases. Most are SVG; plus
-is JSON loops, and kite is WKT.
+is JSON loops, and kite is WKT. Those of ``LINES`` are cut along lines that are no outlines; they are JSON, too.
 """
 
 from __future__ import annotations
@@ -16,6 +16,9 @@ from foldcut.core.errors import BadInputError
 
 _SUFFIXES = (".svg", ".json", ".wkt")
 
+LINES = ("chessboard", "slit-card", "spiders-web", "stroke-letters", "tangram", "zigzag")
+"""The samples with open lines, and with lines that meet and cross."""
+
 _COUNTS = "difficulty.toml"
 """Where what it takes to fold the samples is kept; ``tests/bench/difficulty.py`` writes it."""
 
@@ -29,9 +32,9 @@ class FoldCounts(NamedTuple):
     shortest_mm: float
 
 
-def sample_names() -> tuple[str, ...]:
-    """Return the names of all samples, without suffixes, in alphabetical order."""
-    return tuple(sorted(_paths()))
+def sample_names(*, lines: bool = False) -> tuple[str, ...]:
+    """Return the names of samples, without suffixes, in alphabetical order: outlines, and with ``lines`` all."""
+    return tuple(sorted(name for name in _paths() if lines or name not in LINES))
 
 
 def sample_path(name: str) -> Path:

@@ -10,11 +10,11 @@ import pytest
 import shapely
 from support.folded import folded_sample
 from support.patterns import book_fold, build_pattern, letter_fold, square_out_of_square
+from support.samples import TESTED
 
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Region
 from foldcut.folding_steps import LEAST_GROUP, MOST_GROUPS, FoldingStep, folding_steps
 from foldcut.proof.verify import verify
-from foldcut.samples import sample_names
 
 
 @cache
@@ -89,7 +89,7 @@ def check_fold(pattern: FoldedPattern, before: FoldedState, step: FoldingStep) -
         assert np.array_equal(np.argsort(old[members])[::sign], np.argsort(new[members]))
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 def test_each_crease_is_folded_once_and_the_verifier_accepts_the_sheet_after_each_step(sample: str) -> None:
     creases = folded(sample).creases
     done = np.zeros(len(creases.edges_vertices), dtype=bool)
@@ -108,7 +108,7 @@ def _front_up(creases: CreasePattern, state: FoldedState) -> bool:
     return bool(shapely.LinearRing(state.vertices_coords[creases.faces_vertices[0]]).is_ccw)
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 def test_straight_folds_are_straight_folds_of_the_sheet_as_it_lies(sample: str) -> None:
     pattern = folded(sample)
     before = flat_state(pattern)
@@ -118,7 +118,7 @@ def test_straight_folds_are_straight_folds_of_the_sheet_as_it_lies(sample: str) 
         before = step.state
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 def test_the_last_state_is_the_verified_one_moved_or_turned_over(sample: str) -> None:
     pattern = folded(sample)
     last, end = steps_of(sample)[-1].state, pattern.folded

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from support.folded import fold_sample
+from support.samples import TESTED
 from support.strategies import cross, rectangle, regular, simple_polygons, star, star_shaped, two_opt
 
 import foldcut
 from foldcut.drawing.shape import make_shape
 from foldcut.methods import CHOICES
 from foldcut.proof.verify import verify
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import sample_path
 
 SEVERAL_LOOPS = {"letter-a", "ring", "rosette", "two-triangles"}
 RANDOM = int(os.environ.get("FOLDCUT_RANDOM", "24"))  # `make sweep` asks for 300
@@ -35,7 +36,7 @@ SYMMETRIC = {
 
 
 @pytest.mark.parametrize("method", ["compact", "paper"])
-@pytest.mark.parametrize("name", sorted(set(sample_names()) - SEVERAL_LOOPS))
+@pytest.mark.parametrize("name", sorted(set(TESTED) - SEVERAL_LOOPS))
 def test_every_sample_with_one_loop_is_verified(name: str, method: str) -> None:
     result = fold_sample(name, method=method)
     assert result.findings == ()

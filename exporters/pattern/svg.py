@@ -53,7 +53,7 @@ def export(pattern: FoldedPattern, profile: Profile) -> bytes:
     mountain_paths = (_segments(mountain_pieces(line, look)) for line in mountains)
     valley_paths = (_segments(valley_pieces(line, look)) for line in valleys)
     outlines = [_closed(_flip(loop, sheet)) for loop in pattern.shape.loops]
-    outlines += [_segments(_flip(np.stack([line[:-1], line[1:]], axis=1), sheet)) for line in pattern.shape.lines]
+    outlines += [path_data(_flip(line, sheet).tolist(), closed=False) for line in pattern.shape.lines]
     if pattern.first_folds:
         wide = WIDE * look.crease_stroke_mm
         firsts = [_segments(_flip(line, sheet)[None]) for line in pattern.first_folds]

@@ -31,7 +31,7 @@ REPEATED = ("make", "view", "draw", "guide", "coupon", "solve")
 """The commands that a recipe may have."""
 LARGEST = 2**29
 """A file that is made again has no more bytes than this."""
-NEVER = ("-o", "--output", "--force", "--preview", "--again", "--timeout", "--json", "--quiet")
+NEVER = ("-o", "--output", "--force", "--preview", "--so-far", "--again", "--timeout", "--json", "--quiet")
 """Options that no recipe has: they say where files go, or how to report."""
 
 
@@ -208,7 +208,7 @@ def places(recipe: Recipe, path: Path) -> Iterator[Path]:
         if place.is_file() and not place.samefile(path):
             yield place
     stem = Path(recipe.drawing).stem
-    if stem in sample_names() and sample_path(stem).name == recipe.drawing:
+    if stem in sample_names(lines=True) and sample_path(stem).name == recipe.drawing:
         yield sample_path(stem)
 
 

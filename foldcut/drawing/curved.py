@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+import shapely
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import Shape
@@ -67,10 +68,8 @@ def _box(loop: Floats) -> Floats:
 
 def _is_same(loop: Floats, drawn: Floats, size: float) -> bool:
     """Whether a loop is a drawn one, perhaps without collinear corners and the other way around."""
-    from scipy.spatial import KDTree  # a tenth of a second to import
-
-    off, _ = KDTree(drawn).query(loop)
-    if np.max(off) > SAME * size:
+    near = shapely.STRtree(shapely.points(drawn)).query(shapely.points(loop), predicate="dwithin", distance=SAME * size)
+    if len(np.unique(near[0])) < len(loop):
         return False
     middle = loop.mean(axis=0)
     return abs(abs(signed_area(loop - middle)) - abs(signed_area(drawn - middle))) <= SAME_AREA * size**2

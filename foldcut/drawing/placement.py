@@ -147,7 +147,8 @@ def place(
     turned = (points - pivot) @ turn.T
     centre, size = _box_centre(turned), np.ptp(turned, axis=0)
     room = np.array([sheet.width, sheet.height]) - 2 * margin
-    factor = float((room / size).min()) if scale == "fit" else float(scale)
+    with np.errstate(divide="ignore"):  # a single line has no width or no height
+        factor = float((room / size).min()) if scale == "fit" else float(scale)
     with np.errstate(over="ignore"):  # an infinite size is refused as any other that is too large
         target = np.array([sheet.width, sheet.height]) / 2 if offset is None else offset + factor * size / 2
         placed = (turned - centre) * factor + target
@@ -214,6 +215,8 @@ def _scale_to(shape: Shape, width: float | None = None, height: float | None = N
         if length is not None:
             if not 0 < length < math.inf:
                 raise SheetError(f"the {name} of the drawing is {length:g} mm; give a length above 0")
+            if not extent:
+                raise SheetError(f"the drawing is a line with no {name}; leave out --{name}")
             scales.append(length / float(extent))
     return min(scales)
 
@@ -224,7 +227,8 @@ def _lies_better_turned(
     """Whether ``shape`` fits ``sheet`` larger after another quarter turn, or with a fixed ``scale``, fits only then."""
     size = np.ptp(shape.points @ _rotation_matrix(rotation).T, axis=0)
     room = np.array([sheet.width, sheet.height]) - 2 * margin
-    straight, turned = (float((room / extents).min()) for extents in (size, size[::-1]))
+    with np.errstate(divide="ignore"):
+        straight, turned = (float((room / extents).min()) for extents in (size, size[::-1]))
     return straight * (1 + FIT_TOLERANCE) < turned and (
         scale == "fit" or straight * (1 + FIT_TOLERANCE) < float(scale) <= turned * (1 + FIT_TOLERANCE)
     )

@@ -71,7 +71,7 @@ class Recipe:
         if self.drawing in ("", UNNAMED):
             return "-"
         sample = self.drawing.rpartition(".")[0]
-        if sample in sample_names():
+        if sample in sample_names(lines=True):
             path = sample_path(sample)
             if path.name == self.drawing and hash_of(path) == self.sha256:
                 return sample

@@ -50,6 +50,9 @@ STRAIGHT = 1e-6
 ROUNDING = 1e-9
 """They also count as one line if the shorter one leaves it by less than this, relative to the sheet's diagonal."""
 
+SIMPLER = "fold a simpler outline with --level easy"
+"""What helps where the cut goes through too many layers."""
+
 HAIR = 1e-6
 """How far beside the cut line layers are counted, relative to the size of the folded sheet."""
 
@@ -128,12 +131,14 @@ def crease_numbers(creases: CreasePattern) -> CreaseNumbers:
     )
 
 
-def remedies(sheet: Sheet, factor: float, loops: int, method: str = "") -> str:
+def remedies(sheet: Sheet, factor: float, loops: int, method: str = "", *, simplify: bool = True) -> str:
     """Return a sentence on what would make the shortest crease ``factor`` times as long.
 
     ``loops`` is the number of loops in the drawing. ``method``: the name of a method to suggest, which makes fewer
-    creases and has not been tried, if there is one.
+    creases and has not been tried, if there is one. ``simplify``: corners of the drawing may be left out.
     """
+    if not simplify:
+        return "use a larger sheet with the drawing larger to match, or draw fewer lines"
     if factor > LARGEST_FACTOR:
         other = f"try --method {method} or a higher --effort" if method else "try a higher --effort"
         other = other if loops == 1 else "fold fewer loops at a time"
@@ -275,7 +280,8 @@ def _warnings(
     shortest = numbers.shortest_crease_mm
     if shortest is not None and numbers.shortest_crease_at is not None and shortest < COMFORTABLE_CREASE_MM:
         x, y = numbers.shortest_crease_at
-        remedy = remedies(pattern.sheet, COMFORTABLE_CREASE_MM / max(shortest, 1e-6), len(pattern.shape.loops), method)
+        factor, may_simplify = COMFORTABLE_CREASE_MM / max(shortest, 1e-6), not pattern.shape.is_graph
+        remedy = remedies(pattern.sheet, factor, len(pattern.shape.loops), method, simplify=may_simplify)
         warnings.append(
             f"the shortest crease, at ({x:.4g}, {y:.4g}), is {shortest:.2g} mm long; creases under "
             f"{COMFORTABLE_CREASE_MM:g} mm are hard to fold by hand; {remedy}"
@@ -284,7 +290,7 @@ def _warnings(
         warnings.append(
             f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; scissors give up at "
             f"{SCISSORS_LAYERS} to 20 layers of office paper; cut with a knife along a ruler, in several strokes, use "
-            "thinner paper, or fold a simpler outline with --level easy"
+            f"thinner paper, or {'draw fewer lines' if pattern.shape.is_graph else SIMPLER}"
         )
     return tuple(warnings)
 

@@ -301,7 +301,7 @@ def join(
         if alone and not left:
             enough = rounded_up(1.001 * float(distances.max()) * mm)
             raise FileFormatError(
-                f"a line ends {at}; close the outline, join ends that are farther apart with --join {enough}mm, "
+                f"a line ends {at}; close the outline, or join ends that are farther apart with --join {enough}mm, "
                 f"or {CUT_OPEN}"
             )
         what = f"{len(free)} lines that end" if len(free) > 1 else "a line that ends"

@@ -72,8 +72,13 @@ FIT = 0.6
 LOOK_FIRST = 30
 """A drawing with more corners than this gets a short look first, and is folded in earnest only if that is promising."""
 
-PROMISING = 2.0
-"""A short look is promising if it finds no more than this many times the folds that are allowed."""
+PROMISING, PROMISING_IF_FAR = 2.0, 1.2
+"""A short look is promising if it finds at most the first times the folds that are allowed, at most the second where
+outlines that are far off may be tried."""
+
+THOROUGH = 2.0
+"""Where a search nearly has a pattern for two hands, it is made once more within at least so many mm of the frame, and
+within the last tolerance: a larger one takes no longer, and mostly has one."""
 
 SHARE_OF_SECONDS = 0.4
 """The part of the seconds left that the methods get for each outline, where the time is limited by the clock."""
@@ -270,16 +275,28 @@ def redraw(
     is_late: Callable[[], bool],
     progress: Callable[[str, float], None],
     compiled: Callable[[float], None],
+    wanted: float,
+    thorough: bool,
+    needed: bool,
 ) -> None:
     """Search outlines as ``redrawing.redraw`` does, which is loaded now, and compiled where it has not been yet.
 
-    ``compiled`` is called with the seconds that compiling took.
+    ``compiled`` is called with the seconds that compiling took. A tolerance that is not ``needed`` gets less work.
     """
     from foldcut.redraw import compiling, redrawing
 
     compiled(compiling.get_ready(lambda text: progress(text, 0.0)))
-    work = redrawing.WORK[effort]
-    redrawing.redraw(drawing, tolerance, method=method, work=work, found=found, is_late=is_late, progress=progress)
+    redrawing.redraw(
+        drawing,
+        tolerance,
+        method=method,
+        work=int((1.0 if needed else redrawing.LESS_WORK) * redrawing.WORK[effort]),
+        found=found,
+        is_late=is_late,
+        progress=progress,
+        wanted=wanted,
+        thorough=thorough,
+    )
 
 
 @dataclass(eq=False)
@@ -287,6 +304,7 @@ class _Search:
     """The search over tolerances: ``levels`` are those tried so far.
 
     ``told`` is the best pattern that was handed over, ``latest`` the best of the tolerance that is being tried.
+    ``drawing``: the drawing as the search for outlines takes it, once it is known.
     """
 
     drawn: Drawn
@@ -302,6 +320,7 @@ class _Search:
     told: Level | None = None
     latest: Level | None = None
     easier: dict[bytes, Easier | None] = field(default_factory=dict)
+    drawing: Drawing | None = None
 
     def __post_init__(self) -> None:
         _, _, placement, _ = Layout(parse_sheet("a4"), rotation=0.0).place(self.drawn.whole)
@@ -350,8 +369,9 @@ class _Search:
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
-                look = self._folded(start, effort=Effort("fast"))
-                if look.folds is None or look.folds > PROMISING * self.bounds.folds:
+                look = self._folded(start, effort=Effort("fast"), adjusts=not far)
+                promising = PROMISING_IF_FAR if far else PROMISING
+                if look.folds is None or look.folds > promising * self.bounds.folds:
                     return look
                 self._tell(look)
         return self._folded(start)
@@ -381,6 +401,7 @@ class _Search:
             if many or FOLDS_FOR_A_CORNER * corners / copies > most:
                 failure = f"not tried: about {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, failure=failure)
+        needed = self.bounds.takes_fewest or not any(level.for_hands for level in self.levels)
         best: Level | None = None
 
         def found(one: Redrawn) -> None:
@@ -400,6 +421,9 @@ class _Search:
                 is_late=self._is_late,
                 progress=self._progress,
                 compiled=self._wait,
+                wanted=math.inf if last else self.bounds.folds,
+                thorough=needed and (last or tolerance >= THOROUGH),
+                needed=needed,
             )
         finally:
             seconds = time.perf_counter() - started
@@ -407,16 +431,21 @@ class _Search:
         if best is None:
             failure = "no outline with a pattern was found"
             return replace(start, laid=drawing.laid, failure=failure, seconds=seconds)
-        return replace(best, seconds=seconds)
+        return self._begun_simply(replace(best, seconds=time.perf_counter() - started))
 
     def _drawing(self, tolerance: float) -> Drawing:
         """Return the drawing as the search for outlines takes it."""
         from foldcut.redraw.plans import Drawing
 
+        if self.drawing is not None:
+            return self.drawing.within(tolerance)
         laying = replace(self.drawn.laying, simplify=0.0)
         if self.drawn.whole is not laying.outline:
             laying = replace(laying, outline=self.drawn.whole)
-        return Drawing.of(laying, self.drawn.curves, tolerance, self.bounds.small_parts, may_turn=self.drawn.may_turn)
+        self.drawing = Drawing.of(
+            laying, self.drawn.curves, tolerance, self.bounds.small_parts, may_turn=self.drawn.may_turn
+        )
+        return self.drawing
 
     def _of_redrawn(self, level: Level, drawing: Drawing, one: Redrawn, seconds: float) -> Level:
         """Return a level with the pattern of a redrawn outline."""
@@ -435,7 +464,6 @@ class _Search:
 
     def _with_pattern(self, level: Level, tried: Tried, off: float, seconds: float) -> Level:
         """Return a level with a pattern and what is known of it; ``off``: how far the outline is from the drawing."""
-        tried, known = self._begun_simply(tried)
         made, on = tried.made, tried.made.laid
         shortest = shortest_crease(made.creases)
         few, long = made.actions <= self.bounds.folds, shortest >= HANDS_CREASE_MM * self.scale * (1 - 1e-9)
@@ -451,18 +479,18 @@ class _Search:
             for_hands=few and long and not tried.findings,
             failure=f"not verified: {tried.findings[0]}" if tried.findings else "",
             seconds=seconds,
-            known=known,
         )
 
-    def _begun_simply(self, tried: Tried) -> tuple[Tried, tuple[Phase, ...]]:
-        """Return the pattern that begins with as many simple folds as its creases allow.
+    def _begun_simply(self, level: Level) -> Level:
+        """Return a level whose pattern begins with as many simple folds as its creases allow, and its phases if any.
 
-        Also its phases, if it begins with any.
+        That takes as long as a good part of a search, so it is done with the best pattern of each tolerance only.
         """
         from foldcut.folding_steps.simple_first import easier
 
-        if tried.findings:
-            return tried, ()
+        tried = level.tried
+        if tried is None or tried.findings:
+            return level
         made = tried.made
         same = made.creases.vertices_coords.tobytes() + made.folded.layers.tobytes()
         same += made.laid.shape.points.tobytes()
@@ -470,20 +498,22 @@ class _Search:
             self.easier[same] = easier(pattern_of(made, ""))
         found = self.easier[same]
         if found is None:
-            return tried, ()
+            return level
         creases, folded = found.pattern.creases, found.pattern.folded
         made = replace(made, creases=creases, folded=folded, actions=min(made.actions, found.actions))
-        return replace(tried, made=made), found.phases
+        level = self._with_pattern(level, replace(tried, made=made), level.off_by_mm, level.seconds)
+        return replace(level, known=found.phases)
 
     def _has_few_corners(self, outline: Shape) -> bool:
         return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
 
-    def _folded(self, level: Level, *, effort: Effort | None = None) -> Level:
-        """Fold the drawing as it is."""
+    def _folded(self, level: Level, *, effort: Effort | None = None, adjusts: bool = True) -> Level:
+        """Fold the drawing as it is; unless it ``adjusts``, corners are not moved: with 60 that may take a minute."""
         started = time.perf_counter()
         laying, within = self.drawn.laying, Stages(self._progress)
+        wishes = self._wishes() if adjusts else replace(self._wishes(), adjust=0.0)
         try:
-            tried = self.fold(laying, self._wishes(), self._part(effort or self.effort), within)
+            tried = self.fold(laying, wishes, self._part(effort or self.effort), within)
         except UnfoldableError as error:
             self.error = error
             return replace(level, laid=laying.lay(), failure=str(error), seconds=time.perf_counter() - started)
@@ -496,7 +526,8 @@ class _Search:
         off = 0.0 if on.shape.is_graph else apart(on.shape.loops, before)
         off = 0.0 if off < NOT_MOVED * self.scale else off
         drawn = before if laying.simplify > 0 and off > SEEN_MM else ()
-        return self._with_pattern(replace(level, drawn=drawn), tried, off, time.perf_counter() - started)
+        found = self._with_pattern(replace(level, drawn=drawn), tried, off, 0.0)
+        return replace(self._begun_simply(found), seconds=time.perf_counter() - started)
 
     def _wishes(self) -> Wishes:
         """Return what a method may do to the drawing as it is: move corners by hairs, as far as that is allowed."""
@@ -524,7 +555,7 @@ class _Search:
         """Keep the best pattern of a tolerance that the search has not done with."""
         latest = self.latest
         if latest is not None and all(level.tolerance_mm != latest.tolerance_mm for level in self.levels):
-            self.levels.append(latest)
+            self.levels.append(latest if latest.known else self._begun_simply(latest))
 
     def _tell(self, level: Level) -> None:
         """Hand a pattern to whoever waits for one, if it is better than the one before."""
@@ -589,6 +620,8 @@ class _Search:
             text = str(error)
         if self.bounds.method == ANY_METHOD and not self.drawn.whole.is_graph:
             text += self._remedies()
+        if self.drawn.whole.touching:
+            text += "; outlines that touch are set apart with --separate 0.5mm"
         if isinstance(error, CreaseTooShortError):
             return CreaseTooShortError(text, error.length, error.place)
         return UnfoldableError(text)

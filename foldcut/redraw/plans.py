@@ -154,8 +154,8 @@ class Plan:
 class Drawing:
     """A drawing, and how it is laid, with what is smaller than the tolerance treated.
 
-    ``target`` is in mm of ``frame``; ``small_parts`` are those that were treated, in mm of the frame. ``curves`` are
-    the loops of ``laying.outline`` where they are known.
+    ``target`` is in mm of ``frame``; ``small_parts`` are those that were treated, in mm of the frame; ``untreated`` is
+    the target before. ``curves`` are the loops of ``laying.outline`` where they are known.
     """
 
     laying: Laying
@@ -167,6 +167,7 @@ class Drawing:
     treatment: str
     tolerance: float
     may_turn: bool
+    untreated: Target
 
     @classmethod
     def of(
@@ -185,8 +186,14 @@ class Drawing:
         """
         laid = laying.lay(turn)
         frame = next(frames(laid))
-        target, parts = treated(Target.of_frame(frame, curves), tolerance, treatment)
-        return cls(laying, laid, frame, target, tuple(curves), tuple(parts), treatment, tolerance, may_turn)
+        untreated = Target.of_frame(frame, curves)
+        target, parts = treated(untreated, tolerance, treatment)
+        return cls(laying, laid, frame, target, tuple(curves), tuple(parts), treatment, tolerance, may_turn, untreated)
+
+    def within(self, tolerance: float) -> Drawing:
+        """Return the drawing for outlines that are at most ``tolerance`` mm of the frame off."""
+        target, parts = treated(self.untreated, tolerance, self.treatment)
+        return replace(self, target=target, small_parts=tuple(parts), tolerance=tolerance)
 
     def turned(self, turn: float) -> Drawing:
         """Return the drawing turned by so many degrees more."""

@@ -397,8 +397,13 @@ class Engine:
                 return None
         return found
 
-    def assess(self, points: Floats, loop_sizes: tuple[int, ...], reach: float = 0.0) -> Assessment | None:
-        """Return what an outline costs; None where it has no skeleton. With ``reach`` the details are kept, too."""
+    def assess(
+        self, points: Floats, loop_sizes: tuple[int, ...], reach: float = 0.0, most: float = math.inf
+    ) -> Assessment | None:
+        """Return what an outline costs; None where it has no skeleton.
+
+        With ``reach`` the details are kept, too, if it costs less than ``most``: copying them takes time.
+        """
         at = self.place(points, loop_sizes)
         if at is None:
             return None
@@ -419,7 +424,7 @@ class Engine:
             float(numbers[proxy_kernel.SHORTEST]), int(counts[proxy_kernel.SHORT]), int(counts[proxy_kernel.ENDLESS]),
             int(counts[proxy_kernel.DEGREES]), int(counts[proxy_kernel.TAKEN]),
         )  # fmt: skip
-        if reach:
+        if reach and found.cost < most:
             found.details = Details(work, at.count)
         return found
 

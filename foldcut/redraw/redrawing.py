@@ -6,8 +6,9 @@ than the best pattern so far are folded, and where the layers of one have no ord
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from foldcut.core.errors import FoldcutError
@@ -30,8 +31,15 @@ MOST_FOLDED = 12, 36
 TRIES = 8, 200
 """How many sets of perpendiculars are tried for each: so many, or more if there are few corners."""
 
+CHEAPER_TRIES = 3
+"""How many cheaper sets are tried once one can be folded: they hardly ever can."""
+
 MOST_FOLDS = 150
 """Outlines whose patterns have more folds are not for hands, and not folded."""
+
+MOST_FOLDS_AT_LAST, MOST_TRIED_AT_LAST = 400, 6
+"""The same while there is no pattern at the last tolerance, and how many outlines with so many folds are tried: each
+takes about a second."""
 
 REFUSED = 30.0
 """What is added to the cost of an outline whose layers have no order."""
@@ -47,6 +55,10 @@ DEAR = 20.0, 20.0
 
 MORE_STARTS = 1.1, 0.9
 """Then outlines are begun with that are made for so many times the tolerance."""
+
+LESS_WORK = 0.4
+"""The part of the work for each further plan once one has a pattern, for a tolerance that is not needed, and for a
+second search that is not thorough."""
 
 WORK = {"fast": 6_000, "normal": 20_000, "best": 200_000}
 """How much work a search by one plan is, by effort, in assessments of outlines."""
@@ -88,12 +100,16 @@ def redraw(
     found: Callable[[Redrawn], None] | None = None,
     is_late: Callable[[], bool] = lambda: False,
     progress: Callable[[str, float], None] | None = None,
+    wanted: float = math.inf,
+    thorough: bool = True,
 ) -> Redrawn | None:
     """Return the best pattern found for a drawing redrawn within ``tolerance`` mm of the frame, or None.
 
     ``method`` folds: "mirror", "skeleton", or any. ``work`` is how much is done for each plan, in assessments of
     outlines. ``found`` is called with each pattern that is better than those before. The search ends early when
-    ``is_late``. ``progress`` is called with a text and the part done.
+    ``is_late``. ``progress`` is called with a text and the part done. ``wanted``: how many folds a pattern may have; a
+    search that seems to end with far more is given up. ``thorough``: where a pattern for two hands is nearly found,
+    more is searched.
     """
     best: Redrawn | None = None
 
@@ -111,8 +127,12 @@ def redraw(
     for number, plan in enumerate(plans(drawing)):
         if method != ANY_METHOD and method != ("mirror" if plan.axes else "skeleton"):
             continue
-        if is_late() or (best is not None and not plan.axes):
+        if is_late() or (best is not None and not plan.axes and best.folds <= MOST_FOLDS):
             break  # folded in half first, it is easier than as a whole
+        if best is not None and (not thorough or (best.is_for_hands and len(plan.axes) < len(best.plan.axes))):
+            break  # what has most axes, and comes first, has the fewest folds
+        if number and not (plan.axes or thorough):
+            break  # with twice the corners, it would take longest where least is to be hoped for
 
         def ends(
             part: float, before: float = number / (number + 1), share: float = 1 / ((number + 1) * (number + 2))
@@ -121,7 +141,8 @@ def redraw(
                 progress(f"outlines within {tolerance:g} mm", before + share * part)
             return is_late()
 
-        _Redrawing(plan, tolerance, keep).run(work, ends)
+        share_of_work = 1.0 if best is None else LESS_WORK
+        _Redrawing(plan, tolerance, keep, wanted, thorough=thorough).run(int(share_of_work * work), ends)
     return best
 
 
@@ -149,34 +170,47 @@ def _fold_as_wedge(
 class _Redrawing:
     """A search by one plan."""
 
-    def __init__(self, plan: Plan, tolerance: float, keep: Callable[[Redrawn], None]) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        tolerance: float,
+        keep: Callable[[Redrawn], None],
+        wanted: float = math.inf,
+        *,
+        thorough: bool = True,
+    ) -> None:
         self.plan = plan
+        self.wanted = wanted
+        self.thorough = thorough
         self.tolerance = tolerance
         self.keep = keep
-        self.folded = self.tried = 0
+        self.folded = self.tried = self.tried_at_last = 0
         self.short_cost = SHORT_COST
+        self.is_given_up = False
         self.best: Redrawn | None = None
         self.refused: Counter[object] = Counter()
         self.field = plan.field(tolerance)
 
     def run(self, work: int, ends: Callable[[float], bool]) -> None:
         """Search; ``ends`` is called now and then with the part done, and says whether to stop."""
-        starts = list(self.plan.starts(self.tolerance))
+        starts: list[Corners] = []
+        self.search(_kept(self.plan.starts(self.tolerance), starts), work, ends)
         if not starts:
             return
-        self.search(starts, work, ends)
-        if not self.folded:  # outlines that fit less tightly may have an order of layers where none else has
-            self.search(starts, work, lambda _: ends(1.0), tightens=False)
+        again = int((1.0 if self.thorough else LESS_WORK) * work)
+        many = self.best is None or self.best.folds > MOST_FOLDS
+        if many and self.thorough and not self.is_given_up:  # looser outlines may have an order where none else has
+            self.search(starts, again, lambda _: ends(1.0), tightens=False)
         if self.best is not None and self.best.shortest < LEAST_CREASE_MM and self.best.folds < HANDS_FOLDS:
-            self.search(starts, work, lambda _: ends(1.0), short_cost=DEAR)
-        for part in MORE_STARTS:
+            self.search(starts, again, lambda _: ends(1.0), short_cost=DEAR)
+        for part in MORE_STARTS if self.thorough else ():
             if ends(1.0) or self.best is None or self.best.is_for_hands or self.best.folds > NEAR_MISS * HANDS_FOLDS:
                 break
-            self.search(list(self.plan.starts(part * self.tolerance)), work, lambda _: ends(1.0))
+            self.search(self.plan.starts(part * self.tolerance), work, lambda _: ends(1.0))
 
     def search(
         self,
-        starts: list[Corners],
+        starts: Iterable[Corners],
         work: int,
         ends: Callable[[float], bool],
         *,
@@ -187,7 +221,9 @@ class _Redrawing:
         self.folded = self.tried = 0
         self.short_cost = short_cost
         engine = Engine(self.field, short_cost=short_cost)
-        Search(engine, work, believe=self.believe, ends=ends, tightens=tightens).run(starts)
+        search = Search(engine, work, believe=self.believe, ends=ends, tightens=tightens, wanted=self.wanted)
+        search.run(starts)
+        self.is_given_up = search.is_given_up
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""
@@ -204,7 +240,13 @@ class _Redrawing:
             sheet = self.plan.frame.sheet if half is None else half.sheet
             outline = shape if half is None else half.outline
             tries = max(TRIES[0], TRIES[1] // outline.corner_count)
-            made = fold_outline(outline, sheet, tries=tries, part=half, most_folds=MOST_FOLDS)
+            most_folds = MOST_FOLDS
+            if self.best is None and math.isinf(self.wanted) and self.tried_at_last < MOST_TRIED_AT_LAST:
+                self.tried_at_last += one.lines > MOST_FOLDS
+                most_folds = MOST_FOLDS_AT_LAST
+            made = fold_outline(
+                outline, sheet, tries=tries, part=half, most_folds=most_folds, cheaper_tries=CHEAPER_TRIES
+            )
             redrawn = self._on_sheet(shape, made, off)
             self.folded += 1
         except FoldcutError:
@@ -228,6 +270,13 @@ class _Redrawing:
             whole = replace(found, creases=creases, folded=folded)
             made = made_of_whole(whole, laid, moved_mm=off * frame.scale)
         return Redrawn(plan, shape, made, made.actions, shortest_crease(creases) / frame.scale, off)
+
+
+def _kept(starts: Iterator[Corners], kept: list[Corners]) -> Iterator[Corners]:
+    """Yield outlines, and keep them."""
+    for one in starts:
+        kept.append(one)
+        yield one
 
 
 def _cost_of_shortest(length: float, short_cost: tuple[float, float]) -> float:

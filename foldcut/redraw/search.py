@@ -27,6 +27,12 @@ LEAST_GAIN = 0.05
 LOOKS = (0.3, 1000), (0.25, 12), (0.35, 4)
 """The part of the work that is left for a look at outlines to begin with, and how many of the best get it."""
 
+EARLY = 6, 0.03
+"""From so many outlines to begin with, the cheapest one gets this part of the work before the others are made."""
+
+HOPELESS = 1.8, 1.4
+"""After the first and the second look a search is given up whose best outline costs so many times what is allowed."""
+
 MORE_KEPT = 8
 """So many more may be the best so far, where those that look the best turn out to cost more."""
 
@@ -70,11 +76,12 @@ class Outline(NamedTuple):
 
 
 class Search:
-    """A search in the field of an engine; ``best`` is the best outline so far.
+    """A search in the field of an engine; ``best`` is the best outline so far; ``is_given_up``: it is hopeless.
 
     ``most``: how much work may be done. ``believe`` is asked for each outline that seems to be the best: it returns
     what has to be added to its cost. ``ends`` is told the part done now and then, and says whether to stop. Outlines
-    that are too far off are tightened, unless ``tightens`` is false: then they are dropped.
+    that are too far off are tightened, unless ``tightens`` is false: then they are dropped. ``wanted``: what an outline
+    may cost; a search that seems to end with far more is given up (``HOPELESS``).
     """
 
     def __init__(
@@ -86,8 +93,10 @@ class Search:
         ends: Callable[[float], bool] = lambda _: False,
         *,
         tightens: bool = True,
+        wanted: float = math.inf,
     ) -> None:
         self.engine = engine
+        self.wanted = wanted
         self.most = most
         self.random = Random(seed)
         self.believe = believe
@@ -96,6 +105,7 @@ class Search:
         self.all = most
         self.best: Assessment | None = None
         self.last_gain = 0
+        self.is_given_up = False
         self.refused: dict[str, float] = {}
         self.reach = REACH[0] * engine.field.tolerance + REACH[1]
 
@@ -112,9 +122,9 @@ class Search:
             return True
         return self.ends(min(1.0, self.spent / self.all))
 
-    def assess(self, points: Floats, loop_sizes: tuple[int, ...]) -> Assessment | None:
-        """Assess an outline, with the details that moves need."""
-        return self.engine.assess(points, loop_sizes, self.reach * FAR_MISS)
+    def assess(self, points: Floats, loop_sizes: tuple[int, ...], most: float = math.inf) -> Assessment | None:
+        """Assess an outline, with the details that moves need if it costs less than ``most``."""
+        return self.engine.assess(points, loop_sizes, self.reach * FAR_MISS, most)
 
     def keep(self, one: Assessment) -> None:
         """Remember an outline if it is among the best."""
@@ -134,13 +144,18 @@ class Search:
 
     def run(self, starts: Iterable[tuple[Floats, tuple[int, ...]]]) -> Assessment | None:
         """Search from some outlines; returns the best one."""
-        begun = [one for points, sizes in starts if (one := self._begun(points, sizes)) is not None]
+        begun: list[Assessment] = []
+        for points, sizes in starts:
+            if (one := self._begun(points, sizes)) is not None:
+                begun.append(one)
+                if len(begun) == EARLY[0] and self.believe is not None:
+                    self._look_early(begun)
         if not begun:
             return None
-        begun.sort(key=lambda one: one.cost + 0.7 * len(one.points))
+        begun.sort(key=_promise)
         end, first = self.most, self.spent
         others: list[Assessment] = []
-        for share, few in LOOKS:
+        for number_of_look, (share, few) in enumerate(LOOKS):
             begun.sort(key=lambda one: one.key)
             others, begun = begun[few:] + others, begun[:few]
             for number, one in enumerate(begun):
@@ -149,8 +164,12 @@ class Search:
                 if self.ends(min(1.0, self.spent / self.all)):
                     break
             first = self.spent
-            self.keep(min(begun, key=lambda one: one.key))  # so that there soon is a first pattern
+            self.keep(min(begun, key=lambda one: one.key))
             self.last_gain = first
+            assert self.best is not None
+            if number_of_look < len(HOPELESS) and self.best.cost > HOPELESS[number_of_look] * self.wanted:
+                self.is_given_up = True
+                return self.best
         self.most = end
         begun.sort(key=lambda one: one.key)
         for one in begun + others[:MORE_KEPT]:  # the latter where the former cannot be folded
@@ -158,6 +177,15 @@ class Search:
         self.last_gain = self.spent
         self.anneal(begun)
         return self.best
+
+    def _look_early(self, begun: list[Assessment]) -> None:
+        """Tie nodes of the cheapest outline so far, so that there soon is a first pattern."""
+        number = min(range(len(begun)), key=lambda number: _promise(begun[number]))
+        end = self.most
+        self.most = self.spent + int(EARLY[1] * self.all)
+        begun[number] = self.greedy(begun[number], MOST_TIES)
+        self.most = end
+        self.keep(begun[number])
 
     def _begun(self, points: Floats, sizes: tuple[int, ...]) -> Assessment | None:
         """Return an outline to begin with, tightened if it is farther off than the tolerance."""
@@ -226,10 +254,13 @@ class Search:
         off = engine.deviation(moved, sizes, self.far_off)
         if off > self.far_off:
             return None, False
-        found = self.assess(moved, sizes)
-        if off > tolerance and found is not None and found.cost < most:
-            tight = engine.tighten(moved, sizes, ties, meetings)
-            found = None if tight is None else self.assess(tight, sizes)
+        if off <= tolerance:
+            found = self.assess(moved, sizes, most)
+        else:
+            found = engine.assess(moved, sizes)
+            if found is not None and found.cost < most:
+                tight = engine.tighten(moved, sizes, ties, meetings)
+                found = None if tight is None else self.assess(tight, sizes, most)
         return found if found is not None and found.cost < most else None, off <= tolerance
 
     def anneal(self, starts: Sequence[Assessment]) -> None:
@@ -479,6 +510,11 @@ class Search:
         other = self._beside(here.loop_sizes, corner, self.random.choice((-1, 1)))
         points[corner] += (points[other] - points[corner]) * self.random.uniform(-0.35, 0.35)
         return Outline(points, here.loop_sizes, here.details.ties(), self.random.choice((0, MORE_FITS)))
+
+
+def _promise(one: Assessment) -> float:
+    """Return less for outlines that are likely to become cheaper."""
+    return one.cost + 0.7 * len(one.points)
 
 
 def _spans(sizes: Sequence[int]) -> Iterator[tuple[int, int]]:

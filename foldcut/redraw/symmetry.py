@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import shapely
@@ -124,8 +124,14 @@ def symmetry(target: Target, tolerance: float) -> Symmetry:
 
 def symmetries(target: Target, tolerances: Sequence[float]) -> list[Symmetry]:
     """Return the symmetry that a drawing has within each of some tolerances, in mm of the frame."""
-    outline = _Outline(target)
+    outline = _outline_of(target)
     return [_symmetry(outline, max(tolerance / 2, EXACT_MM)) for tolerance in tolerances]
+
+
+@lru_cache(maxsize=2)
+def _outline_of(target: Target) -> _Outline:
+    """Return the outline of a target: one and the same target is asked for with several tolerances."""
+    return _Outline(target)
 
 
 def _symmetry(outline: _Outline, allowed: float) -> Symmetry:

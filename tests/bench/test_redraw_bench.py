@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from support.places import TESTS
+from support.samples import TESTED
 
 from foldcut.drawing.shape import make_shape
-from foldcut.samples import sample_names
 
 SQUARE = np.array([[0.0, 0.0], [100, 0], [100, 100], [0, 100]])
 HOLE = np.array([[30.0, 30.0], [30, 70], [70, 70], [70, 30]])
@@ -120,7 +120,7 @@ NEWER = {"paper-chain", "rosette", "snowflake"}
 
 def test_what_was_before_is_known_of_every_sample() -> None:
     before = json.loads((TESTS / "bench" / "before_redraw.json").read_text())
-    assert set(sample_names()) - NEWER <= set(before)
+    assert set(TESTED) - NEWER <= set(before)
     assert all(row["failure"] or (row["folds"] > 0 and row["seconds"] > 0) for row in before.values())
 
 

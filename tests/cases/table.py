@@ -239,7 +239,6 @@ refused("lines-of-one-point.json", json.dumps({"lines": [[[1, 1]]]}), "draw at l
 refused("lines-without-length.json", json.dumps({"lines": [[[1, 1], [1, 1]]]}), "draw at least one line")
 refused("lines-not-finite.json", '{"lines": [[[0, 0], [1e999, 0]]]}', "finite coordinates")
 refused("no-lines.json", json.dumps({"lines": []}), "lines is not a list with at least one line")
-refused("sharp-lines.json", json.dumps({"lines": [[[0, 0], [90, 0]], [[0, 0], [1000, 0.5]]]}), "degrees between them")
 
 # --- WKT ------------------------------------------------------------------------------------------------------------
 taken("box.wkt", f"POLYGON ({WKT_SQUARE})")

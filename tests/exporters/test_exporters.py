@@ -23,6 +23,7 @@ from PIL import Image
 from support.folded import folded_sample
 from support.patterns import book_fold, build_pattern, letter_fold, notched_sheet, square_out_of_square
 from support.places import TESTS
+from support.samples import TESTED
 
 from foldcut.core.arrays import Floats
 from foldcut.core.errors import BadInputError, FileFormatError
@@ -32,7 +33,7 @@ from foldcut.exporters.pattern.fold import export as fold_export
 from foldcut.exporters.pattern.fold import face_orders, overlapping_faces
 from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import sample_path
 
 # triangles are up to manifold3d, pixels to the fonts that are there, and a page to its template
 GOLDEN_KINDS = sorted(PATTERN_EXPORTERS.keys() - {".stl", ".3mf", ".step", ".png", ".html"})
@@ -419,7 +420,7 @@ def read_by_others(data: bytes, kind: str, folder: Path) -> list[tuple[str, list
     return [(letters[line.type.name], [line.x1, line.y1, line.x2, line.y2]) for line in read(path).lines]
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 def test_others_read_every_edge_of_bare_lines_where_it_is(sample: str, tmp_path: Path) -> None:
     pattern = folded_sample(sample)
     creases = pattern.creases

@@ -12,11 +12,11 @@ from numpy.testing import assert_allclose
 from support.folded import folded_sample
 from support.patterns import book_fold, letter_fold, square_out_of_square
 from support.programs import require_program, run_node, run_program
+from support.samples import TESTED
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
 from foldcut.exporters import export
-from foldcut.samples import sample_names
 
 FOLDED_MM = 1e-6
 """How far our folded coordinates may be from another program's."""
@@ -82,7 +82,7 @@ def test_rabbit_ear_finds_our_faces_and_no_local_fault(pattern: FoldedPattern, r
     assert_folds_like(pattern, rabbit_ear["folded_coords"])
 
 
-ONE_LOOP = sorted(set(sample_names()) - {"letter-a", "ring", "rosette", "snowflake", "two-triangles"})
+ONE_LOOP = sorted(set(TESTED) - {"letter-a", "ring", "rosette", "snowflake", "two-triangles"})
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ from support.folded import folded_sample
 from support.patterns import book_fold
 from support.places import TESTS
 from support.programs import missing, require_program, run_node, run_program
+from support.samples import TESTED
 
 from foldcut.core.arrays import Floats
 from foldcut.core.model import FoldedPattern
@@ -39,7 +40,7 @@ from foldcut.jobs.pages import tiles
 from foldcut.pattern.straight_lines import straight_lines
 from foldcut.pipeline import fold
 from foldcut.profiles import Profile, load_profile, profile_names
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import sample_path
 
 MACHINES = [name for name in profile_names() if load_profile(name).operations]
 MACHINES_OF = {
@@ -191,7 +192,7 @@ def read_with_node(script: str, kind: str, sample: str, folder: Path) -> list[tu
     return list(zip(MACHINES_OF[kind], run_node(script, *paths), strict=True))
 
 
-@pytest.mark.parametrize("sample", sorted({*sample_names()} - {"marlin"}))  # it has the strokes of ten others
+@pytest.mark.parametrize("sample", sorted({*TESTED} - {"marlin"}))  # it has the strokes of ten others
 def test_every_stroke_is_read_back_on_every_machine(sample: str) -> None:
     for machine in MACHINES:
         suffix = f".{load_profile(machine).format}"
@@ -200,7 +201,7 @@ def test_every_stroke_is_read_back_on_every_machine(sample: str) -> None:
             assert differences(READERS[suffix](data, job), job, suffix) == [], machine
 
 
-@pytest.mark.parametrize("sample", sorted({*sample_names()} - {"marlin"}))
+@pytest.mark.parametrize("sample", sorted({*TESTED} - {"marlin"}))
 def test_dxf_parser_reads_every_stroke_in_mm(sample: str, tmp_path: Path) -> None:
     for machine, seen in read_with_node("dxf_parser.cjs", "dxf", sample, tmp_path):
         ((job, _),) = made(machine, sample).values()
@@ -254,7 +255,7 @@ def test_librecad_prints_dxf_at_true_size(tmp_path: Path) -> None:
     assert_allclose(np.sort(np.array(seen).reshape(-1, 4), axis=0), np.sort(ours.reshape(-1, 4), axis=0), atol=0.1)
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 def test_gcode_toolpath_reads_every_stroke(sample: str, tmp_path: Path) -> None:
     for machine, moves in read_with_node("gcode_toolpath.cjs", "gcode", sample, tmp_path):
         ((job, _),) = made(machine, sample).values()
@@ -321,7 +322,7 @@ def plot_differs(seen: dict[int, Floats], job: Job, profile: Profile) -> bool:
     return False
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 def test_hp2xx_reads_every_stroke_of_a_plot(sample: str, tmp_path: Path) -> None:
     for machine in MACHINES_OF["hpgl"]:
         ((job, data),) = made(machine, sample).values()
@@ -335,7 +336,7 @@ def test_hp2xx_reads_every_stroke_of_a_plot(sample: str, tmp_path: Path) -> None
         assert all(plot_differs(wrong, job, profile) for wrong in (lost, moved, swapped))
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 def test_mutool_reads_every_stroke_of_a_page(sample: str, tmp_path: Path) -> None:
     for machine in MACHINES_OF["pdf"]:
         ((job, data),) = made(machine, sample).values()
@@ -394,7 +395,7 @@ class _Node:
         """Nothing to show."""
 
 
-@pytest.mark.parametrize("sample", sample_names())
+@pytest.mark.parametrize("sample", TESTED)
 @pytest.mark.parametrize("machine", ["lightburn-diode", "lightburn-co2"])
 def test_meerk40t_reads_every_stroke_of_a_lightburn_project(machine: str, sample: str) -> None:
     lbrn = pytest.importorskip("meerk40t.extra.lbrn")

@@ -127,7 +127,8 @@ def test_layers_of_a_dxf_select_and_hidden_ones_are_told(tmp_path: Path) -> None
         read(tmp_path, "a.dxf", dxf(draw), layers=("Notes",))
     stray = read(tmp_path, "a.dxf", dxf(draw))
     assert area(stray) == 200
-    assert stray.repairs == ("left out a line that ends where no other continues, at (1, 1), 1.41 from the next end",)
+    left_out = "left out a line that ends where no other continues, at (1, 1), 1.41 from the next end"
+    assert stray.repairs == (f"{left_out} (cut along open lines, too, with --open)",)
     with pytest.raises(FileFormatError, match="no outline in --layer x; the file has the layers 0, CUT, Notes"):
         read(tmp_path, "a.dxf", dxf(draw), layers=("x",))
     assert "1 TEXT" in read(tmp_path, "a.dxf", dxf(draw), layers=("CUT", "0")).ignored

@@ -18,6 +18,7 @@ from support.outlines import (
     random_outline,
     sample_outline,
 )
+from support.samples import TESTED
 from support.slow_proxy import Slow, slow_proxy
 from support.strategies import rectangle, regular
 
@@ -26,7 +27,6 @@ from foldcut.core.model import Shape, Sheet
 from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.pattern.foldability import crease_numbers
 from foldcut.redraw.proxy import ENDLESS_COST, LEAST_CREASE_MM, LOOSE_COST, SHORT_COST, Assessment, Field
-from foldcut.samples import sample_names
 
 pytestmark = pytest.mark.usefixtures("kernels_are_loaded")
 
@@ -88,7 +88,7 @@ NEARLY_JOINED = {"rosette", "snowflake"}
 """Their nodes come together but for the rounding of their corners: the proxy joins them, its slow twin does not."""
 
 
-@pytest.mark.parametrize("name", sorted({*sample_names()} - NEARLY_JOINED))
+@pytest.mark.parametrize("name", sorted({*TESTED} - NEARLY_JOINED))
 def test_samples_cost_what_their_patterns_cost(name: str) -> None:
     shape, sheet = sample_outline(name)
     assert not faults(assessed(shape, sheet), slow_proxy(shape, sheet), JOINED)

@@ -10,8 +10,9 @@ import numpy as np
 
 from foldcut.drawing.shape import make_shape
 from foldcut.readers import read_shape
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import sample_path
 from support.planar_graphs import Graph, of_loops, of_paths
+from support.samples import TESTED
 from support.strategies import cross, regular
 
 SHAPES = os.environ.get("FOLDCUT_SHAPES", "")
@@ -47,7 +48,7 @@ CASES: dict[str, Graph] = {
 
 def drawings() -> dict[str, Graph]:
     """Return the graphs of all samples, and of the shapes in the folder ``FOLDCUT_SHAPES``."""
-    loops = {name: read_shape(sample_path(name)).loops for name in sample_names()}
+    loops = {name: read_shape(sample_path(name)).loops for name in TESTED}
     if SHAPES:
         files = sorted(Path(SHAPES).rglob("*.json"))
         loops |= {path.stem: [np.array(loop) for loop in json.loads(path.read_text())["loops"]] for path in files}

@@ -26,7 +26,7 @@ def samples(args: Namespace) -> int:
     from foldcut.pattern.difficulty import GRADES, difficulty
     from foldcut.samples import fold_counts, sample_names
 
-    names, counts = sample_names(), fold_counts()
+    names, counts = sample_names(lines=True), fold_counts()
     known = {name: difficulty(*counts[name]) for name in names if name in counts}
     lines = list(names)
     if args.long:

@@ -302,9 +302,10 @@ class Perpendiculars:
         ending = {node for path in self.paths for node in (path.start, path.end)}
         for node in self.ridges.odd:
             if node not in ending:
+                remedy = "move a line or leave one out" if self.ridges.skeleton.is_graph else "try a larger --adjust"
                 raise UnfoldableWhereError(
                     "no perpendicular from the skeleton's node at ({x:.1f}, {y:.1f}) mm ends within "
-                    f"{MOST_CROSSINGS} crossings; try a larger --adjust",
+                    f"{MOST_CROSSINGS} crossings; {remedy}",
                     self.ridges.skeleton.points[node].tolist(),
                 )
 

@@ -33,12 +33,13 @@ def fold_outline(
     tries: int = TRIES,
     part: SheetPart | None = None,
     most_folds: float = math.inf,
+    cheaper_tries: float = math.inf,
 ) -> Skeletal:
     """Return the pattern of the first set of perpendiculars, of at most ``tries``, that can be folded.
 
     The set with the fewest folds is tried first. Then these take turns: sets that fold all paper away from a corridor
     or from a joint, which can mostly be folded, and the cheapest sets that do not repeat what has failed. Once one of
-    the former can be folded, only cheaper ones of the latter are tried.
+    the former can be folded, only cheaper ones of the latter are tried, ``cheaper_tries`` at most.
 
     ``shape`` is in the sheet's mm; ``ribbon`` is a half-width in mm: creases that meet this near to the cut are
     refused. Where ``sheet`` is a part of a sheet, ``part`` says how the pattern of the whole sheet comes from it.
@@ -69,6 +70,10 @@ def fold_outline(
     lessons.learn(first)
     made, lines = None, 0
     for number in range(tries - 1):
+        if made is not None:
+            cheaper_tries -= 1
+            if cheaper_tries < 0:
+                break
         taken = lessons.cheapest
         if taken is not None and odd.line_count(taken) > most:
             taken = None

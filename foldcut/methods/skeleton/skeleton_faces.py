@@ -93,6 +93,7 @@ class Skeleton:
     from the nearest sides; ``starts`` ``(s, 2)`` mm and ``along`` ``(s, 2)``, the first corner and the unit direction
     of every side; ``faces``; ``base``, the number of the side that an edge is. Of a graph, ``folded`` are the sides
     that are creases, in both directions; each dead end adds a side without length, square to the edge that ends there.
+    ``is_graph``: corners cannot be moved.
     """
 
     points: Floats
@@ -102,6 +103,7 @@ class Skeleton:
     faces: Sequence[SkeletonFace]
     base: Mapping[Edge, int]
     folded: frozenset[Edge] = frozenset()
+    is_graph: bool = False
 
     def u(self, side: int, vertex: int) -> float:
         """Return how far along a side a vertex is, in mm."""
@@ -159,7 +161,7 @@ def _skeleton_of_graph(shape: Shape, sheet: Sheet) -> Skeleton:
     base = {edge: number for number, edge in enumerate(graph.edges)}
     folded = frozenset(edge for a, b in graph.folded for edge in ((a, b), (b, a)))
     starts, along = plane.graph.side_start[places], plane.graph.side_along[places]
-    bare = Skeleton(points, height, starts, along, (), base, folded)
+    bare = Skeleton(points, height, starts, along, (), base, folded, is_graph=True)
     inside = _regions_inside(plane, shape, sheet)
     faces = []
     for sides, outline in outlines:

@@ -16,6 +16,7 @@ from oracles import simple_assignment, simple_layers, simple_molecules
 from oracles.simple_boundary import distances_to_edges
 from support.paper import random_paper
 from support.places import ROOT
+from support.samples import TESTED
 from support.several_loops import random_loops
 from support.strategies import DISK_SHAPES, star, star_shaped, two_opt
 
@@ -46,7 +47,7 @@ from foldcut.pattern.face_maps import fold_faces
 from foldcut.proof import cut as cutline
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
-from foldcut.samples import sample_names, sample_path
+from foldcut.samples import sample_path
 
 SHEET = parse_sheet("a4")
 TOLERANCE = Tolerance.for_sheet(SHEET)
@@ -55,7 +56,7 @@ RANDOM = int(os.environ.get("FOLDCUT_RANDOM_SCALE", "6"))
 
 def cases() -> Iterator[tuple[str, Any, float]]:
     """Yield names, loops and ribbons: samples, shapes with ties and touching disks, random ones."""
-    for name in sample_names():
+    for name in TESTED:
         loops = read_shape(sample_path(name)).loops
         yield name, loops, 0.0
         yield f"{name} with a ribbon", loops, 0.1
