@@ -64,7 +64,7 @@ def test_the_steps_are_those_of_the_folding_order(pattern: FoldedPattern) -> Non
             count = len(step.groups)
             expected += ["The groups"] if count > 1 else []
             expected += [f"Press group {k + 1} of {count}" for k in range(count)] if count > 1 else ["Press creases"]
-            expected += ["Collapse", "Collapsed"]
+            expected += ["Collapse", "Closing", "Collapsed"]
     if expected[-1] == "Collapsed":
         expected.pop()  # as the next picture shows it
     assert titles[: len(expected)] == expected
