@@ -114,11 +114,6 @@ class Skeleton:
         return (edge in self.base or edge[::-1] in self.base) and edge not in self.folded
 
     @cached_property
-    def corner_count(self) -> int:
-        """How many of the points are corners of the shape: they come first."""
-        return 1 + max(map(max, self.base))
-
-    @cached_property
     def flanks_at(self) -> Mapping[int, frozenset[Flank]]:
         """The flanks of the faces around each vertex."""
         around: dict[int, set[Flank]] = defaultdict(set)
