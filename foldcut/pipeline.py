@@ -33,9 +33,9 @@ from foldcut.core.errors import (
 )
 from foldcut.core.model import Finding, FoldedPattern, Shape, Sheet
 from foldcut.core.text import as_title
-from foldcut.core.units import in_mm
+from foldcut.core.units import in_mm, rounded_up
 from foldcut.drawing.curved import curves_of
-from foldcut.drawing.graph import CutGraph, make_graph
+from foldcut.drawing.graph import MOST_EDGES, CutGraph, make_graph
 from foldcut.drawing.laying import Laying
 from foldcut.drawing.limits import Limits
 from foldcut.drawing.mend import Preparation, Prepared, prepare, refuse_changes
@@ -68,6 +68,12 @@ __all__ = ["Progress", "Result", "fold"]
 
 ROUNDING = 2e-6
 """What moved by less than this, relative to the drawing's size, was only rounded and is not reported."""
+
+MOST_LINES = 60
+"""A graph with more lines is simplified, unless that is forbidden: a pattern of more is for no hands."""
+
+SIMPLER_LINES = (0.001, 0.002, 0.004, 0.008, 0.016)
+"""How far lines may be off then, relative to the drawing's size."""
 
 READ = 0.02
 """The part of the whole progress, from 0 to 1, that is reached once the drawing is read and laid on its sheet."""
@@ -281,12 +287,10 @@ def fold(
         if isinstance(shape, str | PathLike):
             shape = drawing_path(shape)
         file = shape.name if isinstance(shape, Path) else ""
-        read = _read(shape, asked.limits, layout, preparation)
-        notes = read.notes
+        near = 0.0 if bounds.is_exact else simplify or tolerance
+        read = _read(shape, asked.limits, layout, preparation, near)
         if read.outline.is_graph:
-            if tolerance or level not in ("", "exact"):
-                notes = (*notes, "open lines and outlines that touch are folded as drawn, whatever the tolerance")
-            bounds = _bounds_of_graph(bounds, simplify, preparation)
+            bounds, simplify = _bounds_of_graph(bounds, preparation), 0.0
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
         may_turn = layout.rotation is None and layout.offset is None
@@ -316,7 +320,7 @@ def fold(
         tried.attempts,
         made.ribbon,
         stages.seconds,
-        (*tried.notes, *notes, *taken.notes, *made.laid.notes),
+        (*tried.notes, *read.notes, *taken.notes, *made.laid.notes),
         read.drawing,
         read.prepared,
         made.told,
@@ -348,13 +352,13 @@ def _layout(sheet: Sheet, options: Options) -> Layout:
     return Layout(sheet, margin, scale, offset, options.rotation, width, height)
 
 
-def _bounds_of_graph(bounds: Bounds, simplify: float, preparation: Preparation | None) -> Bounds:
-    """Return the bounds for open lines and outlines that touch, which are folded as they are drawn.
+def _bounds_of_graph(bounds: Bounds, preparation: Preparation | None) -> Bounds:
+    """Return the bounds for open lines and outlines that touch, which are not drawn anew.
 
     Raises ``BadInputError`` for a method and for options that are for closed outlines only.
     """
     check_graph(bounds.method)
-    asked: dict[str, float | None] = {"--simplify": simplify}
+    asked: dict[str, float | None] = {}
     if preparation is not None:
         asked |= {
             "--corners": preparation.corners,
@@ -475,8 +479,12 @@ def _read(
     limits: Limits | None,
     layout: Layout,
     preparation: Preparation | None,
+    near: float | None,
 ) -> _Read:
-    """Read a drawing, mend it as ``preparation`` says, and make a shape of it."""
+    """Read a drawing, mend it as ``preparation`` says, and make a shape of it.
+
+    ``near``: how far lines of a graph may be off in mm, None for as far as needed.
+    """
     if isinstance(shape, Path):
         shape = read_shape(shape, ReadOptions(limits=limits or Limits()))
     if isinstance(shape, Shape):
@@ -493,7 +501,7 @@ def _read(
     y_down = drawing is not None and drawing.y_down
     graph = _graph_as_drawn(loops, drawing, preparation)
     if graph is not None:
-        outline, more = _of_graph(graph, preparation, drawing)
+        outline, more = _of_graph(graph, layout, near, preparation, drawing)
         notes = (*notes, *more)
         return _Read(outline, layout, "" if drawing is None else drawing.title, y_down, notes, drawing)
     prepared = whole = None
@@ -505,8 +513,9 @@ def _read(
         whole = None if prepared.whole is None else make_shape([loop / unit for loop in prepared.whole])
     try:
         outline = make_shape(loops, y_down=y_down)
-    except TouchError:
-        outline = _touching(loops, y_down=y_down)
+    except TouchError as error:
+        outline, simplified = _touching(loops, error, layout, near, y_down=y_down)
+        notes = (*notes, *simplified)
     if drawing is None:
         return _Read(outline, layout, notes=notes, prepared=prepared, whole=whole)
     return _Read(outline, layout, drawing.title, drawing.y_down, notes, drawing, prepared, whole)
@@ -521,6 +530,8 @@ def _graph_as_drawn(
         return make_graph((), drawing.lines, join=drawing.join, y_down=y_down)
     if preparation is not None and (preparation.separate or preparation.min_feature):
         return None  # then outlines may be set apart
+    if sum(len(np.asarray(loop)) for loop in loops) > MOST_EDGES:
+        return None
     try:
         make_shape(loops)
     except TouchError:
@@ -532,7 +543,7 @@ def _graph_as_drawn(
 
 
 def _of_graph(
-    graph: CutGraph, preparation: Preparation | None, drawing: Drawing | None
+    graph: CutGraph, layout: Layout, near: float | None, preparation: Preparation | None, drawing: Drawing | None
 ) -> tuple[Shape, tuple[str, ...]]:
     """Return a graph as a shape, and notes on it."""
     notes = []
@@ -540,15 +551,44 @@ def _of_graph(
     if graph.moved > ROUNDING * graph.size:
         most = f"{graph.moved:.2g}" if unit is None else f"{graph.moved * unit:.2g} mm"
         notes.append(f"ends of lines were joined, and moved by at most {most} for that")
+    graph, simplified = _simplified(graph, layout, near)
+    notes += simplified
     if preparation is not None and preparation.mirror:
         graph = graph.mirrored()
         notes.append("mirrored, left to right")
     return next(graph.shapes()), tuple(notes)
 
 
-def _touching(loops: Sequence[ArrayLike], *, y_down: bool) -> Shape:
-    """Return loops that touch as a shape."""
-    return next(make_graph([points_array(loop) for loop in loops], (), y_down=y_down).shapes())
+def _simplified(graph: CutGraph, layout: Layout, near: float | None) -> tuple[CutGraph, list[str]]:
+    """Return a graph with points left out within ``near`` mm, and a note on it.
+
+    None: only where there are too many edges, and within the least tolerance that leaves few enough.
+    """
+    before, scale = len(graph.graph.edges), layout.place(next(graph.shapes()))[2].scale
+    if near is not None:
+        tolerances: Sequence[float] = (near,) if near else ()
+    else:
+        tolerances = [part * graph.size * scale for part in SIMPLER_LINES] if before > MOST_LINES else ()
+    found = graph
+    for tolerance in tolerances:
+        found = graph.simplified(tolerance / scale)
+        if len(found.graph.edges) <= MOST_LINES:
+            break
+    after = len(found.graph.edges)
+    notes = [f"simplified: {before} -> {after} lines, at most {rounded_up(tolerance)} mm off"] if after < before else []
+    return found, notes
+
+
+def _touching(
+    loops: Sequence[ArrayLike], error: TouchError, layout: Layout, near: float | None, *, y_down: bool
+) -> tuple[Shape, list[str]]:
+    """Return loops that touch as a shape, and notes on it; raise ``error``, which says where, if that is no graph."""
+    try:
+        graph = make_graph([points_array(loop) for loop in loops], (), y_down=y_down)
+        graph, notes = _simplified(graph, layout, near)
+    except ShapeError:
+        raise error from None
+    return next(graph.shapes()), notes
 
 
 def _hull(loops: Sequence[ArrayLike]) -> Shape:

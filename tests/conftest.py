@@ -12,6 +12,9 @@ import pytest
 # It has to be said before numpy is imported.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+# Tests expect nothing on stderr but errors, however slow the machine is.
+os.environ["FOLDCUT_NO_PROGRESS"] = "1"
+
 LONGEST = ("test_icons.py", "test_web.py", "test_page.py", "test_folding_steps.py", "test_batch.py")
 """Files whose tests take longest. They are begun first: no worker has a long one left when the other is done."""
 

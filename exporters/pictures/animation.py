@@ -21,7 +21,7 @@ from foldcut.profiles import Profile
 from ..pattern.svg import path_data
 from ..text import number, printable
 from .panels import EDGE_COLOUR
-from .pictures import CUT, INSIDE, coloured, pieces
+from .pictures import CUT, INSIDE, OUTSIDE, coloured, pieces
 
 __all__ = ["export_animation"]
 
@@ -114,7 +114,10 @@ def _frames(pattern: FoldedPattern) -> Iterator[_Frame]:
     over = 0.06 * float(np.ptp(folded[:, 0]))
     line = np.array([[folded[:, 0].min() - over, 0.0], [folded[:, 0].max() + over, 0.0]]) + aside
     yield _Frame(draw.at(moved), "cut once, along the line", LONG_S, line)
-    yield _Frame([(outline, INSIDE) for _, inside, outline in parts if inside], title, LONG_S)
+    if pattern.shape.is_graph:  # what is cut is no outline: all of the sheet, divided by the cut
+        yield _Frame([(outline, INSIDE if inside else OUTSIDE) for _, inside, outline in parts], title, LONG_S)
+    else:
+        yield _Frame([(outline, INSIDE) for _, inside, outline in parts if inside], title, LONG_S)
 
 
 class _Drawing:

@@ -12,8 +12,8 @@ from collections.abc import Collection
 import numpy as np
 import shapely
 
-from foldcut.core.arrays import Bools, Floats, Indices, Ints, index_array
-from foldcut.core.model import FoldedPattern, FoldedState
+from foldcut.core.arrays import Bools, Floats, Indices, Ints, Ragged, index_array
+from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState
 from foldcut.geometry.planar_graph import edge_faces
 from foldcut.geometry.union_find import groups
 from foldcut.geometry.vectors import signed_area
@@ -45,6 +45,9 @@ MOST_MM = 3.5
 MOST_FACES = 400
 """Patterns with more faces are drawn without this."""
 
+SAME_AREA = 1e-4
+"""The topmost layer covers the sheet as it lies if its area is off by less than this, as a fraction."""
+
 TOUCHING = 1e-7
 """Faces that overlap by less than this, relative to the sheet's diagonal, lie beside each other."""
 
@@ -56,7 +59,7 @@ class FoldedPaper:
         creases = pattern.creases
         self.sheet, self.faces, self.ends = pattern.sheet, creases.faces_vertices, creases.edges_vertices
         self.beside = edge_faces(creases)
-        self.flat = creases.vertices_coords
+        self.flat, self.kinds = creases.vertices_coords, creases.edges_assignment
         self.corners = [int(np.hypot(*(self.flat - corner).T).argmin()) for corner in pattern.sheet.corners]
         self.unfolded = FoldedState(self.flat, index_array(np.arange(len(self.faces))))
 
@@ -120,6 +123,29 @@ class FoldedPaper:
                 break
             under = np.minimum(more, len(under))
         return under[part]
+
+    def top(self, state: FoldedState, folded: Bools, closing: Ints) -> tuple[CreasePattern, bool] | None:
+        """Return the sheet as it lies as if it were one layer, with the creases that are ``closing``, seen from above.
+
+        With it comes whether its printed side is up. None where it is no such sheet: the topmost layer does not cover
+        all others.
+        """
+        on_top = np.flatnonzero(self.depths(state, folded) == 0) if folded.any() else np.arange(len(self.faces))
+        rings, at = self.faces.to_lists(), state.vertices_coords
+        areas = np.array([signed_area(at[ring]) for ring in rings])
+        shown = shapely.union_all([shapely.Polygon(at[ring]).buffer(TOUCHING * self.sheet.diagonal) for ring in rings])
+        if abs(np.abs(areas[on_top]).sum() - shown.area) > SAME_AREA * shown.area or len(set(areas[on_top] > 0)) > 1:
+            return None
+        up = bool(areas[on_top[0]] > 0)
+        faces = [rings[face] if up else rings[face][::-1] for face in on_top.tolist()]
+        beside = np.isin(self.beside, on_top)
+        some = beside.any(axis=1)
+        kinds = np.where(beside.all(axis=1), "F", "B")
+        seen = self.kinds if up else np.where(self.kinds == "M", "V", np.where(self.kinds == "V", "M", self.kinds))
+        here = np.zeros(len(kinds), dtype=np.bool_)
+        here[closing] = True
+        kinds = np.where((kinds == "F") & here, seen, kinds)[some]
+        return CreasePattern(at, self.ends[some], kinds, Ragged.from_rows(faces)), up
 
     def names(self, state: FoldedState, folded: Bools) -> list[Label]:
         """Return labels for the sheet's corners where they lie; several at one place share one."""

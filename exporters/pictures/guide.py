@@ -24,7 +24,9 @@ from reportlab.platypus import Paragraph
 
 from foldcut.core.arrays import Floats, Ints
 from foldcut.core.model import FoldedPattern
+from foldcut.core.units import rounded_up
 from foldcut.folding_steps import FoldingStep, difficulty_of, folding_steps, in_words, lines_of, phases
+from foldcut.folding_steps.half_closed import half_closed
 from foldcut.folding_steps.references import reference
 from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
@@ -36,6 +38,7 @@ from ..text import printable
 from . import panels, pictures, symbols
 from .animation import export_animation
 from .folded_paper import BACK, FRONT, MOVED, MOVED_BACK, FoldedPaper
+from .in_space import in_space
 from .panels import BOLD, EDGE, PANEL_MM, Item, Key, Label, Panel
 
 __all__ = ["BACK", "FRONT", "GUIDES", "MOVED", "MOVED_BACK", "NOW", "Instruction", "instructions"]
@@ -57,6 +60,9 @@ COLLAPSED = "Collapsed"
 
 BESIDE = 1e-5
 """How near to the line of a fold its layers are counted, relative to the sheet's diagonal."""
+
+LEAST_CREASES = 2
+"""A step with fewer creases has no picture on the way."""
 
 LEAST_TURN = 3.0
 """The paper is turned round before the cut if it lies askew by more than this, in degrees."""
@@ -321,8 +327,26 @@ class _Sheet:
         after = Panel(self.paper.drawn(step.state, folded), keys, self.paper.names(step.state, folded))
         return [
             Instruction("Collapse", text, before),
+            *self._half_closed(step),
             Instruction(COLLAPSED, "It lies so now; layers are drawn a little apart.", after),
         ]
+
+    def _half_closed(self, step: FoldingStep) -> list[Instruction]:
+        """Return the picture of the sheet when the creases of a step have begun to close, where that is found."""
+        if step.edges.size < LEAST_CREASES:
+            return []
+        top = self.paper.top(self.state, self.folded, step.edges)
+        found = None if top is None else half_closed(top[0])
+        if top is None or found is None:
+            return []
+        pattern, up = top
+        drawn = {(min(ends), max(ends)) for ends in pattern.edges_vertices[pattern.edges_assignment != "F"].tolist()}
+        together = ", all layers together" if self.folded.any() else ""
+        text = (
+            f"On the way, seen from the front and above{together}. (Computed: lengths are within "
+            f"{rounded_up(max(0.001, found.strain_mm))} mm, nothing crosses, and faces bend a little.)"
+        )
+        return [Instruction("Closing", text, Panel(in_space(found, drawn, up=up), [Key("the back", fill=BACK)]))]
 
     def _ways(self, step: FoldingStep, look: LineStyle) -> list[Item]:
         """Return the creases of a step as they look from above: of those on each other, the highest."""

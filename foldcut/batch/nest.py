@@ -121,11 +121,11 @@ def nested_files(
         raise BadInputError(
             f"{folder / name} is of a drawing, and --nest gives a bed that name; call the drawing otherwise"
         )
-    stale = [path for path in _of_before(folder) if path.name not in files and path.name not in others]
+    stale = [path for path in beds_of_before(folder) if path.name not in files and path.name not in others]
     return beds, {folder / name: data for name, data in files.items()}, stale
 
 
-def _of_before(folder: Path) -> list[Path]:
+def beds_of_before(folder: Path) -> list[Path]:
     """Return the files of beds that an earlier run wrote; none unless its list of them is there."""
     about = folder / BEDS
     if not about.is_file() or not about.read_bytes().startswith(OURS.encode()):

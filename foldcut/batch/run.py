@@ -22,7 +22,7 @@ from foldcut.batch.cluster import work_on_cluster
 from foldcut.batch.cores import work_on_cores
 from foldcut.batch.drawings import Item, find_drawings
 from foldcut.batch.journal import JOURNAL, Journal, Record
-from foldcut.batch.nest import BEDS, NestedBed, Nesting, nested_files
+from foldcut.batch.nest import BEDS, NestedBed, Nesting, beds_of_before, nested_files
 from foldcut.batch.results import (
     COLUMNS,
     CONTACT_SHEET,
@@ -93,9 +93,10 @@ def run_batch(
     workers then do the work instead. ``timeout``: seconds for a drawing.
 
     A drawing that is done in ``out`` is not done again, unless it changed or its files are gone. ``retry``: do again
-    what failed. ``replace``: do everything again and replace files. ``sheet``: the contact sheet as ".svg" or ".png";
-    ``parquet``: write the table as Parquet, too. ``nesting``: lay the sheets of all drawings on beds of the recipe's
-    machine; the recipe has to write ".fold". ``progress`` is called with a sentence and the fraction done.
+    what failed. ``replace``: do everything again and replace files, and remove beds of an earlier call. ``sheet``: the
+    contact sheet as ".svg" or ".png"; ``parquet``: write the table as Parquet, too. ``nesting``: lay the sheets of all
+    drawings on beds of the recipe's machine; the recipe has to write ".fold". ``progress`` is called with a sentence
+    and the fraction done.
 
     No drawing ends the batch: what goes wrong with it becomes its status and error. An exception such as
     ``KeyboardInterrupt`` does end it; what is done by then is in place, and the next call goes on from there.
@@ -158,6 +159,10 @@ def run_batch(
                 progress("laying sheets on beds", 1.0)
             beds, files, stale = nested_files(out, records, nesting, recipe.profile, recipe.job)
             written |= files
+        elif replace:
+            kept = {name for record in records for name in record["outputs"]} | {item.path.name for item in items}
+            stale = [path for path in beds_of_before(out) if path.name not in kept]
+            stale += [out / BEDS] if stale else []
         write_files(written, replace=True, inputs=read)
         for path in stale:
             path.unlink(missing_ok=True)

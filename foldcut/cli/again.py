@@ -31,7 +31,7 @@ REPEATED = ("make", "view", "draw", "guide", "coupon", "solve")
 """The commands that a recipe may have."""
 LARGEST = 2**29
 """A file that is made again has no more bytes than this."""
-NEVER = ("-o", "--output", "--force", "--preview", "--again", "--timeout", "--json", "--quiet")
+NEVER = ("-o", "--output", "--force", "--preview", "--so-far", "--again", "--timeout", "--json", "--quiet")
 """Options that no recipe has: they say where files go, or how to report."""
 
 
@@ -86,6 +86,7 @@ def make_again(args: Namespace) -> int:
     write_files(contents, replace=args.force, inputs=inputs)
     report = {"ok": True, "again": str(path), "same": same, "foldcut": recipe.version, "files": files}
     report["changed"] = list(map(str, changed))
+    report |= {"made": recipe.lines()[0], "drawing": None if drawing is None else str(drawing.path)}
     lines = [
         str(path),
         f"  made      {recipe.lines()[0]}",

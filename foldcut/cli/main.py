@@ -7,9 +7,11 @@ is at fault, 130 after Ctrl-C and 143 after SIGTERM. Everything slow to import i
 from __future__ import annotations
 
 import atexit
+import errno
 import gc
 import os
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from contextlib import suppress
 
@@ -45,6 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status; ``argv`` is ``sys.argv[1:]`` unless given."""
     argv = list(sys.argv[1:] if argv is None else argv)
     as_json = "--json" in argv
+    args = Namespace()
     try:
         with signals_raise():
             _start_fast()
@@ -63,25 +66,30 @@ def main(argv: Sequence[str] | None = None) -> int:
     except (Exception, KeyboardInterrupt, Terminated, TimedOut) as error:
         if os.environ.get(TRACEBACK):
             raise
-        message, status = told(error)
+        message, status = told(error, args)
         return _fail(error, message, status, as_json)
 
 
-def told(error: BaseException) -> tuple[str, int]:
-    """Return what is said about an error, and the exit status."""
+def told(error: BaseException, args: Namespace | None = None) -> tuple[str, int]:
+    """Return what is said about an error of a command, whose options ``args`` are, and the exit status."""
     ended = ended_by(error)
     if isinstance(ended, KeyboardInterrupt):
         return f"interrupted; {_notes(ended)}no file is half-written", INTERRUPTED
     if isinstance(ended, Terminated):
         return f"terminated; {_notes(ended)}no file is half-written", TERMINATED
     if isinstance(ended, TimedOut):
-        remedy = "allow more with --timeout, or search less with --effort fast or --seconds"
+        remedy = "allow more with --timeout"
+        if (
+            args is not None and "effort" in args and getattr(args, "again", None) is None
+        ):  # else nothing can be searched less
+            remedy += ", or search less with --effort fast or --seconds"
         return f"timed out after {ended.seconds:g} s, no file is half-written; {remedy}", FAILED
     if isinstance(error, FoldcutError):
         return str(error), FAILED if isinstance(error, UnfoldableError) else BAD_INPUT
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
-        return f"{where}{error.strerror or error}", BAD_INPUT
+        remedy = "; give a shorter name" if error.errno == errno.ENAMETOOLONG else ""
+        return f"{where}{error.strerror or error}{remedy}", BAD_INPUT
     if isinstance(error, MemoryError) or NO_MEMORY in str(error):
         return "there is not enough memory, and no file is half-written; simplify the drawing", FAILED
     what = " ".join(f"{type(error).__name__}: {error}".split())

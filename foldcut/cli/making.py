@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from foldcut.output.atomic import Inputs
     from foldcut.output.recipe import Recipe
     from foldcut.pipeline import Result
+    from foldcut.redraw.ladder import Level
 
 NOT_VERIFIED = "nothing is written"
 """What an error says beside the findings: no file is written for a pattern that is not verified."""
@@ -34,12 +35,21 @@ def folded(request: FoldRequest, console: Console) -> Result:
     """Read a drawing and fold it, with progress on stderr."""
     from foldcut import pipeline
     from foldcut.cli.progress import ProgressLines, progress_for
+    from foldcut.output.atomic import Inputs, check_targets
 
+    if request.so_far is not None:
+        check_targets([request.so_far], replace=True, inputs=Inputs(request.source.files()))
     with progress_for(console) as bar:
         progress = ProgressLines(sys.stderr) if request.progress_lines else bar
+
+        def found(level: Level) -> None:
+            if request.so_far is not None:
+                _write_so_far(request, request.so_far, level)
+            progress.found(level)
+
         drawing = request.source.read(request.reading)
         try:
-            return pipeline.fold(drawing, request.folding, progress=progress, on_pattern=progress.found)
+            return pipeline.fold(drawing, request.folding, progress=progress, on_pattern=found)
         except ShapeError as error:
             if request.source.text is not None:
                 raise
@@ -48,6 +58,16 @@ def folded(request: FoldRequest, console: Console) -> Result:
             if request.source.is_word:
                 error.args = (f"{error}; or fold the letters one by one: {one_by_one(request.source)}",)
             raise
+
+
+def _write_so_far(request: FoldRequest, path: Path, level: Level) -> None:
+    """Write a verified pattern while better ones are looked for."""
+    from foldcut.exporters import export
+    from foldcut.output.atomic import Inputs, write_files
+
+    assert level.pattern is not None
+    data = export(level.pattern, path.suffix.lower())
+    write_files({path: data}, replace=True, inputs=Inputs(request.source.files()))
 
 
 def one_by_one(source: Source) -> str:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from foldcut.cli.console import Console
-from foldcut.cli.parser import Parser, nearest
+from foldcut.cli.parser import Parser, nearest, output_name
 from foldcut.core.errors import BadInputError
 from foldcut.core.files import NOT_ORDINARY, hash_of, is_standard_input
 from foldcut.methods import AUTO, CHOICES, DEFAULT_METHOD, EFFORTS, METHODS
@@ -523,6 +523,7 @@ class FoldRequest:
     reading: ReadOptions
     folding: Options
     progress_lines: bool
+    so_far: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -541,15 +542,23 @@ def add_request(command: ArgumentParser) -> None:
     add_source(command)
     add_timeout(command)
     add_folding(command)
+    command.add_argument(
+        "--so-far",
+        metavar="FILE",
+        type=output_name,
+        help="while the search goes on, write there each pattern that is better than the ones before, in the format "
+        "that its ending names (.html, .svg, .fold ...); an earlier one is replaced",
+    )
 
 
 def request(args: Namespace) -> Request:
     """Return what to fold and how; for a pattern, options on how to read, lay and fold a drawing are errors."""
     asked = source(args)
     if not asked.is_pattern:
-        return FoldRequest(asked, reading(args), folding(args), args.progress)
+        return FoldRequest(asked, reading(args), folding(args), args.progress, so_far(args))
     for_drawings = [name for add in (add_source, add_folding) for name in given(args, add)]
     for_drawings = [name for name in for_drawings if name not in ("--shape", "--progress")]
+    for_drawings += ["--so-far"] if args.so_far is not None else []
     for_drawings += ["--preview"] if getattr(args, "preview", None) else []
     if for_drawings:
         raise BadInputError(
@@ -565,6 +574,18 @@ def given(args: Namespace, add_options: Callable[[ArgumentParser], None]) -> lis
     defaults = vars(parser.parse_args([]))
     values = vars(args)
     return [f"--{name.replace('_', '-')}" for name in defaults if values[name] not in (defaults[name], "")]
+
+
+def so_far(args: Namespace) -> Path | None:
+    """Return where patterns go while the search goes on; raises ``BadInputError`` for a format that has no pattern."""
+    from foldcut.exporters import PATTERN_EXPORTERS
+
+    if args.so_far is None:
+        return None
+    path = Path(args.so_far)
+    if path.suffix.lower() not in PATTERN_EXPORTERS:
+        raise BadInputError(f"--so-far {args.so_far}: give a name that ends in one of {', '.join(PATTERN_EXPORTERS)}")
+    return path
 
 
 # ---- how files were made ----

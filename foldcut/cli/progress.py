@@ -8,6 +8,7 @@ seconds instead.
 from __future__ import annotations
 
 import json
+import os
 import sys
 import threading
 import time
@@ -29,6 +30,8 @@ BETWEEN_LINES_S = 0.1
 """A stage writes no more than one line in this time."""
 EVERY_S = 5.0
 """Where there is no terminal, people are told this often how far the work is."""
+NO_PROGRESS = "FOLDCUT_NO_PROGRESS"
+"""Where this is set in the environment, they are not: for programs that take any line on stderr for an error."""
 
 
 class ProgressLines:
@@ -149,9 +152,10 @@ class ProgressText:
 
 def progress_for(console: Console) -> ProgressBar | ProgressText:
     """Return how people are told of the progress of a command: as a bar, in lines, or not at all."""
-    if console.tells_progress and not sys.stderr.isatty():
+    is_terminal = sys.stderr.isatty()
+    if console.tells_progress and not is_terminal and not os.environ.get(NO_PROGRESS):
         return ProgressText(sys.stderr)
-    return ProgressBar(console.tells_progress)
+    return ProgressBar(console.tells_progress and is_terminal)
 
 
 def _so_far(level: Level) -> str:

@@ -33,7 +33,7 @@ JOIN = 2.5e-4
 SAME = 1e-9
 """Corners of a shape that are nearer than this are one, relative to its size."""
 
-MOST_EDGES = 500
+MOST_EDGES = 2000
 """Graphs with more edges are refused."""
 
 ROUNDS = 20
@@ -99,6 +99,29 @@ class CutGraph:
         """Return the graph with left and right swapped."""
         mirrored = graph_of(self.graph.points * (-1.0, 1.0), self.graph.edges)
         return replace(self, graph=mirrored)
+
+    def simplified(self, tolerance: float) -> CutGraph:
+        """Return the graph with points left out where lines stay within ``tolerance`` of it, in the drawing's units.
+
+        Points stay where lines end or meet (Douglas and Peucker 1973). Raises ``ShapeError`` where lines come to cross.
+        """
+        points, edges = self.graph.points, self.graph.edges.tolist()
+        kept: set[Edge] = set()
+        for chain in _polylines(edges, set()):
+            for part in _open_parts(points, chain):
+                line = shapely.simplify(shapely.linestrings(points[part]), tolerance, preserve_topology=False)
+                number = {(x, y): vertex for vertex, (x, y) in zip(part, points[part].tolist(), strict=True)}
+                found = [number[x, y] for x, y in shapely.get_coordinates(line).tolist()]
+                kept |= {(min(pair), max(pair)) for pair in pairwise(found)}
+        used = sorted({vertex for edge in kept for vertex in edge})
+        place = {vertex: k for k, vertex in enumerate(used)}
+        try:
+            graph = graph_of(points[used], np.array([(place[a], place[b]) for a, b in sorted(kept)]))
+        except ValueError as error:
+            raise ShapeError(
+                f"simplified by {tolerance:.3g}, {error}; allow less, or draw lines farther apart"
+            ) from error
+        return replace(self, graph=graph)
 
     @property
     def is_as_drawn(self) -> bool:
@@ -182,7 +205,10 @@ def make_graph(
     if not edges:
         raise ShapeError("the lines of the drawing have no length; draw at least one line")
     if len(edges) > MOST_EDGES:
-        raise ShapeError(f"the drawing has {len(edges)} straight pieces of lines; at most {MOST_EDGES} can be cut")
+        raise ShapeError(
+            f"the drawing has {len(edges)} straight pieces of lines; at most {MOST_EDGES} can be cut: draw "
+            "fewer, or divide curves into fewer with --flatten 1mm"
+        )
     _refuse_sharp(graph_points, edges, own_y)
     try:
         return CutGraph(graph_of(graph_points, np.array(edges)), divided.moved, divided.drawn)
@@ -216,7 +242,7 @@ class _Divided:
         self.near = near
         self.edges = self._cleaned([(first[a], first[b]) for a, b in pairs])
         for _ in range(ROUNDS):
-            if not self._divide_at_points() and not self._divide_at_crossings():
+            if not self.edges or not (self._divide_at_points() or self._divide_at_crossings()):
                 break
 
     def result(self) -> tuple[Floats, list[Edge]]:
@@ -471,6 +497,14 @@ def _polylines(edges: Sequence[Edge], stops: set[int]) -> list[list[int]]:
                     break
             lines.append(line)
     return lines
+
+
+def _open_parts(points: Floats, chain: list[int]) -> list[list[int]]:
+    """Return a chain of points, or if it is closed, two parts of it, from its first point to the farthest one."""
+    if chain[0] != chain[-1]:
+        return [chain]
+    middle = int(np.hypot(*(points[chain] - points[chain[0]]).T).argmax())
+    return [chain[: middle + 1], chain[middle:]]
 
 
 def _parents(loops: Sequence[Floats]) -> tuple[int, ...]:

@@ -19,6 +19,9 @@ from foldcut.core.errors import BadInputError, FileFormatError
 __all__ = ["Limits", "parse_limits"]
 
 
+LARGEST = 1e15
+"""Limits are smaller than this."""
+
 DEEPEST = 500
 """The deepest ``nesting`` that may be set: Python stops recursion at 1000 by default, and deeper still GEOS crashes."""
 
@@ -95,11 +98,14 @@ def parse_limits(texts: Sequence[str]) -> Limits:
     limits, names = Limits(), [field.name for field in fields(Limits)]
     for text in texts:
         name, _, number = text.partition("=")
-        if name not in names or not re.fullmatch("[0-9]{1,15}", number) or int(number) == 0:
-            said = " ".join(text.split())
+        said = " ".join(text.split())
+        if name not in names:
             raise BadInputError(
                 f"--limit {said:.60} is not a limit; give NAME=NUMBER, where NAME is {', '.join(names[:-1])} or "
                 f"{names[-1]}"
             )
-        limits = replace(limits, **{name: int(number)})
+        value = float(number) if re.fullmatch(r"[0-9]{1,15}([.][0-9]{1,9})?(e[0-9]{1,2})?", number) else 0.0
+        if not 1 <= value < LARGEST or value != int(value):
+            raise BadInputError(f"--limit {said:.60}: give a whole number from 1 up, such as {name}=5000 or {name}=1e6")
+        limits = replace(limits, **{name: int(value)})
     return limits

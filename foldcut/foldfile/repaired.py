@@ -40,7 +40,12 @@ def repaired_file(file: FoldFile, decision: Decision) -> bytes:
             document["foldcut:layers"] = file.layers.tolist()
     if file.placement is not None:
         document["foldcut:placement"] = file.placement.matrix.tolist()
-    for name, loops in (("shape", file.loops), ("firstFolds", file.first_folds), ("drawn", file.drawn)):
+    for name, loops in (
+        ("shape", file.loops),
+        ("firstFolds", file.first_folds),
+        ("drawn", file.drawn),
+        ("lines", file.lines or None),
+    ):
         if loops is not None:
             document[f"foldcut:{name}"] = [points.tolist() for points in loops]
     if decision.moved is not None or file.repaired_by:

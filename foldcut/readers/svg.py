@@ -80,7 +80,8 @@ def drawing_of(root: ET.Element, name: str, options: ReadOptions, *, y_down: boo
                 count += points.shape[1]
             if count > options.limits.points:
                 raise too_many(options)
-            outline = Outline(lines, one.filled, one.even_odd, curves, one.name, one.paint)
+            filled = one.filled and not (options.open_lines and one.stroked)  # a stroke does not close its path
+            outline = Outline(lines, filled, one.even_odd, curves, one.name, one.paint)
             drawn = [outline]
             if options.strokes == "outline" and one.stroked:
                 drawn = with_strokes(outline, one, flip, tolerance, unit_mm)

@@ -60,7 +60,11 @@ def read_geometry(geometry: shapely.Geometry, title: str, options: ReadOptions, 
         elif isinstance(part, shapely.LineString):
             lines.append(points_array(shapely.get_coordinates(part)))
         elif isinstance(part, shapely.geometry.base.BaseMultipartGeometry):
-            parts = enumerate(part.geoms, start=1)
+            try:
+                parts = list(enumerate(part.geoms, start=1))
+            except NotImplementedError:
+                what = f"{place} has curves, which are not read"
+                raise FileFormatError(f"{what}; give polygons instead, as PostGIS makes with ST_CurveToLine") from None
             waiting += [(one, f"{place} > {one.geom_type.upper()} {number}") for number, one in parts][::-1]
         else:
             raise FileFormatError(f"{place} cannot be read; give a POLYGON or MULTIPOLYGON instead")

@@ -72,8 +72,9 @@ FIT = 0.6
 LOOK_FIRST = 30
 """A drawing with more corners than this gets a short look first, and is folded in earnest only if that is promising."""
 
-PROMISING = 1.2
-"""A short look is promising if it finds no more than this many times the folds that are allowed."""
+PROMISING, PROMISING_IF_FAR = 2.0, 1.2
+"""A short look is promising if it finds at most the first times the folds that are allowed, at most the second where
+outlines that are far off may be tried."""
 
 THOROUGH = 2.0
 """Where a search nearly has a pattern for two hands, it is made once more within at least so many mm of the frame, and
@@ -368,8 +369,9 @@ class _Search:
                 failure = f"not tried: {corners} corners are too many for {self.bounds.folds} folds"
                 return replace(start, laid=laying.lay(), failure=failure)
             if corners > LOOK_FIRST and self.effort.name != "fast" and self.effort.seconds is None:
-                look = self._folded(start, effort=Effort("fast"))
-                if look.folds is None or look.folds > PROMISING * self.bounds.folds:
+                look = self._folded(start, effort=Effort("fast"), adjusts=not far)
+                promising = PROMISING_IF_FAR if far else PROMISING
+                if look.folds is None or look.folds > promising * self.bounds.folds:
                     return look
                 self._tell(look)
         return self._folded(start)
@@ -505,12 +507,13 @@ class _Search:
     def _has_few_corners(self, outline: Shape) -> bool:
         return self.bounds.corners is None or outline.corner_count <= self.bounds.corners
 
-    def _folded(self, level: Level, *, effort: Effort | None = None) -> Level:
-        """Fold the drawing as it is."""
+    def _folded(self, level: Level, *, effort: Effort | None = None, adjusts: bool = True) -> Level:
+        """Fold the drawing as it is; unless it ``adjusts``, corners are not moved: with 60 that may take a minute."""
         started = time.perf_counter()
         laying, within = self.drawn.laying, Stages(self._progress)
+        wishes = self._wishes() if adjusts else replace(self._wishes(), adjust=0.0)
         try:
-            tried = self.fold(laying, self._wishes(), self._part(effort or self.effort), within)
+            tried = self.fold(laying, wishes, self._part(effort or self.effort), within)
         except UnfoldableError as error:
             self.error = error
             return replace(level, laid=laying.lay(), failure=str(error), seconds=time.perf_counter() - started)
@@ -617,6 +620,8 @@ class _Search:
             text = str(error)
         if self.bounds.method == ANY_METHOD and not self.drawn.whole.is_graph:
             text += self._remedies()
+        if self.drawn.whole.touching:
+            text += "; outlines that touch are set apart with --separate 0.5mm"
         if isinstance(error, CreaseTooShortError):
             return CreaseTooShortError(text, error.length, error.place)
         return UnfoldableError(text)

@@ -186,6 +186,7 @@ class _Redrawing:
         self.keep = keep
         self.folded = self.tried = self.tried_at_last = 0
         self.short_cost = SHORT_COST
+        self.is_given_up = False
         self.best: Redrawn | None = None
         self.refused: Counter[object] = Counter()
         self.field = plan.field(tolerance)
@@ -198,7 +199,7 @@ class _Redrawing:
             return
         again = int((1.0 if self.thorough else LESS_WORK) * work)
         many = self.best is None or self.best.folds > MOST_FOLDS
-        if many and self.thorough:  # outlines that fit less tightly may have an order where none else has
+        if many and self.thorough and not self.is_given_up:  # looser outlines may have an order where none else has
             self.search(starts, again, lambda _: ends(1.0), tightens=False)
         if self.best is not None and self.best.shortest < LEAST_CREASE_MM and self.best.folds < HANDS_FOLDS:
             self.search(starts, again, lambda _: ends(1.0), short_cost=DEAR)
@@ -222,6 +223,7 @@ class _Redrawing:
         engine = Engine(self.field, short_cost=short_cost)
         search = Search(engine, work, believe=self.believe, ends=ends, tightens=tightens, wanted=self.wanted)
         search.run(starts)
+        self.is_given_up = search.is_given_up
 
     def believe(self, one: Assessment) -> float:
         """Fold an outline, and return what has to be added to its cost."""

@@ -76,7 +76,7 @@ class Outline(NamedTuple):
 
 
 class Search:
-    """A search in the field of an engine; ``best`` is the best outline so far.
+    """A search in the field of an engine; ``best`` is the best outline so far; ``is_given_up``: it is hopeless.
 
     ``most``: how much work may be done. ``believe`` is asked for each outline that seems to be the best: it returns
     what has to be added to its cost. ``ends`` is told the part done now and then, and says whether to stop. Outlines
@@ -105,6 +105,7 @@ class Search:
         self.all = most
         self.best: Assessment | None = None
         self.last_gain = 0
+        self.is_given_up = False
         self.refused: dict[str, float] = {}
         self.reach = REACH[0] * engine.field.tolerance + REACH[1]
 
@@ -167,6 +168,7 @@ class Search:
             self.last_gain = first
             assert self.best is not None
             if number_of_look < len(HOPELESS) and self.best.cost > HOPELESS[number_of_look] * self.wanted:
+                self.is_given_up = True
                 return self.best
         self.most = end
         begun.sort(key=lambda one: one.key)

@@ -11,13 +11,16 @@ import asyncio
 import contextlib
 import time
 from collections.abc import AsyncIterator, Callable
+from functools import cache
 from importlib.resources import files
 from mimetypes import guess_type
 from pathlib import Path
 from typing import Any, get_args
+from urllib.parse import quote
 
 import anyio
 from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import MutableHeaders
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 from starlette.requests import ClientDisconnect, Request
@@ -26,16 +29,19 @@ from starlette.routing import Route
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from foldcut.core.errors import BadInputError
+from foldcut.exporters.pattern.html_page import page_part, pattern_in
 from foldcut.jobs.marks import MARKS
 from foldcut.profiles import Treatment, known_profiles
-from foldcut.readers import READERS
-from foldcut.samples import sample_names
+from foldcut.readers import READERS, ReadOptions, read_shape
+from foldcut.samples import fold_counts, sample_names, sample_path
 from foldcut.web.errors import RefusedError
 from foldcut.web.jobs import Jobs, Settings, Upload
 from foldcut.web.options import fonts, machines, read_query, require_known
 
 __all__ = ["make_app"]
 
+MANY = 10_000
+"""Samples whose folds nobody has counted come after those with less than this."""
 HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -44,10 +50,10 @@ HEADERS = {
 }
 """What every answer says: keep it from other sites, and keep no copy."""
 PAGE_POLICY = (
-    "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; connect-src 'self'; "
-    "frame-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+    "default-src 'none'; style-src 'self'; script-src 'self'; img-src data: blob:; connect-src 'self'; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
-"""The page may reach this server only."""
+"""The page may reach this server only, and runs no script but its own; blob: is a picture that the user chose."""
 FILE_POLICY = (
     "sandbox allow-scripts; default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 )
@@ -99,6 +105,34 @@ async def index(request: Request) -> Response:
     return HTMLResponse(page, headers={"Content-Security-Policy": PAGE_POLICY})
 
 
+async def page_file(request: Request) -> Response:
+    """Answer with the page's script or style sheet, which the page of ``foldcut view`` has inside."""
+    name = request.url.path.rpartition("/")[2]
+    kind = "text/javascript" if name.endswith(".js") else "text/css"
+    return Response(page_part(name), media_type=kind)
+
+
+@cache
+def _sample_loops() -> dict[str, list[list[list[float]]]]:
+    """Return the loops of all samples in mm, y up, so that the page can show them at once; few folds come first."""
+    counts, found = fold_counts(), {}
+    for name in sorted(sample_names(), key=lambda name: counts[name].folds if name in counts else MANY):
+        drawing = read_shape(sample_path(name), ReadOptions())
+        found[name] = [loop.round(3).tolist() for loop in drawing.loops]
+    return found
+
+
+async def samples(request: Request) -> Response:
+    """Answer with the outlines of all samples."""
+    return JSONResponse(await run_in_threadpool(_sample_loops))
+
+
+async def shown(request: Request) -> Response:
+    """Answer with the best pattern so far, as the page shows it; empty where there is none yet."""
+    page = await run_in_threadpool(_upload(request).shown)
+    return Response(b"{}" if page is None else pattern_in(page), media_type="application/json")
+
+
 async def choices(request: Request) -> Response:
     """Answer with what the page lets people choose from."""
     profiles, _ = known_profiles()  # one may have been broken since the server started
@@ -148,7 +182,8 @@ async def state(request: Request) -> Response:
             "state": upload.state,
             "stage": upload.stage,
             "fraction": upload.fraction,
-            "pattern": upload.patterns[-1] if upload.patterns else None,
+            "patterns": upload.patterns,
+            "name": upload.wanted.name,
             "seconds": time.monotonic() - upload.started,
             "error": upload.error,
             "report": upload.report,
@@ -182,7 +217,11 @@ async def download(request: Request) -> Response:
     data = known[name].read_bytes()  # at once: the drawing may be dropped while the file is on its way
     inline = name.endswith((".html", ".png", ".svg")) and "download" not in request.query_params
     disposition = "inline" if inline else "attachment"
-    headers = {"Content-Security-Policy": FILE_POLICY, "Content-Disposition": f'{disposition}; filename="{name}"'}
+    called = quote(_upload(request).called(name), safe="")
+    headers = {
+        "Content-Security-Policy": FILE_POLICY,
+        "Content-Disposition": f"{disposition}; filename=\"{name}\"; filename*=UTF-8''{called}",
+    }
     return Response(data, headers=headers, media_type=guess_type(name)[0] or "application/octet-stream")
 
 
@@ -238,10 +277,14 @@ def make_app(settings: Settings | None = None) -> Starlette:
     app = Starlette(
         routes=[
             Route("/", index),
+            Route("/page.js", page_file),
+            Route("/page.css", page_file),
             Route("/choices", choices),
+            Route("/samples", samples),
             Route("/jobs", create, methods=["POST"]),
             Route("/jobs/{job}", state),
             Route("/jobs/{job}", cancel, methods=["DELETE"]),
+            Route("/jobs/{job}/shown", shown),
             Route("/jobs/{job}/{name}", download),
             Route("/jobs/{job}/{name}", make_file, methods=["POST"]),
         ],

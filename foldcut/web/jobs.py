@@ -32,12 +32,18 @@ __all__ = ["Jobs", "Settings", "Upload"]
 
 PATTERN = "pattern.fold"
 """The file that all others can be made from."""
-QUICK_FILES = ("pattern.html",)
+PAGE = "pattern.html"
+"""The file that has the pattern as the page shows it."""
+SO_FAR = "so-far.html"
+"""The same for the best pattern found so far, beside the folder of files that can be taken."""
+QUICK_FILES = (PATTERN, PAGE)
 """The files of a quick look."""
 FILES = ("pattern.svg", PATTERN, "pattern.html", "pattern.png", "pattern.zip")
 """The files that are made at once where there is no machine; the others are made when the page asks for them."""
 MACHINE_FILES = (PATTERN, "pattern.html", "pattern.png", "job.zip")
 """The files that are made at once for a machine, beside the job in the machine's own format."""
+PRINTED = ("pattern-kit.pdf", "pattern.pdf")
+"""What to print where there is no machine: the command line takes a usual printer for it."""
 GUIDES = {"guide.pdf": "guide", "guide.html": "guide", "pictures.svg": "draw", "pictures.png": "draw"}
 """Files that other commands than ``make`` write, and these commands."""
 GRACE_S = 5.0
@@ -65,7 +71,7 @@ class Settings:
     upload_bytes: int = 5_000_000
     job_seconds: float = 60.0
     job_bytes: int = 4 * 2**30
-    quick_seconds: float = 10.0
+    quick_seconds: float = 20.0
     workers: int = 2
     most_jobs: int = 200
     most_jobs_each: int = 100
@@ -110,7 +116,18 @@ class Upload:
     def possible_files(self) -> list[str]:
         """Return the names of all files that can be made when the page asks for them."""
         patterns = ["pattern.zip", *(f"pattern{ending}" for ending in PATTERN_EXPORTERS)]
-        return [*GUIDES, *patterns, *([f"job{ending}" for ending in JOB_EXPORTERS] if self.wanted.machine else [])]
+        jobs = [f"job{ending}" for ending in JOB_EXPORTERS] if self.wanted.machine else PRINTED
+        return [*GUIDES, *patterns, *jobs]
+
+    def shown(self) -> bytes | None:
+        """Return the page of the best pattern so far, None where there is none yet."""
+        path = self.made / PAGE if self.state == "done" else self.folder / SO_FAR
+        return path.read_bytes() if path.is_file() else None
+
+    def called(self, name: str) -> str:
+        """Return what a file is called where it is taken: after the drawing."""
+        rest = name.removeprefix("pattern")
+        return f"{self.wanted.name}{rest if rest != name else f'-{name}'}"
 
 
 class _Turns:
@@ -182,9 +199,10 @@ class Jobs:
         self.require_room(client)
         token = secrets.token_urlsafe(TOKEN_BYTES)
         upload = Upload(self.root / token, wanted, client=client)
-        drawing = upload.folder / f"drawing{ending}"
+        drawing = upload.folder / "given" / f"{wanted.name}{ending}"
         upload.made.mkdir(parents=True)
         if received is not None:
+            drawing.parent.mkdir()
             received.rename(drawing)
         self.uploads[token] = upload
         source = wanted.source if received is None else (str(drawing),)
@@ -199,7 +217,8 @@ class Jobs:
         outputs = [
             word for name in (QUICK_FILES if wanted.quick else names) for word in ("-o", str(upload.made / name))
         ]
-        command = ["make", *source, *wanted.options, "--progress", "--json", *machine, *outputs]
+        so_far = ("--so-far", str(upload.folder / SO_FAR))
+        command = ["make", *source, *wanted.options, "--progress", *so_far, "--json", *machine, *outputs]
         seconds = self.settings.quick_seconds if wanted.quick else self.settings.job_seconds
         try:
             upload.report, upload.error = await self._run(upload, command, seconds)
@@ -231,12 +250,14 @@ class Jobs:
                         process.send_signal(signal.SIGINT)
                     await asyncio.wait([ending], timeout=GRACE_S)
                 if not ending.done() or (late and process.returncode):
-                    remedy = "press Fold to let it search longer" if upload.wanted.quick else "simplify the drawing"
+                    remedy = "press Search longer" if upload.wanted.quick else "simplify the drawing"
                     return {}, f"it took more than {seconds:g} s; {remedy}"
                 out, _, status = ending.result()
             finally:
                 await _kill(process)
-        report = _parsed(out.replace(f"{upload.made}/".encode(), b"").replace(f"{upload.folder}/".encode(), b""))
+        for folder in (upload.made, upload.folder / "given", upload.folder):
+            out = out.replace(f"{folder}/".encode(), b"")
+        report = _parsed(out)
         error = report.pop("error", None) or {"message": "no pattern was made; it needs too much memory, or is broken"}
         return report, "" if status == 0 else str(error["message"])
 

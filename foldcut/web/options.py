@@ -30,6 +30,8 @@ LENGTHS = ("margin", "tolerance", "simplify", "min-crease", "symmetry", "ribbon"
 """The options whose value is a length."""
 MOST_FOLDS = 10_000
 """The largest number of folds that can be asked for."""
+LONGEST_NAME = 50
+"""Letters of a drawing's name that its files have: the longest name of a file has 255 bytes."""
 LONGEST_TEXT = 100
 """Letters that a text may have."""
 
@@ -40,7 +42,8 @@ class Wanted:
 
     ``source``: the sample or the text, empty where a drawing is uploaded; ``options``: sheet, lengths and effort;
     ``machine``: the profile and how to use it, empty for none, and ``machine_format``, the ending of its files without
-    the dot; ``quick``: a look at a drawing that is still being changed, not files to take.
+    the dot; ``quick``: a look at a drawing that is still being changed; ``name``: what the drawing and its files are
+    called.
     """
 
     source: tuple[str, ...]
@@ -48,6 +51,7 @@ class Wanted:
     machine: tuple[str, ...] = ()
     machine_format: str = ""
     quick: bool = False
+    name: str = "drawing"
 
 
 def read_query(query: Mapping[str, str], *, uploaded: bool) -> Wanted:
@@ -57,7 +61,14 @@ def read_query(query: Mapping[str, str], *, uploaded: bool) -> Wanted:
     """
     machine, machine_format = _machine(query)
     source = () if uploaded else _source(query)
-    return Wanted(source, _options(query), machine, machine_format, "quick" in query)
+    return Wanted(source, _options(query), machine, machine_format, "quick" in query, _name(query))
+
+
+def _name(query: Mapping[str, str]) -> str:
+    """Return what to call a drawing: letters, digits and a few signs of its own name, so that it can name files."""
+    wished = query.get("name") or query.get("sample") or query.get("text") or ""
+    kept = "".join(letter if letter.isalnum() or letter in " ._-()" else "-" for letter in wished)
+    return kept[:LONGEST_NAME].strip(" .-") or "drawing"
 
 
 def _source(query: Mapping[str, str]) -> tuple[str, ...]:

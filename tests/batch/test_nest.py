@@ -176,6 +176,8 @@ def test_a_batch_lays_its_sheets_on_beds_and_removes_those_of_before(
     (out / "bed-7.txt").write_text("mine")
     assert main([*words, "--force", "--quiet", "--format", "svg"]) == 0
     assert {path.name for path in out.glob("bed*")} == {"bed-1.svg", "bed-7.txt", "beds.txt"}
+    assert main([*words[:-1], "--force", "--quiet"]) == 0
+    assert {path.name for path in out.glob("bed*")} == {"bed-7.txt"}
 
 
 @pytest.mark.parametrize(

@@ -258,6 +258,24 @@ refused("empty-collection.wkt", "GEOMETRYCOLLECTION EMPTY", "GEOMETRYCOLLECTION 
 refused("point.wkt", "POINT (1 1)", "POINT bounds no area")
 refused("line.wkt", "LINESTRING (0 0, 1 1)", "a line ends at (0, 0), 1.41 from the next end")
 taken("point-within.wkt", f"GEOMETRYCOLLECTION (POLYGON ({WKT_SQUARE}), POINT (1 1))", "1 point")
+refused("curves-in-it.wkt", "GEOMETRYCOLLECTION (CIRCULARSTRING (0 0, 1 1, 2 0))", "has curves, which are not read")
+refused(
+    "curves-beside.wkt",
+    "GEOMETRYCOLLECTION (POLYGON ((0 0, 9 0, 9 9, 0 0)), CURVEPOLYGON ((0 0, 9 0, 9 9, 0 0)))",
+    "GEOMETRYCOLLECTION has curves",
+)
+refused(
+    "curves-deep.wkb",
+    bytes.fromhex(
+        "010700000001000000" * 2
+        + "010a00000001000000010200000004000000"
+        + "00000000000000000000000000000000"
+        + "00000000000022400000000000000000"
+        + "00000000000022400000000000002240"
+        + "00000000000000000000000000000000"
+    ),
+    "has curves, which are not read",
+)
 refused("curve.wkt", "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", "not WKT: ")
 refused("brackets.wkt", "(" * 100_000, TOO_DEEP)
 refused("collections.wkt", "GEOMETRYCOLLECTION (" * 100 + "POINT (1 1)" + ")" * 100, TOO_DEEP)

@@ -566,7 +566,7 @@ def test_samples_lists_names_that_make_takes(capsys: pytest.CaptureFixture[str])
 def test_the_long_list_of_samples_has_the_easiest_first_and_each_once(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["samples", "--long"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert sorted(line.split()[0] for line in lines) == list(sample_names())
+    assert sorted(line.split()[0] for line in lines) == list(sample_names(lines=True))
     order = [line.split()[0] for line in lines]
     assert (
         order.index("triangle") < order.index("star") < order.index("tree") < order.index("heart") < order.index("fish")
@@ -660,6 +660,7 @@ def test_progress_is_drawn_on_stderr_only_when_it_takes_long(
 def test_without_a_terminal_a_line_tells_the_progress_every_few_seconds(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.delenv("FOLDCUT_NO_PROGRESS")
     with progress_for(Console(as_json=False)) as progress:
         progress("packing", 0.25)
     assert capsys.readouterr() == ("", ""), "it was done soon"
@@ -670,6 +671,12 @@ def test_without_a_terminal_a_line_tells_the_progress_every_few_seconds(
     out, error = capsys.readouterr()
     assert out == ""
     assert error.startswith("foldcut:   0 s, 25%: packing\n" * 2)
+    monkeypatch.setenv("FOLDCUT_NO_PROGRESS", "1")
+    with progress_for(Console(as_json=False)) as progress:
+        progress("packing", 0.25)
+        time.sleep(0.01)
+    assert capsys.readouterr() == ("", "")
+    monkeypatch.delenv("FOLDCUT_NO_PROGRESS")
     for silent in (Console(as_json=True), Console(as_json=False, quiet=True)):
         with progress_for(silent) as progress:
             progress("packing", 0.25)
@@ -677,7 +684,10 @@ def test_without_a_terminal_a_line_tells_the_progress_every_few_seconds(
     assert capsys.readouterr() == ("", "")
 
 
-def test_lines_say_at_once_that_something_is_compiled(capsys: pytest.CaptureFixture[str]) -> None:
+def test_lines_say_at_once_that_something_is_compiled(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("FOLDCUT_NO_PROGRESS")
     with progress_for(Console(as_json=False)) as progress:
         progress("compiling: a minute", 0.0)
     assert capsys.readouterr().err == "foldcut:   0 s,  0%: compiling: a minute\n"
@@ -783,6 +793,10 @@ def test_thickness_is_that_of_the_material(drawing: str, capsys: pytest.CaptureF
 
 
 def test_profiles_are_listed_and_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["profiles", "list", "AxiDraw"]) == 0
+    assert {line.split("-")[0] for line in capsys.readouterr().out.split("\n\n")[0].split("\n")} == {"axidraw"}
+    assert main(["profiles", "list", "nothing"]) == 2
+    assert "foldcut profiles lists all" in capsys.readouterr().err
     assert main(["profiles"]) == 0
     assert "glowforge" in capsys.readouterr().out
     assert main(["profiles", "show", "glowforge", "--set", "kerf_mm=0.1"]) == 0

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 import warnings
+from argparse import Namespace
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
@@ -244,6 +245,9 @@ def test_what_a_library_makes_of_ctrl_c_is_an_interruption() -> None:
     assert told(TypeError("Cannot compare structured arrays"))[1] == 130  # numpy names no cause
     with signals_raise():
         assert told(TypeError("Cannot compare structured arrays"))[1] == 1  # nothing came this time
+    timed_out = "timed out after 3 s, no file is half-written; allow more with --timeout"
+    for args in (Namespace(), Namespace(again="", effort="best"), None):
+        assert told(TimedOut(3.0), args)[0] == timed_out  # there is no search that could be shorter
     refused = BadInputError("the drawing is at fault")
     refused.__context__ = KeyboardInterrupt()
     assert told(refused) == ("the drawing is at fault", 2)

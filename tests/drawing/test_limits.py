@@ -71,9 +71,12 @@ def test_limits_are_options(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
         assert fault in capsys.readouterr().err
     with pytest.raises(FileFormatError, match="the drawing has 2 loops, and at most 1 are allowed; draw fewer"):
         Limits(loops=1).check_loops([square, square])
-    for text in ("points", "points=0", "points=-1", "pints=3", "points=1e3"):
-        with pytest.raises(BadInputError, match="is not a limit; give NAME=NUMBER"):
+    for text in ("points", "points=0", "points=-1", "points=1.5", "points=1e99", "points=1e-3", "points=inf"):
+        with pytest.raises(BadInputError, match="give a whole number from 1 up, such as points=5000 or points=1e6"):
             parse_limits([text])
+    with pytest.raises(BadInputError, match="is not a limit; give NAME=NUMBER"):
+        parse_limits(["pints=3"])
+    assert parse_limits(["points=1e9", "loops=2.5e2"]) == Limits(points=10**9, loops=250)
     assert parse_limits(["points=7", "loops=8", "nesting=9"]) == Limits(points=7, loops=8, nesting=9)
     with pytest.raises(BadInputError, match="a nesting of 501 is too deep; give at most 500"):
         parse_limits(["nesting=501"])
@@ -89,6 +92,7 @@ def test_a_timeout_ends_the_search_and_writes_nothing(
     error = capsys.readouterr().err
     assert error.startswith("foldcut: error: timed out after 0.5 s, no file is half-written; allow more with --timeout")
     assert error.count("\n") == 1
+    assert error.endswith("or search less with --effort fast or --seconds\n")
     assert os.listdir() == []
     for seconds in ("0", "-1", "nan", "inf"):
         assert main(["make", "swan", f"--timeout={seconds}"]) == 2

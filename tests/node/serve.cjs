@@ -3,119 +3,119 @@ const {chromium} = require("playwright-core");
 const axe = require("axe-core");
 const fs = require("fs");
 
+const DESK = {width: 1400, height: 900}, PHONE = {width: 390, height: 844};
+
 (async () => {
   const [executablePath, address, drawing] = process.argv.slice(2);
   const browser = await chromium.launch({executablePath, args: ["--no-sandbox"]});
-  const page = await browser.newPage({viewport: {width: 1100, height: 1300}});
+  const page = await browser.newPage({viewport: DESK});
   const complaints = [], requests = [];
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && complaints.push(message.text()));
-  page.on("pageerror", (error) => complaints.push(error.message));
-  page.on("request", (request) => requests.push(request.url()));
-  await page.goto(address);
-  await page.waitForSelector("#sample option[value=triangle]", {state: "attached"});
+  const watch = (one) => {
+    one.on("console", (message) => ["error", "warning"].includes(message.type()) && !message.text().includes("GL Driver Message") && complaints.push(message.text()));
+    one.on("pageerror", (error) => complaints.push(error.message));
+    one.on("request", (request) => requests.push(request.url()));
+  };
+  watch(page);
 
-  const ended = async (words) => {
-    await page.waitForFunction((text) => {
-      const said = document.getElementById("said");
-      return said.classList.contains("bad") || said.textContent.includes(text);
-    }, words, {timeout: 60000});
-    return {said: await page.textContent("#said"), report: await page.textContent("#report"), taking: await page.isVisible("#taking")};
+  const said = () => page.textContent("#said");
+  /** Wait until a pattern is there, or an error, of what was done last. */
+  const ended = async (act) => {
+    await page.evaluate(() => { const line = document.getElementById("said"); if (line) line.textContent = ""; });
+    await act();
+    await page.waitForFunction(() => /^(Verified|There is no)/.test(document.getElementById("said").textContent), null, {timeout: 60000});
+    return {
+      said: await said(), name: await page.textContent("#name"), lines: await page.locator("#pattern line").count(),
+      folds: +(await page.locator("#numbers div", {has: page.locator("dt:text-is('folds')")}).locator("dd").textContent()),
+    };
   };
-  const again = () => page.evaluate(() => { document.getElementById("said").textContent = ""; });
-  const quick = () => ended("press Fold");
-  const fold = async () => {
-    await again();
-    await page.click("#go");
-    return {...await ended("Verified"), files: await page.locator("#files a").allTextContents()};
-  };
-  const saved = async (act) => {
-    const [download] = await Promise.all([page.waitForEvent("download", {timeout: 60000}), act()]);
+  const saved = async (name) => {
+    await page.click("#download");
+    const [download] = await Promise.all([page.waitForEvent("download", {timeout: 60000}), page.click(`[data-file="${name}"]`)]);
+    await page.keyboard.press("Escape");
+    seen.names.push(download.suggestedFilename());
     return fs.readFileSync(await download.path()).toString("base64");
   };
-  const serious = async () => {
+  const look = async () => {
+    seen.heights.push(await page.evaluate(() => document.documentElement.scrollHeight));
     await page.evaluate(axe.source);
     const found = await page.evaluate(() => axe.run({iframes: false}));
-    return found.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id);
+    seen.serious.push(...found.violations.filter((v) => ["serious", "critical"].includes(v.impact)).map((v) => v.id));
   };
 
-  const seen = {serious: await serious(), reached: []};
-  for (let tab = 0; tab < 40; tab++) {
+  const seen = {names: [], heights: [], serious: [], reached: []};
+  seen.first = await ended(() => page.goto(address));
+  await look();
+  await page.evaluate(() => document.activeElement.blur());
+  for (let tab = 0; tab < 90; tab++) {
     await page.keyboard.press("Tab");
-    const id = await page.evaluate(() => document.activeElement.id || document.activeElement.localName);
+    const id = await page.evaluate(() => { const now = document.activeElement; return now.dataset.sample ? "sample" : now.dataset.corner ? "corner" : now.id || now.localName; });
     if (id === "body") break;
-    seen.reached.push(id);
+    if (!seen.reached.includes(id)) seen.reached.push(id);
   }
-  await page.selectOption("#sample", "triangle");
-  seen.quick = await quick();
-  await page.selectOption("#effort", "fast");
-  await page.selectOption("#profile", "laser-dxf");
-  seen.sample = await fold();
-  seen.zip = await saved(() => page.click("#files a:has-text('job.zip')"));
-  seen.dxf = await saved(() => page.click("#files a:has-text('job.dxf')"));
-  await page.selectOption("#more", "pattern.svg");
-  seen.svg = await saved(() => page.click("#make"));
-  seen.shown = await page.frameLocator("iframe").last().locator("#facts").textContent();
-  seen.serious.push(...await serious());
-  await page.setViewportSize({width: 390, height: 844});
-  seen.wide = await page.evaluate(() => document.documentElement.scrollWidth);
-  seen.serious.push(...await serious());
-  await page.setViewportSize({width: 1100, height: 1300});
+  seen.triangle = await ended(() => page.click("[data-sample=triangle]"));
+  seen.pdf = await saved("pattern.pdf");
+  await page.click("details:has(#profile) summary");
+  await ended(() => page.selectOption("#profile", "laser-dxf"));
+  seen.dxf = await saved("job.dxf");
+  seen.svg = await saved("pattern.svg");
+  await look();
 
-  await again();
-  await page.setInputFiles("#file", drawing);
-  seen.chosen = await quick();
-  seen.file = await fold();
-
-  await again();
+  seen.chosen = await ended(() => page.setInputFiles("#file", drawing));
   const dropped = await page.evaluateHandle((text) => {
     const carried = new DataTransfer();
-    carried.items.add(new File([text], "dropped.json", {type: "application/json"}));
+    carried.items.add(new File([text], "dropped one.json", {type: "application/json"}));
     return carried;
   }, fs.readFileSync(drawing, "utf8"));
-  await page.dispatchEvent("#drop", "dragover", {dataTransfer: dropped});
-  seen.over = await page.locator("#drop.over").count();
-  await page.dispatchEvent("#drop", "drop", {dataTransfer: dropped});
-  seen.dropped = await quick();
-  seen.left = await page.inputValue("#file");
-  seen.drop = await fold();
+  await page.dispatchEvent("main", "dragover", {dataTransfer: dropped});
+  seen.over = await page.locator("body.dropping").count();
+  seen.dropped = await ended(() => page.dispatchEvent("main", "drop", {dataTransfer: dropped}));
+  await saved("pattern.fold");
+  seen.typed = await ended(() => page.fill("#text", "I"));
 
-  await again();
-  if (await page.isVisible("#text")) {
-    await page.fill("#text", "I");
-    seen.typed = await quick();
-  }
-
-  await again();
-  await page.click("#drawing summary");
-  const board = page.locator("#board");
-  await board.scrollIntoViewIfNeeded();
-  const {x: left, y: top, width, height} = await board.boundingBox();
-  for (const [x, y] of [[0.2, 0.8], [0.8, 0.8], [0.4, 0.2]]) await board.click({position: {x: x * width, y: y * height}});
+  await page.click("#new");
+  const board = page.locator("#board"), at = async ([x, y]) => page.evaluate(([u, v]) => {
+    const {x: left, y: top} = new DOMPoint(u, v).matrixTransform(document.getElementById("board").getScreenCTM());
+    return [left, top];
+  }, [x, 100 - y]);
+  seen.drawn = await ended(async () => { for (const corner of [[20, 20], [80, 20], [40, 80]]) await page.mouse.click(...await at(corner)); });
   seen.corners = await page.inputValue("#corners");
-  seen.sketched = await quick();
-  await page.mouse.move(left + 0.4 * width, top + 0.2 * height);
-  await page.mouse.down();
-  await page.mouse.move(left + 0.5 * width, top + 0.3 * height, {steps: 5});
-  await page.mouse.up();
-  seen.moved = await page.inputValue("#corners");
-  seen.drawn = await fold();
+  const handle = await board.locator("circle").last().boundingBox(), middle = [handle.x + handle.width / 2, handle.y + handle.height / 2];
+  seen.moved = await ended(async () => {
+    await page.mouse.move(...middle);
+    await page.mouse.down();
+    await page.mouse.move(middle[0] + 30, middle[1] + 12, {steps: 4});
+    await page.mouse.up();
+  });
+  seen.after = await page.inputValue("#corners");
+  const other = await browser.newPage();
+  watch(other);
+  await other.goto(page.url());
+  await other.waitForSelector("body[data-ready]");
+  seen.shared = await other.inputValue("#corners");
+  await other.close();
+  await page.click("#keep");
+  seen.kept = [await page.isVisible("#kept")];
+  await look();
+  seen.kept.push(await page.isVisible("#kept svg"));
+  await page.click("#keep");
+  seen.kept.push(await page.isVisible("#kept"));
 
-  await again();
-  await page.fill("#sheet", "nonsense");
-  await page.click("#go");
-  seen.bad = (await ended("Verified")).said;
-  seen.stale = await page.isVisible("#result") || await page.locator("iframe").count();
-  await page.fill("#sheet", "a4");
-  await page.selectOption("#sample", "swan");
-  await page.selectOption("#effort", "normal");
-  await page.click("#go");
-  await page.waitForFunction(() => /searching/.test(document.getElementById("stage").textContent) && document.getElementById("bar").value > 0, null, {timeout: 60000});
-  seen.bar = await page.evaluate(() => document.getElementById("bar").value);
+  await ended(async () => { await page.fill("#sheet", "nonsense"); await page.keyboard.press("Tab"); });
+  seen.bad = await page.textContent("#wrong");
+  seen.stale = (await page.locator("body.stale").count()) === 1 && await page.isVisible("#wrong");
+  await page.evaluate(() => { document.getElementById("sheet").value = "a4"; });
+  await page.focus("#level");
+  await page.keyboard.press("Home");
+  seen.easy = await page.textContent("#level-words");
+  await page.click("[data-sample=swan]");
   await page.click("#stop");
-  await page.waitForFunction(() => document.getElementById("said").textContent === "Cancelled.");
-  seen.cancelled = await page.isHidden("#busy");
+  await page.waitForFunction(() => document.getElementById("said").textContent === "Stopped.");
+  seen.stopped = await said();
+  await page.setViewportSize(PHONE);
+  seen.wide = await page.evaluate(() => document.documentElement.scrollWidth);
+  seen.top = await page.evaluate(() => document.getElementById("pattern-pane").getBoundingClientRect().top);
   await browser.close();
-  const foreign = requests.filter((url) => !url.startsWith(address) && !url.startsWith("data:") && !url.startsWith("about:"));
+  const foreign = requests.filter((url) => !url.startsWith(address) && !/^(data|about|blob):/.test(url));
   const refused = (text) => text.includes("400 (Bad Request)"); // Chromium's own word on the sheet that is none
   console.log(JSON.stringify({...seen, refused: complaints.filter(refused).length, complaints: complaints.filter((text) => !refused(text)), foreign}));
 })();

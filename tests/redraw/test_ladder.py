@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import time
 from collections.abc import Callable
@@ -40,7 +41,7 @@ from foldcut.redraw.ladder import (
     redraw_and_fold,
 )
 from foldcut.redraw.plans import Drawing
-from foldcut.redraw.redrawing import Redrawn
+from foldcut.redraw.redrawing import LESS_WORK, WORK, Redrawn
 
 A4 = parse_sheet("a4")
 
@@ -408,6 +409,40 @@ def test_drawings_that_may_be_drawn_far_off_are_tried_as_they_are_only_with_fewe
         climb(given, folder, fewer=FEWER_CORNERS_FOR_A_FOLD, tolerance=tolerance)
         assert (folder.asked[0][0] == 45) == tried, tolerance
     assert climb(drawn(uneven(1, 1.0, 1.0, count=29)), Folder(lambda _: 1), fewer=FEWER_CORNERS_FOR_A_FOLD).taken == 0
+
+
+def test_the_short_look_moves_corners_only_if_no_outline_may_be_far_off() -> None:
+    """With 60 corners that may take more than a minute."""
+    given = drawn(uneven(1, 1.0, 1.0, count=35))
+    for tolerance, adjusts in ((None, False), (0.9 * FAR_OFF, True)):
+        folder = Folder(lambda _: 61)
+        climb(given, folder, Effort("normal"), tolerance=tolerance)
+        (_, look, effort), (_, earnest, _) = folder.asked[:2]
+        assert effort.name == "fast"
+        assert (look.adjust == 0) == (not adjusts), tolerance
+        assert earnest.adjust != 0
+
+
+def test_what_is_searched_at_each_tolerance() -> None:
+    """More where a larger tolerance is not to come; less where there is an outline for two hands already."""
+    asked: list[tuple[float, float, bool, int]] = []
+    drawing = Drawing.of(drawn(CIRCLES["circle"]).laying, (), 2.0, may_turn=False)
+    few = simplify(drawing.frame.shape, 2.0).shape.corner_count
+    folder = Folder(lambda corners: 60 if corners <= few else 61)
+    search = pretended(folder)
+
+    def redraw(drawing: Drawing, tolerance: float, **options: Any) -> None:
+        asked.append((tolerance, options["wanted"], options["thorough"], options["work"]))
+        search(drawing, tolerance, **options)
+
+    climb(drawn(CIRCLES["circle"]), folder, redraw=redraw)
+    all_work, less = WORK["fast"], int(LESS_WORK * WORK["fast"])
+    tried = [(tolerance, 60, tolerance >= 2, all_work) for tolerance in (0.25, 0.5, 1, 2)]
+    assert asked == [*tried[-len(asked) + 1 :], (4, math.inf, False, less)]
+    assert len(asked) > 2
+    asked.clear()
+    climb(drawn(CIRCLES["circle"]), Folder(lambda _: 61), redraw=redraw, tolerance=0.5)
+    assert [one[1:3] for one in asked] == [(60, False), (math.inf, True)]
 
 
 def test_an_outline_has_no_more_corners_than_were_asked_for() -> None:

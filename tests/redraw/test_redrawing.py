@@ -14,7 +14,7 @@ import pytest
 import shapely
 
 from foldcut.core.arrays import Floats
-from foldcut.core.errors import ShapeError
+from foldcut.core.errors import ShapeError, UnfoldableError
 from foldcut.core.model import Shape
 from foldcut.drawing.curved import curves_of
 from foldcut.drawing.laying import Laying
@@ -24,7 +24,7 @@ from foldcut.pattern.foldability import crease_numbers
 from foldcut.proof.verify import verify
 from foldcut.readers import read_shape
 from foldcut.redraw.plans import Drawing, Plan, plans
-from foldcut.redraw.redrawing import DEAR, Redrawn, _Redrawing, redraw
+from foldcut.redraw.redrawing import DEAR, LESS_WORK, MOST_FOLDS, REFUSED, Redrawn, _Redrawing, redraw
 from foldcut.redraw.starts.outlines import FARTHEST
 
 pytestmark = pytest.mark.usefixtures("kernels_are_loaded")
@@ -40,6 +40,7 @@ PATHS = {
     "ring": "M50 10A40 40 0 0 1 50 90A40 40 0 0 1 50 10ZM50 30A20 20 0 0 0 50 70A20 20 0 0 0 50 30Z",
     "heart": "M50 20A25 25 0 0 1 90 50Q80 70 50 95Q20 70 10 50A25 25 0 0 1 50 20Z",
     "leaf": "M10 90C10 40 40 10 90 10C85 60 60 85 10 90Z",
+    "oval": "M10 50A40 25 0 0 1 90 50A40 25 0 0 1 10 50Z",
     "drop": "M50 5C60 35 85 50 80 72A30 30 0 0 1 20 70C18 50 40 35 50 5Z",
 }
 """Drawings of arcs and Béziers: all but the last two are symmetric about an upright or a level axis."""
@@ -325,30 +326,40 @@ def test_the_comparison_can_fail() -> None:
 
 
 @pytest.mark.parametrize(
-    ("folded", "folds", "shortest", "tightened", "dear"),
+    ("thorough", "folded", "folds", "shortest", "tightened", "dear"),
     [
-        (1, 66, 3.0, [True, True, True], 0),
-        (1, 67, 3.0, [True], 0),
-        (1, 60, 3.0, [True], 0),
-        (1, 59, 2.9, [True, True, True, True], 1),
-        (0, 0, 0.0, [True, False], 0),
+        (True, 1, 66, 3.0, [True, True, True], []),
+        (True, 1, 67, 3.0, [True], []),
+        (True, 1, 60, 3.0, [True], []),
+        (True, 1, 59, 2.9, [True, True, True, True], [100]),
+        (True, 0, 0, 0.0, [True, False], []),
+        (True, 1, MOST_FOLDS + 1, 3.0, [True, False], []),
+        (False, 1, 66, 3.0, [True], []),
+        (False, 1, 59, 2.9, [True, True], [int(100 * LESS_WORK)]),
+        (False, 0, 0, 0.0, [True], []),
     ],
 )
 def test_near_misses_and_what_has_no_pattern_are_searched_once_more(
-    folded: int, folds: int, shortest: float, tightened: list[bool], dear: int, monkeypatch: pytest.MonkeyPatch
+    thorough: bool,
+    folded: int,
+    folds: int,
+    shortest: float,
+    tightened: list[bool],
+    dear: list[int],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """From other outlines where it has up to a tenth too many folds, and without tightening where it has no pattern.
 
-    Where a crease is too short, short creases cost more.
+    Where a crease is too short, short creases cost more. A search that is not thorough does only that, with less work.
     """
-    one = _Redrawing(first_plan("heart"), 2.0, lambda _: None)
+    one = _Redrawing(first_plan("heart"), 2.0, lambda _: None, thorough=thorough)
     searched: list[bool] = []
-    costs: list[Any] = []
+    dearly: list[int] = []
 
-    def search(starts: list[Any], _work: int, _ends: object, *, tightens: bool = True, short_cost: Any = None) -> None:
+    def search(starts: Any, work: int, _ends: object, *, tightens: bool = True, short_cost: Any = None) -> None:
         assert list(starts)
         searched.append(tightens)
-        costs.append(short_cost)
+        dearly.extend([work] * (short_cost == DEAR))
         one.folded = folded
         if folded:
             best = SimpleNamespace(folds=folds, is_for_hands=folds <= 60 and shortest >= 3, shortest=shortest)
@@ -357,4 +368,66 @@ def test_near_misses_and_what_has_no_pattern_are_searched_once_more(
     monkeypatch.setattr(one, "search", search)
     one.run(100, lambda _: False)
     assert searched == tightened
-    assert costs.count(DEAR) == dear
+    assert dearly == dear
+    if not folded:
+        searched.clear()
+        one.is_given_up = True
+        one.run(100, lambda _: False)
+        assert searched == [True]
+
+
+@pytest.mark.parametrize(
+    ("thorough", "folds", "planned"),
+    [
+        (True, [9, 9, 9], [(2, 100)]),  # two axes, and for two hands
+        (True, [99, 99, 99], [(2, 100), (1, 40), (1, 40)]),
+        (True, [0, 0, 0, 99], [(2, 100), (1, 100), (1, 100), (0, 100)]),
+        (True, [0, 0, 399, 99], [(2, 100), (1, 100), (1, 100), (0, 40)]),  # too many for hands
+        (False, [99, 99, 99], [(2, 100)]),
+        (False, [0, 0, 0, 99], [(2, 100), (1, 100), (1, 100)]),
+    ],
+)
+def test_once_there_is_a_pattern_less_is_searched(
+    thorough: bool, folds: list[int], planned: list[tuple[int, int]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The oval has two axes: they are tried together, then each by itself, and then the whole sheet."""
+    made = iter(folds)
+    searched: list[tuple[int, int]] = []
+
+    class Pretended(_Redrawing):
+        def run(self, work: int, ends: Any) -> None:
+            searched.append((len(self.plan.axes), work))
+            if count := next(made):
+                self.keep(found_of(self.plan, count))
+
+    monkeypatch.setattr("foldcut.redraw.redrawing._Redrawing", Pretended)
+    monkeypatch.setattr("foldcut.redraw.redrawing.around", lambda _: None)
+    drawing = of_path("oval").drawing
+    redraw(drawing, 2.0, work=100, thorough=thorough)
+    assert searched == planned
+
+
+def found_of(plan: Plan, folds: int) -> Redrawn:
+    nothing: Any = None
+    return Redrawn(plan, nothing, nothing, folds, 5.0, 1.0)
+
+
+@pytest.mark.parametrize(("wanted", "most"), [(60.0, [MOST_FOLDS] * 9), (math.inf, [400] * 6 + [MOST_FOLDS] * 3)])
+def test_a_few_outlines_of_very_many_folds_are_folded_at_the_last_tolerance(
+    wanted: float, most: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+
+    def fold(*_: object, most_folds: int, **_more: object) -> None:
+        asked.append(most_folds)
+        raise UnfoldableError("it has no order of layers")
+
+    monkeypatch.setattr("foldcut.redraw.redrawing.fold_outline", fold)
+    plan = first_plan("leaf")
+    points, sizes = next(plan.starts(2.0))
+    one = _Redrawing(plan, 2.0, lambda _: None, wanted)
+    for number in range(9):
+        details = SimpleNamespace(sides={0: number})  # a structure of its own
+        given: Any = SimpleNamespace(points=points, loop_sizes=sizes, lines=MOST_FOLDS + 1, details=details)
+        assert one.believe(given) == REFUSED
+    assert asked == most

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pytest
 import shapely
 from support.outlines import corners_of, engine_for, random_outline
 
+from foldcut.core.arrays import Floats
 from foldcut.redraw.proxy import Assessment, Engine
-from foldcut.redraw.search import LEAST_GAIN, Search, _renumbered, candidates
+from foldcut.redraw.search import EARLY, LEAST_GAIN, Search, _renumbered, candidates
 
 pytestmark = pytest.mark.usefixtures("kernels_are_loaded")
 
@@ -119,6 +122,42 @@ def test_outlines_that_cannot_be_folded_are_not_the_best() -> None:
     assert best is not None
     assert len({id(one) for one in asked}) == len(asked)
     assert best is not asked[0]
+
+
+def test_an_outline_is_believed_before_all_outlines_to_begin_with_are_made() -> None:
+    """So there soon is a first pattern."""
+    shape = random_outline("tour", 5)
+    points, sizes = corners_of(shape)
+    made: list[int] = []
+    believed_after: list[int] = []
+
+    def starts() -> Iterator[tuple[Floats, tuple[int, ...]]]:
+        for number in range(EARLY[0] + 4):
+            made.append(number)
+            yield points + np.random.default_rng(number).uniform(-0.3, 0.3, points.shape), sizes
+
+    def believe(_: Assessment) -> float:
+        believed_after.append(len(made))
+        return 0.0
+
+    Search(engine_for(shape, tolerance=2.0), WORK, believe=believe).run(starts())
+    assert believed_after[0] == EARLY[0]
+    assert len(made) == EARLY[0] + 4
+
+
+@pytest.mark.parametrize(("part", "given_up"), [(0.2, True), (2.0, False)])
+def test_a_search_that_seems_to_end_with_far_more_than_is_wanted_is_given_up(part: float, given_up: bool) -> None:
+    shape = random_outline("star", 9)
+    engine = engine_for(shape, tolerance=0.01)  # nothing can be moved, so the cost stays
+    points, sizes = corners_of(shape)
+    cost = Search(engine, WORK).assess(points, sizes)
+    assert cost is not None
+    engine.assessed = engine.solved = engine.tightened = 0
+    search = Search(engine, 1200, wanted=part * cost.cost)
+    best = search.run([(points, sizes)])
+    assert best is not None
+    assert search.is_given_up == given_up
+    assert (search.spent < 400) == given_up
 
 
 def test_nothing_comes_of_no_starts() -> None:

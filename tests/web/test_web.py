@@ -16,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import httpx2
 import numpy as np
@@ -138,10 +139,54 @@ def test_files_are_made_of_finished_jobs_only(client: TestClient) -> None:
     assert client.post(f"/jobs/{token}/pattern.cp", headers=OWN).status_code == 409
 
 
-def test_a_quick_look_makes_the_page_only(client: TestClient) -> None:
+def test_a_quick_look_makes_what_all_files_are_made_of(client: TestClient) -> None:
     state = outcome(client, send(client, SQUARE, ending=".json", quick="1", profile="laser-dxf"))
-    assert state["files"] == ["pattern.html"]
+    assert state["files"] == ["pattern.fold", "pattern.html"]
     assert state["report"]["warnings"] is not None
+
+
+def test_the_page_is_shown_what_is_found(client: TestClient) -> None:
+    token = send(client, SQUARE, ending=".json", quick="1", name="../my süß square")
+    state = outcome(client, token)
+    assert state["name"] == "my süß square"
+    disposition = client.get(f"/jobs/{token}/pattern.fold").headers["content-disposition"]
+    assert disposition.endswith(f"filename*=UTF-8''{quote('my süß square')}.fold")
+    assert {path.name for path in jobs_of(client).get(token).folder.iterdir()} == {"given", "made", "so-far.html"}
+    assert len(state["patterns"]) >= 1
+    shown = client.get(f"/jobs/{token}/shown")
+    assert shown.headers["content-type"] == "application/json"
+    assert shown.json()["title"] == "my süß square"
+    assert shown.json()["steps"]
+    job = jobs_of(client).get(token)
+    assert (job.folder / "so-far.html").is_file()
+    job.state = "folding"
+    assert client.get(f"/jobs/{token}/shown").json()["flat"], "the best so far"
+    (job.folder / "so-far.html").unlink()
+    assert client.get(f"/jobs/{token}/shown").json() == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "called"),
+    [
+        ("../../x", "x"),
+        ("--force", "force"),
+        ("a\nb/c\\d", "a-b-c-d"),
+        ("Füchsin (2)", "Füchsin (2)"),
+        ("x" * 200, "x" * 50),
+        ("...", "drawing"),
+    ],
+)
+def test_a_drawing_keeps_its_name_and_names_no_other_file(name: str, called: str) -> None:
+    assert read_query({"name": name}, uploaded=True).name == called
+
+
+def test_the_page_has_its_parts_and_the_samples(client: TestClient) -> None:
+    assert client.get("/page.js").headers["content-type"].startswith("text/javascript")
+    assert client.get("/page.css").headers["content-type"].startswith("text/css")
+    assert "unsafe" not in client.get("/").headers["content-security-policy"]
+    samples = client.get("/samples").json()
+    assert sorted(samples) == sorted(client.get("/choices").json()["samples"])
+    assert min(len(loop) for loops in samples.values() for loop in loops) >= 3
 
 
 def test_a_text_is_folded(client: TestClient) -> None:
@@ -437,50 +482,34 @@ def test_the_page_works_in_a_browser(server: Server, tmp_path: Path) -> None:
     assert seen["refused"] == 1
     assert seen["foreign"] == []
     assert seen["serious"] == []
+    assert seen["heights"] == [900, 900, 900], "nothing is below the fold"
     assert seen["wide"] <= 390
-    assert [name for name in seen["reached"] if name not in ("text", "font")] == [
-        *(
-            "file",
-            "sample",
-            "summary",
-            "sheet",
-            "margin",
-            "effort",
-            "level",
-            "summary",
-            "profile",
-            "material",
-            "treatment",
-            "summary",
-            "live",
-            "go",
-        ),
-    ]
-    assert seen["cancelled"]
-    assert 0 < seen["bar"] < 1
-    for name in ("quick", "chosen", "dropped", "typed", "sketched"):
-        if name in seen:  # nothing can be typed where there are no fonts
-            assert "press Fold" in seen[name]["said"], name
-            assert "to cut through" in seen[name]["report"], name
-            assert not seen[name]["taking"], name
-    for name in ("sample", "file", "drop", "drawn"):
+    assert seen["top"] < 844 / 2, "on a phone the pattern is on top"
+    needed = ["download", "file", "new", "sample", "level", "sheet", "margin", "corner", "pattern-held", "play", "fold"]
+    assert [name for name in seen["reached"] if name in needed] == needed
+    for name in ("first", "triangle", "chosen", "dropped", "typed", "drawn", "moved"):
         assert seen[name]["said"].startswith("Verified"), name
-        assert {"pattern.fold", "job.zip"} <= set(seen[name]["files"]), name
+        assert seen[name]["folds"] > 0, name
+        assert seen[name]["lines"] > 4, name
+    assert [seen[name]["name"] for name in ("triangle", "chosen", "dropped", "drawn")] == [
+        *("triangle", "square", "dropped one", "drawing"),
+    ]
     assert seen["over"] == 1
-    assert seen["left"] == ""
-    assert "mountain" in seen["shown"]
+    assert seen["names"] == ["triangle.pdf", "triangle-job.dxf", "triangle.svg", "dropped one.fold"]
+    assert base64.b64decode(seen["pdf"]).startswith(b"%PDF")
+    assert corners(seen["corners"]) == pytest.approx([20, 20, 80, 20, 40, 80], abs=1.5)
+    assert corners(seen["after"]) != corners(seen["corners"])
+    assert seen["shared"] == seen["after"], "the drawing is in the link"
+    assert seen["kept"] == [True, True, False]
     assert "nonsense" in seen["bad"]
-    assert not seen["stale"]
-    assert corners(seen["corners"]) == pytest.approx([20, 20, 80, 20, 40, 80], abs=0.6)
-    assert corners(seen["moved"]) == pytest.approx([20, 20, 80, 20, 50, 70], abs=0.6)
+    assert seen["stale"]
+    assert seen["easy"] == "the fewest folds"
+    assert seen["stopped"] == "Stopped."
     ours = tmp_path / "job.dxf"
     assert main(["make", "triangle", "--effort", "fast", "--profile", "laser-dxf", "-o", str(ours), "--quiet"]) == 0
     assert without_recipe(base64.b64decode(seen["dxf"])) == without_recipe(ours.read_bytes())
     assert main(["make", "triangle", "--effort", "fast", "-o", str(tmp_path / "made.svg"), "--quiet"]) == 0
     assert without_recipe(base64.b64decode(seen["svg"])) == without_recipe((tmp_path / "made.svg").read_bytes())
-    archive = zipfile.ZipFile(io.BytesIO(base64.b64decode(seen["zip"])))
-    (dxf,) = [name for name in archive.namelist() if name.endswith(".dxf")]
-    assert without_recipe(archive.read(dxf)) == without_recipe(ours.read_bytes())
 
 
 def corners(text: str) -> list[float]:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 EXAMPLES = """\
 examples:
   foldcut profiles
+  foldcut profiles list grbl
   foldcut profiles show glowforge
   foldcut profiles validate my-laser.toml
 """
@@ -24,7 +25,12 @@ examples:
 def add_options(command: ArgumentParser) -> None:
     """Add what to do, and with which profile."""
     command.add_argument("action", nargs="?", choices=("list", "show", "validate"), default="list")
-    command.add_argument("name", nargs="?", metavar="PROFILE", help="a name, or the path of a TOML file")
+    command.add_argument(
+        "name",
+        nargs="?",
+        metavar="PROFILE",
+        help="a name, or the path of a TOML file; for list: a part of names or titles",
+    )
     command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="change a value (repeatable)")
     command.add_argument("--json", action="store_true", help="print JSON, for programs")
 
@@ -35,7 +41,7 @@ def profiles(args: Namespace) -> int:
 
     console = Console(args.json)
     if args.action == "list":
-        return list_profiles(console)
+        return list_profiles(console, args.name or "")
     if not args.name:
         raise BadInputError(f"foldcut profiles {args.action} needs the name of a profile or the path of a TOML file")
     profile = load_profile(args.name, args.set)
@@ -47,11 +53,14 @@ def profiles(args: Namespace) -> int:
     return DONE
 
 
-def list_profiles(console: Console) -> int:
-    """Print all profiles: name, format, size of the bed or of the papers, numbers that are unverified, and title."""
+def list_profiles(console: Console, word: str) -> int:
+    """Print the profiles that have a word in their name or title: these, format, size of the bed or of the papers."""
     from foldcut.profiles import known_profiles
 
     known, broken = known_profiles()
+    known = {name: p for name, p in known.items() if word.lower() in f"{name} {p.title}".lower()}
+    if not known:
+        raise BadInputError(f"no profile has {word!r} in its name or title; foldcut profiles lists all")
     rows = [(name, p.format, bed_size(p), p.title, unverified(p)) for name, p in known.items()]
     wide, bed = (max(len(row[column]) for row in rows) for column in (0, 2))
     lines = [f"{n:<{wide}}  {form:<5}  {size:<{bed}}  {title}{doubt}" for n, form, size, title, doubt in rows]

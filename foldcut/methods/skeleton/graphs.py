@@ -7,8 +7,10 @@ be folded the one that is easiest to cut and to fold is taken. No corner is move
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from foldcut.core.errors import UnfoldableError
 from foldcut.core.model import Shape, Sheet
@@ -48,24 +50,28 @@ def fold_graph(
     *,
     ribbon: float = 0.0,
     effort: str = "normal",
+    seconds: float | None = None,
     progress: Callable[[str, float], None] | None = None,
 ) -> Skeletal:
     """Fold a graph along its straight skeleton, and along edges whose two sides go to the same side of the cut line.
 
-    ``shape`` is in the sheet's mm; ``ribbon`` as for ``fold_skeletal``. ``effort`` is one of ``WORK``. ``progress`` is
-    called with a text and the part done. Raises ``UnfoldableError`` with the first reason where none of the choices of
-    sides can be folded.
+    ``shape`` is in the sheet's mm; ``ribbon`` as for ``fold_skeletal``. ``effort`` is one of ``WORK``; after so many
+    ``seconds``, if given, no more choices are tried. ``progress`` is called with a text and the part done. Ctrl-C ends
+    the search with the best pattern so far. Raises ``UnfoldableError`` with the first reason where none of the choices
+    of sides can be folded.
     """
     graph, work = CutGraph.of(shape), WORK[effort]
     if len(graph.graph.edges) > MOST_CORNERS:
         raise UnfoldableError(
-            f"the drawing has {len(graph.graph.edges)} straight lines; this method takes at most {MOST_CORNERS}"
+            f"the drawing has {len(graph.graph.edges)} straight lines; this method takes at most {MOST_CORNERS}: "
+            "draw fewer, or allow --simplify 1mm"
         )
     found: list[Skeletal] = []
     problem: UnfoldableError | None = None
     tried: list[Shape] = []
+    interrupted, end = False, math.inf if seconds is None else time.monotonic() + seconds
     for number, choice in enumerate(graph.shapes()):
-        if number >= work.choices or len(found) >= work.compared:
+        if number >= work.choices or len(found) >= work.compared or (number and time.monotonic() > end):
             break
         if progress is not None:
             progress("sides of the cut", number / work.choices)
@@ -74,7 +80,12 @@ def fold_graph(
             found.append(fold_outline(choice, sheet, ribbon=ribbon))
         except UnfoldableError as error:
             problem = problem or error
-    for choice in tried[: work.searched] if not found else ():
+        except KeyboardInterrupt:
+            if not found:
+                raise
+            interrupted = True
+            break
+    for choice in tried[: work.searched] if not found and time.monotonic() < end else ():
         search = Search(sheet, ribbon, Budget(work.seconds), progress)
         search.fold(choice, 0.0, work.seconds)
         if search.made is not None:
@@ -82,7 +93,7 @@ def fold_graph(
         problem = problem or search.problem
     if not found:
         raise problem or UnfoldableError("no choice of sides can be folded")
-    return min(found, key=_rank)
+    return replace(min(found, key=_rank), interrupted=interrupted)
 
 
 def _rank(made: Skeletal) -> tuple[bool, Rank]:

@@ -27,8 +27,14 @@ def fold(problem: Problem, effort: Effort) -> Made:
 
     def graph_in(frame: Frame) -> Made:
         ribbon = problem.wishes.free_ribbon / frame.scale
-        tell = problem.stages.tell
-        made = fold_graph(frame.shape, frame.sheet, ribbon=ribbon, effort=effort.name, progress=tell)
+        made = fold_graph(
+            frame.shape,
+            frame.sheet,
+            ribbon=ribbon,
+            effort=effort.name,
+            seconds=effort.seconds,
+            progress=problem.stages.tell,
+        )
         return _made(problem, frame, made)
 
     def in_this(frame: Frame) -> Made:
