@@ -38,7 +38,7 @@ def row(name: str, counts: FoldCounts) -> str:
 
 def main() -> None:
     """Count, and write the table."""
-    names = sys.argv[1:] or sample_names()
+    names = sys.argv[1:] or sample_names(lines=True)
     table = fold_counts() if sys.argv[1:] else {}
     for name in names:
         table[name] = counts_of(fold(sample_path(name), symmetry="auto", next_level=False))
