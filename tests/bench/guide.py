@@ -96,7 +96,7 @@ def flat_parts(pattern: FoldedPattern, folded: np.ndarray, step: FoldingStep) ->
 def main() -> int:
     """Print the table; return 1 if a state is wrong."""
     wrong = 0
-    for name in sys.argv[1:] or sample_names():
+    for name in sys.argv[1:] or sample_names(lines=True):
         pattern = fold(sample_path(name), symmetry="auto", next_level=False).folded_pattern
         state, folded = FoldedPaper(pattern).unfolded, np.zeros(len(pattern.creases.edges_vertices), dtype=np.bool_)
         told, folds, sound = [], 0, True
