@@ -445,7 +445,8 @@ def _override(text: str) -> dict[str, Any]:
     """Return the nested table that ``a.b=value`` means; a value that is not TOML is taken as text."""
     key, equals, value = text.partition("=")
     if not equals or not key.strip():
-        raise FileFormatError(f"--set {text} is no KEY=VALUE; write for example --set bed.width_mm=300")
+        said = " ".join(text.split())
+        raise FileFormatError(f"--set {said} is no KEY=VALUE; write for example --set bed.width_mm=300")
     shown = text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
     try:
         read = tomllib.loads(f"value = {value}")

@@ -30,6 +30,8 @@ def overlaps(points: Floats, faces: Ragged, tolerance: float, most: int) -> Ints
     ``tolerance``, in the same unit, only touch.
     Two convex pieces overlap unless one lies wholly outside some side of the other (separating axis theorem).
     """
+    if len(faces) < 2:
+        return np.empty((0, 2), dtype=np.int32)
     if _surely_more(points, faces, tolerance, most):
         return None
     pieces, faces_of_pieces = _convex_pieces(points, faces)

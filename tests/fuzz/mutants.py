@@ -4,9 +4,9 @@
 mutant has one field changed: a vertex, a letter, an edge, a face, the list of layers, the order of faces, an angle, the
 folded form, the placement, the shape, the first folds, or what the file says of its drawing. Each is decided as ``check
 --shape`` does, and reopened as ``make FILE.fold`` does. One that is accepted has to be right for another reason that is
-looked for here, without the verifier: the same pattern in other words, vertices within the tolerance, another outline
-of the sheet, or another layer order that ``tests/oracles/slow_layers.py`` accepts, too. All others are printed as wrong
-accepts; exit status 1.
+looked for here, without the verifier: the same pattern in other words, vertices within the tolerance of a pattern whose
+angles add up, or another layer order that ``tests/oracles/slow_layers.py`` accepts, too. All others are printed as
+wrong accepts; exit status 1.
 """
 
 from __future__ import annotations
@@ -54,6 +54,9 @@ PATTERNS = (
 
 SELDOM = 50
 """One of so many mutants is of each pattern with thousands of faces."""
+
+FLAT = 1e-7
+"""Angles may be off by so many radians: exact ones are computed to about 1e-12."""
 
 MOST_FACES = 300
 """The slow oracle is not asked about more faces."""
@@ -222,8 +225,11 @@ MUTATIONS: tuple[Mutation, ...] = (
 )  # fmt: skip
 
 
-def is_right(file: FoldFile, original: FoldFile, drawing: Shape) -> str:
-    """Return why an accepted mutant is right, without asking the verifier; "" if no reason is found."""
+def is_right(file: FoldFile, judged_pattern: CreasePattern, original: FoldFile, drawing: Shape) -> str:
+    """Return why an accepted mutant is right, without asking the verifier; "" if no reason is found.
+
+    ``judged_pattern`` is that of the decision: the file's, with vertices moved within the tolerance.
+    """
     new, old = file.pattern, original.pattern
     same_faces = {tuple(sorted(face)) for face in new.faces_vertices.to_lists()} == {
         tuple(sorted(face)) for face in old.faces_vertices.to_lists()
@@ -234,7 +240,8 @@ def is_right(file: FoldFile, original: FoldFile, drawing: Shape) -> str:
     if not same_faces or not same_edges:
         return ""
     diagonal = float(np.hypot(*np.ptp(old.vertices_coords, axis=0)))
-    if _off_its_creases(new, old) > 2 * TOLERANCE * diagonal:
+    moved = float(np.hypot(*(judged_pattern.vertices_coords - new.vertices_coords).T).max())
+    if moved > TOLERANCE * diagonal or not _is_flat(judged_pattern):
         return ""
     other = new.edges_assignment != old.edges_assignment
     if (other & (new.edges_assignment != "U") & (new.edges_assignment != "F")).any():
@@ -251,17 +258,19 @@ def is_right(file: FoldFile, original: FoldFile, drawing: Shape) -> str:
     return "the same pattern in other words, or in another order that folds"
 
 
-def _off_its_creases(new: CreasePattern, old: CreasePattern) -> float:
-    """Return how far vertices were moved, in mm; those on the border may go along their creases: another sheet."""
-    by = new.vertices_coords - old.vertices_coords
-    border = np.unique(old.edges_vertices[old.edges_assignment == "B"])
-    free = np.isin(np.arange(len(by)), border)
-    most = float(np.hypot(*by[~free].T).max(initial=0.0))
-    for one, other in old.edges_vertices[old.edges_assignment != "B"]:
-        along = old.vertices_coords[other] - old.vertices_coords[one]
-        normal = np.array([-along[1], along[0]]) / np.hypot(*along)
-        most = max(most, float(np.abs(by[[one, other]] @ normal).max()))
-    return most
+def _is_flat(pattern: CreasePattern) -> bool:
+    """Whether every other angle around each inner vertex adds up to a half turn."""
+    border = {vertex for edge in pattern.edges_vertices[pattern.edges_assignment == "B"].tolist() for vertex in edge}
+    around: dict[int, list[float]] = {}
+    for one, other in pattern.edges_vertices[np.isin(pattern.edges_assignment, ("M", "V"))].tolist():
+        along = pattern.vertices_coords[other] - pattern.vertices_coords[one]
+        around.setdefault(one, []).append(float(np.arctan2(along[1], along[0])))
+        around.setdefault(other, []).append(float(np.arctan2(-along[1], -along[0])))
+    for vertex, directions in around.items():
+        angles = np.diff([*sorted(directions), min(directions) + 2 * np.pi])
+        if vertex not in border and (len(angles) % 2 or abs(angles[::2].sum() - np.pi) > FLAT):
+            return False
+    return True
 
 
 def _layers_of(file: FoldFile) -> Ints:
@@ -295,7 +304,7 @@ def judged(document: Document, original: FoldFile, drawing: Shape, folder: Path)
     decision = decide(file, drawing)
     if not decision.folds:
         return ("not decided" if decision.folds is None else "refused"), decision.sentence
-    reason = is_right(file, original, drawing)
+    reason = is_right(file, decision.pattern, original, drawing)
     return ("right", reason) if reason else ("WRONG", decision.sentence)
 
 

@@ -112,6 +112,8 @@ def test_values_can_be_set() -> None:
         load_profile("glowforge", ["bed.width=300"])
     with pytest.raises(FileFormatError, match="is no KEY=VALUE"):
         load_profile("glowforge", ["bed.width_mm"])
+    with pytest.raises(FileFormatError, match="^--set a b is no KEY=VALUE"):
+        load_profile("glowforge", ["a\nb"])
     with pytest.raises(FileFormatError, match="this is no key"):
         load_profile("glowforge", ["bed width=3"])
 
