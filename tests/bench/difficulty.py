@@ -28,7 +28,7 @@ def counts_of(result: Result) -> FoldCounts:
     phases = result.phases
     together = sum(phase.count for phase in phases if phase.together) if phases else result.actions
     folds = sum(phase.count for phase in phases) if phases else result.actions
-    return FoldCounts(folds, together, result.foldability.layers_at_cut, round(shortest, 2))
+    return FoldCounts(folds, together, result.foldability.layers_at_cut, float(f"{shortest:.3g}"))
 
 
 def row(name: str, counts: FoldCounts) -> str:
