@@ -44,7 +44,7 @@ from foldcut.drawing.shape import LARGEST_NUMBER, make_shape
 from foldcut.geometry.curves import CurvedLoop
 from foldcut.methods import AUTO, METHODS, auto, check_choice, check_graph, fewer_creases
 from foldcut.methods.auto import FOLDED, Attempt
-from foldcut.methods.base import AS_TOLERATED, Effort, Made, Problem, Wishes
+from foldcut.methods.base import AS_TOLERATED, FILE_ROUNDING, Effort, Made, Problem, Wishes
 from foldcut.methods.frame import cut_down
 from foldcut.methods.progress import Progress, Stages
 from foldcut.options import Options
@@ -553,6 +553,13 @@ def _of_graph(
         notes.append(f"ends of lines were joined, and moved by at most {most} for that")
     graph, simplified = _simplified(graph, layout, near)
     notes += simplified
+    if near != 0.0:
+        graph, drawn = graph.symmetric(FILE_ROUNDING * graph.size), graph
+        moved = float(np.hypot(*(graph.graph.points - drawn.graph.points).T).max())
+        if moved > ROUNDING * graph.size:
+            notes.append(
+                f"made exactly symmetric; points moved by at most {moved / graph.size:.1g} of the drawing's size"
+            )
     if preparation is not None and preparation.mirror:
         graph = graph.mirrored()
         notes.append("mirrored, left to right")

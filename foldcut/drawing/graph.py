@@ -42,6 +42,9 @@ ROUNDS = 20
 FEW_FACES = 16
 """With at most this many faces besides the unbounded one, all choices of sides are compared; else by a program."""
 
+MOST_TURNS = 12
+"""Symmetry under more turns than this is not looked for."""
+
 MOST_CHOICES = 64
 """How many choices of sides are kept."""
 
@@ -122,6 +125,29 @@ class CutGraph:
                 f"simplified by {tolerance:.3g}, {error}; allow less, or draw lines farther apart"
             ) from error
         return replace(self, graph=graph)
+
+    def symmetric(self, allowed: float) -> CutGraph:
+        """Return the graph made exactly symmetric under as many turns about its middle as it has, if it has any.
+
+        Drawings have rounded numbers, and creases of symmetric ones meet only if these are exact. ``allowed``: by how
+        much a point may be off, in the drawing's units.
+        """
+        middle = self.graph.points.mean(axis=0)
+        points = self.graph.points - middle
+        for count in range(MOST_TURNS, 1, -1):
+            angle = math.tau / count
+            turn = np.array([(math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))])
+            images = _images(points, self.graph.edges, turn, allowed)
+            if images is None:
+                continue
+            exact = _exactly_turned(points, images, turn, count)
+            if np.abs(exact - points).max() <= SAME * self.size:
+                return self
+            try:
+                return replace(self, graph=graph_of(exact + middle, self.graph.edges))
+            except ValueError:
+                return self
+        return self
 
     @property
     def is_as_drawn(self) -> bool:
@@ -497,6 +523,32 @@ def _polylines(edges: Sequence[Edge], stops: set[int]) -> list[list[int]]:
                     break
             lines.append(line)
     return lines
+
+
+def _images(points: Floats, edges: Indices, turn: Floats, allowed: float) -> Indices | None:
+    """Return for each point the one that it is turned onto; None if some edge is not turned onto an edge."""
+    away = np.hypot(*((points @ turn)[:, None] - points[None]).transpose(2, 0, 1))
+    images: Indices = away.argmin(axis=1)
+    if away[np.arange(len(points)), images].max() > allowed or len(np.unique(images)) < len(points):
+        return None
+    before, after = ({tuple(row) for row in np.sort(some, axis=1).tolist()} for some in (edges, images[edges]))
+    return images if before == after else None
+
+
+def _exactly_turned(points: Floats, images: Indices, turn: Floats, count: int) -> Floats:
+    """Return the means of all images of each point, turned back, so that they agree to the last digits."""
+    turns = [np.linalg.matrix_power(turn, number) for number in range(count)]
+    orbits = [np.arange(len(points))]
+    for _ in range(count - 1):
+        orbits.append(images[orbits[-1]])
+    means = np.mean([points[orbit] @ back.T for orbit, back in zip(orbits, turns, strict=True)], axis=0)
+    exact, done = points.copy(), np.zeros(len(points), dtype=np.bool_)
+    for point in range(len(points)):
+        if not done[point]:
+            for orbit, ahead in zip(orbits, turns, strict=True):
+                exact[orbit[point]] = means[point] @ ahead
+                done[orbit[point]] = True
+    return exact
 
 
 def _open_parts(points: Floats, chain: list[int]) -> list[list[int]]:

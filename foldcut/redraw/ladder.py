@@ -620,7 +620,7 @@ class _Search:
             text = str(error)
         if self.bounds.method == ANY_METHOD and not self.drawn.whole.is_graph:
             text += self._remedies()
-        if self.drawn.whole.touching:
+        if self.drawn.whole.touching and not self.drawn.whole.lines:
             text += "; outlines that touch are set apart with --separate 0.5mm"
         if isinstance(error, CreaseTooShortError):
             return CreaseTooShortError(text, error.length, error.place)

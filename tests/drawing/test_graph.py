@@ -109,6 +109,28 @@ def test_simplified_lines_keep_where_they_meet() -> None:
     assert shapely.distance(line, shapely.points(arc)).max() <= 2.0
 
 
+def web(spokes: int, digits: int) -> list[Floats]:
+    turns = 2 * np.pi * np.arange(spokes) / spokes
+    ring = np.column_stack([np.cos(turns), np.sin(turns)])
+    outlines = [np.round(radius * np.concatenate([ring, ring[:1]]), digits) for radius in (20, 40)]
+    return [*map(points_array, outlines), *(points_array([(0, 0), corner]) for corner in outlines[1][:-1])]
+
+
+def test_rounded_drawings_are_made_exactly_symmetric() -> None:
+    rounded, exact = (make_graph((), web(7, digits)) for digits in (2, 15))
+    made = rounded.symmetric(0.02)
+    assert np.abs(rounded.graph.points - exact.graph.points).max() > 1e-3
+    assert np.abs(made.graph.points - rounded.graph.points).max() < 0.01
+    angle = 2 * np.pi / 7
+    turn = np.array([(np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))])
+    centred = made.graph.points - made.graph.points.mean(axis=0)
+    away = np.hypot(*((centred @ turn)[:, None] - centred[None]).transpose(2, 0, 1)).min(axis=1)
+    assert away.max() < 1e-12
+    assert rounded.symmetric(1e-6) is rounded  # no more than is allowed
+    lopsided = make_graph((), [*web(7, 2), *lines([(50, 3), (60, 8)])])
+    assert lopsided.symmetric(0.02) is lopsided
+
+
 def test_a_mirrored_graph_is_mirrored() -> None:
     found = CutGraph.of(next(make_graph((), lines([(0, 0), (3, 1)])).shapes()))
     assert np.array_equal(found.mirrored().graph.points, found.graph.points * (-1.0, 1.0))

@@ -40,7 +40,7 @@ class _Work:
     seconds: float
 
 
-WORK = {"fast": _Work(4, 1, 0, 0.0), "normal": _Work(10, 2, 1, 2.0), "best": _Work(40, 6, 4, 20.0)}
+WORK = {"fast": _Work(4, 1, 0, 0.0), "normal": _Work(12, 2, 2, 4.0), "best": _Work(40, 6, 4, 20.0)}
 """By effort."""
 
 

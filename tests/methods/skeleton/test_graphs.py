@@ -16,6 +16,7 @@ from foldcut.core.arrays import points_array
 from foldcut.core.errors import BadInputError, UnfoldableError
 from foldcut.core.model import Sheet
 from foldcut.drawing.graph import CutGraph
+from foldcut.drawing.mend import Preparation
 from foldcut.drawing.placement import Layout, parse_sheet
 from foldcut.methods.skeleton.graphs import fold_graph
 from foldcut.methods.skeleton.trial import Skeletal
@@ -90,8 +91,8 @@ def test_methods_for_loops_refuse_graphs() -> None:
     loops = [drawn[:-1] for drawn in GRAPHS["bow tie"]]
     with pytest.raises(BadInputError, match="give --method skeleton"):
         foldcut.fold(loops, method="compact")
-    with pytest.raises(BadInputError, match="--simplify is for closed outlines"):
-        foldcut.fold(loops, simplify=1.0)
+    with pytest.raises(BadInputError, match="--corners is for closed outlines"):
+        foldcut.fold(loops, preparation=Preparation(corners=5))
 
 
 def test_what_cannot_be_folded_is_refused_with_a_reason() -> None:
