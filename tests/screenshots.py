@@ -25,8 +25,8 @@ def main() -> None:
     """Take both pictures, with few colours."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        page = folder / "fish.html"
-        page.write_bytes(export(foldcut.fold(sample_path("fish"), margin=25).require_verified(), ".html"))
+        page = folder / "star.html"
+        page.write_bytes(export(foldcut.fold(sample_path("star")).require_verified(), ".html"))
         command = [sys.executable, "-m", "foldcut.cli", "serve", "--port", PORT]
         with subprocess.Popen(command, stdout=subprocess.PIPE) as server:
             assert server.stdout is not None

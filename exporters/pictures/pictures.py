@@ -69,6 +69,9 @@ LADDER_COLUMNS = 3
 THIN = 0.2
 """The width of the drawing's line, in mm."""
 
+UNDER, BROAD = "#d4d4d4", 1.2
+"""The colour and the width, in mm, of the lines of a graph under the creases that lie on them."""
+
 FIRM = 0.45
 """The width of the line of the outline that is cut out, in mm."""
 
@@ -224,15 +227,21 @@ def creases(pattern: FoldedPattern, look: LineStyle) -> Panel:
     ]
     keys = [Key(text, stroke=colour, dash=dash) for _, colour, dash, text in styles]
     drawing = [Key("the drawing", stroke=DRAWN)] if pattern.drawn else []
-    return Panel([sheet, *shape, *before, *drawn], [*keys, Key("the shape", fill=INSIDE), *drawing])
+    filled = [Key("over the cut" if pattern.shape.is_graph else "the shape", fill=INSIDE)] if shape else []
+    graph = pattern.shape.is_graph
+    cut = [Item(list(pattern.shape.strokes), stroke=UNDER, width=BROAD)] if graph else []
+    return Panel([sheet, *shape, *before, *cut, *drawn], [*keys, *filled, *drawing])
 
 
-SIDES = [
-    Key("the shape, front", fill=INSIDE),
-    Key("back", fill=INSIDE_BACK),
-    Key("around it, front", fill=OUTSIDE),
-    Key("back", fill=OUTSIDE_BACK),
-]
+def _sides(shape: Shape) -> list[Key]:
+    """Say what the colours of both sides of the sheet mean."""
+    inside, outside = ("over the cut", "under it") if shape.is_graph else ("the shape", "around it")
+    return [
+        Key(f"{inside}, front", fill=INSIDE),
+        Key("back", fill=INSIDE_BACK),
+        Key(f"{outside}, front", fill=OUTSIDE),
+        Key("back", fill=OUTSIDE_BACK),
+    ]
 
 
 def front(pattern: FoldedPattern, look: LineStyle) -> Panel:
@@ -244,7 +253,7 @@ def front(pattern: FoldedPattern, look: LineStyle) -> Panel:
     line = np.array([[x.min() - over, 0.0], [x.max() + over, 0.0]])
     cut = Item([line], stroke=CUT, width=BOLD)
     drawn = [faces([folded], coloured(inside, folded)) for _, inside, _, folded in parts]
-    return Panel([*drawn, cut], [Key("folded flat: the cut", stroke=CUT, width=BOLD), *SIDES])
+    return Panel([*drawn, cut], [Key("folded flat: the cut", stroke=CUT, width=BOLD), *_sides(pattern.shape)])
 
 
 def apart(pattern: FoldedPattern, look: LineStyle) -> Panel:
@@ -265,7 +274,7 @@ def apart(pattern: FoldedPattern, look: LineStyle) -> Panel:
     spine = np.array([foot - (0.02 * right, 0.0), [1.02 * right, foot[1]]])
     return Panel(
         [*drawn, Item([spine], stroke=CUT)],
-        [Key("the layers apart, the lowest left: the cut", stroke=CUT), *SIDES],
+        [Key("the layers apart, the lowest left: the cut", stroke=CUT), *_sides(pattern.shape)],
     )
 
 

@@ -262,6 +262,8 @@ def _check_crossings(pattern: CreasePattern, tolerance: float) -> list[Finding]:
             finding("planar", f"edges {a} and {b} cross; divide both there", place)
             for a, b, place in zip(one.tolist(), other.tolist(), places, strict=True)
         ]
+    if len(findings) >= MOST_FINDINGS:
+        return findings
     return [*findings, *_vertices_on_edges(pattern, tolerance, tree)]
 
 

@@ -71,7 +71,7 @@ class Settings:
     upload_bytes: int = 5_000_000
     job_seconds: float = 60.0
     job_bytes: int = 4 * 2**30
-    quick_seconds: float = 10.0
+    quick_seconds: float = 20.0
     workers: int = 2
     most_jobs: int = 200
     most_jobs_each: int = 100

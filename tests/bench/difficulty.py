@@ -28,7 +28,7 @@ def counts_of(result: Result) -> FoldCounts:
     phases = result.phases
     together = sum(phase.count for phase in phases if phase.together) if phases else result.actions
     folds = sum(phase.count for phase in phases) if phases else result.actions
-    return FoldCounts(folds, together, result.foldability.layers_at_cut, round(shortest, 2))
+    return FoldCounts(folds, together, result.foldability.layers_at_cut, float(f"{shortest:.3g}"))
 
 
 def row(name: str, counts: FoldCounts) -> str:
@@ -38,7 +38,7 @@ def row(name: str, counts: FoldCounts) -> str:
 
 def main() -> None:
     """Count, and write the table."""
-    names = sys.argv[1:] or sample_names()
+    names = sys.argv[1:] or sample_names(lines=True)
     table = fold_counts() if sys.argv[1:] else {}
     for name in names:
         table[name] = counts_of(fold(sample_path(name), symmetry="auto", next_level=False))

@@ -23,6 +23,7 @@ from foldcut.folding_steps import FoldingStep, folding_steps
 from foldcut.folding_steps.crease_sets import CreaseSets
 from foldcut.folding_steps.half_closed import _Net, half_closed
 from foldcut.folding_steps.state import SheetData
+from foldcut.geometry.vectors import signed_area
 from foldcut.pipeline import fold
 from foldcut.proof.verify import verify
 from foldcut.samples import sample_names, sample_path
@@ -41,9 +42,9 @@ def is_sound(pattern: FoldedPattern, state: FoldedState, folded: np.ndarray) -> 
     lengths = [
         np.hypot(*(at[ends[:, 1]] - at[ends[:, 0]]).T) for at in (creases.vertices_coords, state.vertices_coords)
     ]
-    return not verify(some, state.layers) and bool(
-        np.abs(lengths[0] - lengths[1]).max() < 1e-6 * pattern.sheet.diagonal
-    )
+    up = signed_area(state.vertices_coords[creases.faces_vertices[0]]) > 0
+    layers = state.layers if up else state.layers[::-1]  # the verifier looks at face 0 from its front
+    return not verify(some, layers) and bool(np.abs(lengths[0] - lengths[1]).max() < 1e-6 * pattern.sheet.diagonal)
 
 
 def on_the_way(pattern: FoldedPattern, state: FoldedState, folded: np.ndarray, step: FoldingStep) -> str:
@@ -95,7 +96,7 @@ def flat_parts(pattern: FoldedPattern, folded: np.ndarray, step: FoldingStep) ->
 def main() -> int:
     """Print the table; return 1 if a state is wrong."""
     wrong = 0
-    for name in sys.argv[1:] or sample_names():
+    for name in sys.argv[1:] or sample_names(lines=True):
         pattern = fold(sample_path(name), symmetry="auto", next_level=False).folded_pattern
         state, folded = FoldedPaper(pattern).unfolded, np.zeros(len(pattern.creases.edges_vertices), dtype=np.bool_)
         told, folds, sound = [], 0, True

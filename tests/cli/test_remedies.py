@@ -44,7 +44,7 @@ REMEDIES = [
     ("make open.svg --effort fast", "with (--strokes outline)", "make open.svg {0} --exact --effort fast"),
     ("make layers.svg --layer none", "(cut)", "make layers.svg --id {0} --effort fast"),
     ("make twice.json --strict", "leave out --strict", "make twice.json --effort fast"),
-    ("make touch.json", "all that touch with (--separate)", "make touch.json {0} 4mm --effort fast"),
+    ("make touch.json --method compact", "or give (--method skeleton)", "make touch.json {0} --effort fast"),
     ("make strip.json --min-feature 60mm", "give a smaller --min-feature", f"make strip.json --min-feature 1mm {FAST}"),
     (f"{SQUARE} --limit points=3", "allow more with (--limit points=)NUMBER", f"{SQUARE} {{0}}9"),
     (f"{SQUARE} --limit bytes=3", "allow more with (--limit bytes=)NUMBER", f"{SQUARE} {{0}}999"),

@@ -40,6 +40,16 @@ def pattern(request: pytest.FixtureRequest) -> FoldedPattern:
     return made
 
 
+MADE: dict[int, list[Instruction]] = {}
+
+
+def made_of(pattern: FoldedPattern) -> list[Instruction]:
+    """Return the instructions for a pattern, made once."""
+    if id(pattern) not in MADE:  # patterns of samples are kept, so that no other gets the same id
+        MADE[id(pattern)] = instructions(pattern, load_profile().drawing)
+    return MADE[id(pattern)]
+
+
 def paths(step: Instruction) -> list[svgelements.Path]:
     """Return what is drawn over the legend."""
     drawing = svgelements.SVG.parse(io.BytesIO(laid_out([("it", step.panel)], "")[0]), ppi=25.4)
@@ -53,7 +63,7 @@ def strokes(step: Instruction, colour: str) -> list[svgelements.Path]:
 
 
 def test_the_steps_are_those_of_the_folding_order(pattern: FoldedPattern) -> None:
-    titles = [step.title for step in instructions(pattern, load_profile().drawing)]
+    titles = [step.title for step in made_of(pattern)]
     expected = ["The sheet"]
     folds = 0
     for step in folding_steps(pattern):
@@ -73,7 +83,7 @@ def test_the_steps_are_those_of_the_folding_order(pattern: FoldedPattern) -> Non
 
 
 def test_every_crease_is_marked_in_its_group(pattern: FoldedPattern) -> None:
-    made = [step for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Press")]
+    made = [step for step in made_of(pattern) if step.title.startswith("Press")]
     groups = [group for step in folding_steps(pattern) for group in step.groups]
     at = pattern.creases.vertices_coords[pattern.creases.edges_vertices]
     if all(step.line is None for step in folding_steps(pattern)):  # else several layers are creased at once
@@ -88,7 +98,7 @@ def test_every_crease_is_marked_in_its_group(pattern: FoldedPattern) -> None:
 
 
 def test_a_fold_is_marked_on_the_sheet_and_what_moves_is_coloured(pattern: FoldedPattern) -> None:
-    made = [step for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Fold")]
+    made = [step for step in made_of(pattern) if step.title.startswith("Fold")]
     assert bool(made) == any(step.line is not None for step in folding_steps(pattern))
     for step in made:
         assert strokes(step, NOW)
@@ -98,7 +108,7 @@ def test_a_fold_is_marked_on_the_sheet_and_what_moves_is_coloured(pattern: Folde
 
 
 def test_the_cut_is_where_the_guide_says(pattern: FoldedPattern) -> None:
-    (cut,) = [step for step in instructions(pattern, load_profile().drawing) if step.title == "Cut"]
+    (cut,) = [step for step in made_of(pattern) if step.title == "Cut"]
     under, over = map(float, re.findall(r"([\d.]+) mm", cut.text))
     heights = pattern.folded.vertices_coords[:, 1]
     assert (under, over) == pytest.approx((heights.max(), -heights.min()), abs=0.051)
@@ -107,7 +117,7 @@ def test_the_cut_is_where_the_guide_says(pattern: FoldedPattern) -> None:
 
 def test_what_collapses_is_shown_as_mountains_and_valleys_and_then_as_it_comes_out() -> None:
     pattern = folded_sample("fish")
-    made = instructions(pattern, load_profile().drawing)
+    made = made_of(pattern)
     number = [step.title for step in made].index("Collapse")
     assert "one movement" in made[number].text
     look, kinds = load_profile().drawing, pattern.creases.edges_assignment
@@ -122,7 +132,7 @@ def test_what_collapses_is_shown_as_mountains_and_valleys_and_then_as_it_comes_o
 
 
 def test_creases_through_several_layers_are_told_with_those_on_their_own_line() -> None:
-    made = instructions(folded_sample("paper-chain"), load_profile().drawing)
+    made = made_of(folded_sample("paper-chain"))
     first, second = [step for step in made if step.title == "Collapse"]
     (press,) = [step for step in made if step.title == "Press creases"]
     assert "these creases through 6 layers close together" in first.text
@@ -135,7 +145,7 @@ def test_creases_through_several_layers_are_told_with_those_on_their_own_line() 
 def test_a_fold_is_told_with_the_layers_that_move_beside_its_line(name: str) -> None:
     pattern = folded_sample(name)
     folds = [step for step in folding_steps(pattern) if step.line is not None]
-    texts = [step.text for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Fold ")]
+    texts = [step.text for step in made_of(pattern) if step.title.startswith("Fold ")]
     at = pattern.creases.vertices_coords
     for step, text in zip(folds, texts, strict=True):
         assert step.line is not None
@@ -155,7 +165,7 @@ def test_a_fold_is_told_with_the_layers_that_move_beside_its_line(name: str) -> 
 def test_the_arrows_are_those_of_valleys_and_mountains_and_lines_are_dashed_like_them() -> None:
     pattern = folded_sample("tree")
     steps = [step for step in folding_steps(pattern) if step.line is not None]
-    made = [step for step in instructions(pattern, load_profile().drawing) if step.title.startswith("Fold ")]
+    made = [step for step in made_of(pattern) if step.title.startswith("Fold ")]
     assert {step.over for step in steps} == {True, False}
     for step, told in zip(steps, made, strict=True):
         (head,) = [path for path in paths(told) if path.fill.hex in ("#000", "#000000") or hollow(path)]
@@ -171,7 +181,7 @@ def hollow(path: svgelements.Path) -> bool:
 
 def test_html_has_every_step_and_loads_nothing(pattern: FoldedPattern) -> None:
     page = export_html(pattern).decode()
-    assert page.count("<section>") == len(instructions(pattern, load_profile().drawing))
+    assert page.count("<section>") == len(made_of(pattern))
     assert all(url.startswith("http://www.w3.org/") for url in re.findall(r"https?://[^\"]*", page))  # namespaces
     assert "<script" not in page
 
@@ -182,7 +192,7 @@ def test_qpdf_and_mutool_read_the_pdf(pattern: FoldedPattern, tmp_path: Path) ->
     assert path.read_bytes() == export_pdf(pattern)
     run_program(require_program("qpdf"), "--check", path)
     text = run_program(require_program("mutool"), "draw", "-F", "txt", "-o", "-", path)
-    for step in instructions(pattern, load_profile().drawing):
+    for step in made_of(pattern):
         assert f". {step.title}" in text
     with pikepdf.open(path) as pdf:
         assert {tuple(map(round, map(float, page.mediabox[2:]))) for page in pdf.pages} == {(595, 842)}

@@ -4,25 +4,22 @@ const {chromium} = require("playwright-core");
 (async () => {
   const [executablePath, file, address, folder] = process.argv.slice(2);
   const browser = await chromium.launch({executablePath, args: ["--no-sandbox"]});
-  const page = await browser.newPage({viewport: {width: 1000, height: 680}});
+  const page = await browser.newPage({viewport: {width: 1200, height: 760}});
   await page.goto(`file://${file}`);
-  await page.click("#after");
-  await page.evaluate(() => { document.getElementById("fold").value = 70; document.getElementById("fold").dispatchEvent(new Event("input")); });
-  await page.waitForTimeout(300);
+  await page.evaluate(() => { document.getElementById("fold").value = 160; document.getElementById("fold").dispatchEvent(new Event("input")); });
+  await page.waitForTimeout(1000);
   await page.screenshot({path: `${folder}/page.png`});
 
-  await page.setViewportSize({width: 1200, height: 940});
-  await page.goto(address);
-  await page.waitForSelector("#sample option[value=star]", {state: "attached"});
-  await page.click("#drawing summary");
-  const board = page.locator("#board"), {width, height} = await board.boundingBox();
-  for (const [x, y] of [[0.15, 0.8], [0.85, 0.8], [0.6, 0.5], [0.5, 0.12]]) await board.click({position: {x: x * width, y: y * height}});
-  await page.selectOption("#profile", "glowforge");
-  await page.click("#go");
-  await page.waitForSelector("#taking:not([hidden])", {timeout: 60000});
-  await page.frameLocator("iframe").last().locator("#facts").waitFor();
-  await page.waitForTimeout(500);
-  await page.evaluate(() => window.scrollTo(0, 0));
+  const ended = async (act) => {
+    await page.evaluate(() => { const line = document.getElementById("said"); if (line) line.textContent = ""; });
+    await act();
+    await page.waitForFunction(() => document.getElementById("said").textContent.startsWith("Verified"), null, {timeout: 120000});
+  };
+  await page.setViewportSize({width: 1400, height: 900});
+  await ended(() => page.goto(address));
+  await ended(() => page.click("[data-sample=heart]"));
+  await page.evaluate(() => { document.getElementById("fold").value = 160; document.getElementById("fold").dispatchEvent(new Event("input")); });
+  await page.waitForTimeout(1500);
   await page.screenshot({path: `${folder}/serve.png`});
   await browser.close();
 })();

@@ -25,7 +25,7 @@ const DESK = {width: 1400, height: 900}, PHONE = {width: 390, height: 844};
     await page.waitForFunction(() => /^(Verified|There is no)/.test(document.getElementById("said").textContent), null, {timeout: 60000});
     return {
       said: await said(), name: await page.textContent("#name"), lines: await page.locator("#pattern line").count(),
-      folds: +(await page.textContent("#numbers dd")),
+      folds: +(await page.locator("#numbers div", {has: page.locator("dt:text-is('folds')")}).locator("dd").textContent()),
     };
   };
   const saved = async (name) => {

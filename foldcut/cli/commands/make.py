@@ -30,6 +30,7 @@ examples:
   foldcut make logo.svg --sheet letter --margin 15mm
   foldcut make logo.svg --layer Cut --flatten 0.2mm
   foldcut make part.dxf --layer OUTLINE --join 0.2mm
+  foldcut make card.svg --open
   cat fish.svg | foldcut make - --from svg -o fish.fold
   foldcut make --text A --font MyFont.ttf
   foldcut make photo.png --threshold 0.4 --simplify 1mm
