@@ -10,6 +10,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from foldcut.core.errors import FoldcutError
 from foldcut.core.model import Shape
@@ -40,6 +41,10 @@ MOST_FOLDS = 150
 MOST_FOLDS_AT_LAST, MOST_TRIED_AT_LAST = 400, 6
 """The same while there is no pattern at the last tolerance, and how many outlines with so many folds are tried: each
 takes about a second."""
+
+MOST_OF_WEDGE = 24
+"""How many outlines of a drawing with three axes or more are folded: where none of these is for two hands, hardly one
+of the others is."""
 
 REFUSED = 30.0
 """What is added to the cost of an outline whose layers have no order."""
@@ -153,8 +158,8 @@ def _fold_as_wedge(
     keep: Callable[[Redrawn], None],
     is_late: Callable[[], bool],
 ) -> None:
-    """Fold the outlines of a drawing with several axes; once one is for two hands, only those with no more corners."""
-    for shape, off in wedge.outlines(tolerance):
+    """Fold some outlines of a drawing with several axes; once one is for two hands, only those with no more corners."""
+    for shape, off in islice(wedge.outlines(tolerance), MOST_OF_WEDGE):
         if is_late():
             return
         so_far, most = best(), float(MOST_FOLDS)

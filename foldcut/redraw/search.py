@@ -106,6 +106,7 @@ class Search:
         self.best: Assessment | None = None
         self.last_gain = 0
         self.is_given_up = False
+        self.promised = math.inf  # what the cheapest outline seemed to cost before it was folded
         self.refused: dict[str, float] = {}
         self.reach = REACH[0] * engine.field.tolerance + REACH[1]
 
@@ -129,6 +130,7 @@ class Search:
     def keep(self, one: Assessment) -> None:
         """Remember an outline if it is among the best."""
         if self.believe is not None and not one.is_believed and (self.best is None or one.key < self.best.key):
+            self.promised = min(self.promised, one.cost)
             structure = str(one.structure)
             if structure in self.refused:
                 one.cost += self.refused[structure]
@@ -166,8 +168,8 @@ class Search:
             first = self.spent
             self.keep(min(begun, key=lambda one: one.key))
             self.last_gain = first
-            assert self.best is not None
-            if number_of_look < len(HOPELESS) and self.best.cost > HOPELESS[number_of_look] * self.wanted:
+            promised = min(self.promised, min(one.cost for one in begun))
+            if number_of_look < len(HOPELESS) and promised > HOPELESS[number_of_look] * self.wanted:
                 self.is_given_up = True
                 return self.best
         self.most = end
