@@ -295,6 +295,10 @@ def fold(
         read = _read(shape, asked.limits, layout, preparation, near)
         if read.outline.is_graph:
             bounds, simplify = _bounds_of_graph(bounds, preparation), 0.0
+        if read.outline.lines and ribbon:
+            raise BadInputError(
+                "--ribbon keeps folds away from the cut, and lines of this drawing are folded on it; leave it out"
+            )
         mirrored = preparation is not None and preparation.mirror
         laying = Laying(read.outline, read.layout, simplify, mirrored=mirrored, y_down=read.y_down)
         may_turn = layout.rotation is None and layout.offset is None

@@ -229,7 +229,9 @@ def make_graph(
     graph_points, edges = divided.result()
     own_y = -1.0 if y_down else 1.0
     if not edges:
-        raise ShapeError("the lines of the drawing have no length; draw at least one line")
+        why = "have no length" if join is None else f"are no longer than {join:.3g}, which --join joins"
+        remedy = "draw at least one line" + ("" if join is None else ", or join ends that are nearer")
+        raise ShapeError(f"the lines of the drawing {why}; {remedy}")
     if len(edges) > MOST_EDGES:
         raise ShapeError(
             f"the drawing has {len(edges)} straight pieces of lines; at most {MOST_EDGES} can be cut: draw "

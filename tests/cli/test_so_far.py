@@ -26,6 +26,7 @@ def test_the_pattern_so_far_is_written_and_can_be_opened(tmp_path: Path, monkeyp
         (["make", "triangle", "--so-far", "x.dxf"], "--so-far x.dxf: give a name that ends in one of .fold, .svg"),
         (["make", "t.json", "--so-far", "t.svg"], "t.svg"),
         (["make", "triangle", "--so-far", "none/x.svg"], "none"),
+        (["make", "triangle", "--so-far", "out.svg"], "out.svg is named twice"),
         (["make", "p.fold", "--so-far", "x.svg"], "--so-far: only for drawings"),
     ],
 )

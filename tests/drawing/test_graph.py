@@ -44,7 +44,7 @@ def test_ends_that_nearly_meet_are_joined_and_it_is_told_how_far() -> None:
 @pytest.mark.parametrize(
     ("drawn", "words"),
     [
-        (lines([(1, 1), (1, 1)]), "draw at least one line"),
+        (lines([(1, 1), (1, 1)]), "draw at least one line, or join ends that are nearer"),
         (lines([(0, 0), (float("inf"), 1)]), "finite coordinates"),
         ([], "draw at least one line"),
         (lines([(0, 0), (50, 0)], [(0, 0), (100, 0.01)]), "two lines leave (0, 0) with 0.0057 degrees between them"),

@@ -11,7 +11,7 @@ from support.folded import folded_sample
 
 import foldcut
 from foldcut.cli.main import main
-from foldcut.core.errors import FileFormatError
+from foldcut.core.errors import BadInputError, FileFormatError
 from foldcut.foldfile.read import read_fold
 from foldcut.foldfile.reopen import reopen
 from foldcut.readers import ReadOptions, read_shape
@@ -98,6 +98,12 @@ def test_lines_are_simplified_on_request_and_where_there_are_too_many(tmp_path: 
     result = foldcut.fold(drawing, simplify=8.0, effort="fast")
     assert result.verified
     assert any(note.startswith("simplified: ") for note in result.notes)
+
+
+def test_a_ribbon_is_refused_where_lines_are_folded_on_the_cut(tmp_path: Path) -> None:
+    drawing = read_shape(drawings(tmp_path)[".json"], OPEN)
+    with pytest.raises(BadInputError, match="--ribbon keeps folds away from the cut.*; leave it out"):
+        foldcut.fold(drawing, effort="fast", ribbon=0.5)
 
 
 def test_lines_that_are_closed_outlines_and_nothing_else_are_folded_as_outlines(tmp_path: Path) -> None:
