@@ -117,3 +117,17 @@ def test_lines_that_are_closed_outlines_and_nothing_else_are_folded_as_outlines(
     assert result.folded_pattern.moved_by is not None
     assert main(["make", str(path), "--corners", "4", "--effort", "fast", "-o", str(out), "--quiet"]) == 0
     assert reopen(read_fold(out)).folded_pattern.shape.corner_count == 4
+
+
+def test_a_preview_of_lines_has_them_as_drawn_and_as_cut(tmp_path: Path) -> None:
+    path, shown = drawings(tmp_path)[".svg"], tmp_path / "p.svg"
+    words = ["--open", "--mirror", "--effort", "fast", "--quiet", "-o", str(tmp_path / "o.svg")]
+    assert main(["make", str(path), *words, "--preview", str(shown)]) == 0
+    cut, drawn = (
+        {tuple(round(float(n), 2) for n in point.split(",")) for point in data.strip("MZ").replace("ZM", " ").split()}
+        for data in (
+            line.split('"')[1].replace("Z M", " ") for line in shown.read_text().splitlines() if "<path" in line
+        )
+    )
+    assert cut == drawn
+    assert len(cut) == 6

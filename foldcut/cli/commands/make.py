@@ -167,7 +167,9 @@ def make(args: Namespace) -> int:
                 raise
             remedy = f"{error.keeping}, or fold the drawing again with --sheet"
             raise BadInputError(f"{error.what}; a pattern has its sheet already: {remedy}") from None
-        if preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
+        if preview_path is not None and not isinstance(result, Reopened) and result.folded_pattern.shape.is_graph:
+            contents[preview_path] = preview(*_lines_before_and_after(result))
+        elif preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
             pattern, drawing = result.folded_pattern, result.drawing
             before, after = result.prepared.drawn, result.prepared.loops
             if pattern.drawn and drawing is not None:  # both as they lie on the sheet
@@ -184,6 +186,21 @@ def request_sheet(request: Request) -> Sheet:
 
     least = SHEET_LIMITS_MM[0]
     return request.folding.paper if isinstance(request, FoldRequest) else Sheet(least, least)
+
+
+def _lines_before_and_after(result: Result) -> tuple[list[Floats], list[Floats]]:
+    """Return the lines of a graph as they were drawn and as they are cut, on the sheet; open ones there and back."""
+    from foldcut.core.arrays import points_array
+
+    def there_and_back(line: Floats) -> Floats:
+        return points_array([*line, *line[-2:0:-1]])
+
+    pattern, drawing = result.folded_pattern, result.drawing
+    after = [*pattern.shape.loops, *map(there_and_back, pattern.shape.lines)]
+    if drawing is None:
+        return [], after
+    drawn = drawing.own_coordinates((*drawing.loops, *map(there_and_back, drawing.lines)))
+    return list(map(pattern.placement.apply, drawn)), after
 
 
 def _lost(result: Result, before: Sequence[Floats]) -> list[Floats]:
