@@ -84,7 +84,7 @@ class Result:
     """A pattern, how it folds, how it was made, and what verification found.
 
     ``findings`` is empty exactly when the pattern is verified. ``method`` made it; ``attempts`` say what came of each
-    method that was tried. ``actions``: how many straight folds a person makes, through one layer or more.
+    method that was tried. ``actions``: how many straight folds the search took it for; ``folds`` is what was counted.
     ``ribbon``: the half-width in mm of the strip along the cut that is not folded. ``told`` and ``numbers`` say how the
     method found the pattern, in words and for programs; ``stages`` is what the method's own stages made.
     ``seconds``: the time of each stage, and the totals "build" and "verify". ``notes``: what was done to the drawing
@@ -116,6 +116,11 @@ class Result:
         None where the pattern has so many creases that nobody has counted them.
         """
         return () if self.ladder is None else self.ladder.level.phases
+
+    @property
+    def folds(self) -> int:
+        """How many folds a person makes: the sum of ``phases``, or else ``actions``, which the search estimated."""
+        return sum(phase.count for phase in self.phases) or self.actions
 
     @cached_property
     def foldability(self) -> Foldability:
@@ -195,8 +200,7 @@ class Result:
         name = f"{self.title} " if self.title else ""
         creases = pattern.creases.crease_count
         proven = "verified" if self.verified else f"not verified: {self.findings[0]}"
-        folds = sum(phase.count for phase in self.phases) or self.actions
-        return f"<Result {name}on {pattern.sheet}: {folds} folds, {creases} creases by {self.method}, {proven}>"
+        return f"<Result {name}on {pattern.sheet}: {self.folds} folds, {creases} creases by {self.method}, {proven}>"
 
     @property
     def title(self) -> str:
@@ -500,6 +504,11 @@ def _read(
             layout = replace(layout, scale=layout.scale * (drawing.unit_mm or 1.0))
     y_down = drawing is not None and drawing.y_down
     graph = _graph_as_drawn(loops, drawing, preparation)
+    if graph is not None and drawing is not None and drawing.lines:
+        apart = next(graph.shapes())
+        if not apart.is_graph:  # these lines are closed outlines and nothing else
+            drawing, loops = replace(drawing, loops=apart.loops, lines=()), apart.loops
+            notes, graph = (*notes, *_joined(graph, drawing)), None
     if graph is not None:
         outline, more = _of_graph(graph, layout, near, preparation, drawing)
         notes = (*notes, *more)
@@ -546,11 +555,7 @@ def _of_graph(
     graph: CutGraph, layout: Layout, near: float | None, preparation: Preparation | None, drawing: Drawing | None
 ) -> tuple[Shape, tuple[str, ...]]:
     """Return a graph as a shape, and notes on it."""
-    notes = []
-    unit = None if drawing is None else drawing.unit_mm
-    if graph.moved > ROUNDING * graph.size:
-        most = f"{graph.moved:.2g}" if unit is None else f"{graph.moved * unit:.2g} mm"
-        notes.append(f"ends of lines were joined, and moved by at most {most} for that")
+    notes = [*_joined(graph, drawing)]
     graph, simplified = _simplified(graph, layout, near)
     notes += simplified
     if near != 0.0:
@@ -564,6 +569,15 @@ def _of_graph(
         graph = graph.mirrored()
         notes.append("mirrored, left to right")
     return next(graph.shapes()), tuple(notes)
+
+
+def _joined(graph: CutGraph, drawing: Drawing | None) -> tuple[str, ...]:
+    """Return a note on how far ends of lines were moved to be joined, if they were."""
+    unit = None if drawing is None else drawing.unit_mm
+    if graph.moved <= ROUNDING * graph.size:
+        return ()
+    most = f"{graph.moved:.2g}" if unit is None else f"{graph.moved * unit:.2g} mm"
+    return (f"ends of lines were joined, and moved by at most {most} for that",)
 
 
 def _simplified(graph: CutGraph, layout: Layout, near: float | None) -> tuple[CutGraph, list[str]]:

@@ -148,7 +148,7 @@ def work(recipe: Recipe, task: Task) -> Outcome:
         MADE,
         method=result.method,
         creases=result.foldability.creases,
-        folds=result.actions,
+        folds=result.folds,
         shortest_crease_mm=result.foldability.shortest_crease_mm,
         off_by_mm=None if level is None else round(level.off_by_mm, 4),
         for_hands=None if level is None else level.for_hands,

@@ -77,7 +77,7 @@ def make_report(
         **result.numbers,
         "told": list(result.told),
         "attempts": list(map(asdict, result.attempts)),
-        "actions": result.actions,
+        "actions": result.folds,
         "phases": [asdict(phase) for phase in result.phases],
         "difficulty": {**asdict(result.difficulty), "level": result.difficulty.level, "text": str(result.difficulty)},
         "first_folds": [line.tolist() for line in pattern.first_folds],
@@ -143,18 +143,20 @@ def _ladder_report(ladder: Ladder | None) -> Report | None:
         "taken": ladder.taken,
         "folds_allowed": ladder.folds,
         "interrupted": ladder.interrupted,
-        "levels": [level_report(level, quick=len(ladder.levels) == 1) for level in ladder.levels],
+        "levels": [level_report(level, alone=len(ladder.levels) == 1) for level in ladder.levels],
     }
 
 
-def level_report(level: Level, *, quick: bool = False) -> Report:
-    """Return the numbers of one tolerance; ``quick``: without what takes time to count."""
+def level_report(level: Level, *, quick: bool = False, alone: bool = False) -> Report:
+    """Return the numbers of one tolerance; ``quick``: without what takes time; ``alone``: it is the only one."""
     numbers = ("tolerance_mm", "off_by_mm", "corners", "folds", "shortest_mm", "layers", "for_hands", "failure")
     report = {name: getattr(level, name) for name in numbers} | {"seconds": round(level.seconds, 3)}
     if level.folds is None:
         report["off_by_mm"] = None  # there is no outline to measure
         report["corners"] = level.corners or None
-    return report | {"simple_folds": None if quick else level.simple_folds}
+    if quick:
+        return report | {"simple_folds": None}
+    return report | {"folds": level.counted_folds, "simple_folds": None if alone else level.simple_folds}
 
 
 MOVED_MM = 0.05

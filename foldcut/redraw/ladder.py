@@ -202,6 +202,11 @@ class Level:
         return phases(pattern, folding_steps(pattern))
 
     @property
+    def counted_folds(self) -> int | None:
+        """How many folds a person makes: the sum of ``phases``, or else ``folds``, which the search took it for."""
+        return sum(phase.count for phase in self.phases) or self.folds
+
+    @property
     def simple_folds(self) -> int | None:
         """How many of the folds are simple folds, flat sheet to flat sheet; None where nobody has counted them."""
         return sum(phase.count for phase in self.phases if not phase.together) if self.phases else None

@@ -98,3 +98,16 @@ def test_lines_are_simplified_on_request_and_where_there_are_too_many(tmp_path: 
     result = foldcut.fold(drawing, simplify=8.0, effort="fast")
     assert result.verified
     assert any(note.startswith("simplified: ") for note in result.notes)
+
+
+def test_lines_that_are_closed_outlines_and_nothing_else_are_folded_as_outlines(tmp_path: Path) -> None:
+    path, out = tmp_path / "a.json", tmp_path / "a.fold"
+    comb = [*([10 + 6 * k, 10 + k % 2] for k in range(11)), [70, 80], [10, 80]]
+    path.write_text(json.dumps({"lines": [comb[:5], comb[4:], [comb[-1], comb[0]]]}))
+    result = foldcut.fold(read_shape(path), effort="fast", exact=True)
+    assert result.drawing is not None
+    assert (len(result.drawing.loops), len(result.drawing.lines)) == (1, 0)
+    assert not result.folded_pattern.shape.is_graph
+    assert result.folded_pattern.moved_by is not None
+    assert main(["make", str(path), "--corners", "4", "--effort", "fast", "-o", str(out), "--quiet"]) == 0
+    assert reopen(read_fold(out)).folded_pattern.shape.corner_count == 4

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import json
 import re
@@ -23,6 +24,7 @@ from foldcut.exporters.pictures import pictures
 from foldcut.exporters.pictures.contact_sheet import contact_sheet, thumbnail
 from foldcut.foldfile.read import read_fold
 from foldcut.foldfile.reopen import reopen
+from foldcut.folding_steps.phases import Phase
 from foldcut.pipeline import Result
 from foldcut.profiles import load_profile
 from foldcut.redraw.distance import apart
@@ -136,6 +138,16 @@ def test_fold_files_keep_the_drawing(result: Result, as_drawn: Result, tmp_path:
     assert b"foldcut:drawn" not in path.read_bytes()
 
 
+def test_folds_are_the_sum_of_the_phases_whatever_the_search_took_them_for(as_drawn: Result) -> None:
+    assert as_drawn.ladder is not None
+    level = as_drawn.ladder.level
+    assert level.folds is not None
+    ladder = replace(as_drawn.ladder, levels=(replace(level, folds=level.folds + 7),))
+    report = make_report(replace(as_drawn, actions=as_drawn.actions + 7, ladder=ladder), [])
+    total = sum(phase["count"] for phase in report["phases"])
+    assert report["actions"] == report["ladder"]["levels"][0]["folds"] == total
+
+
 def test_the_report_has_the_ladder_and_says_what_was_taken(result: Result, as_drawn: Result) -> None:
     report = make_report(result, [])
     ladder = result.ladder
@@ -144,7 +156,7 @@ def test_the_report_has_the_ladder_and_says_what_was_taken(result: Result, as_dr
     assert [level["tolerance_mm"] for level in report["ladder"]["levels"]] == [
         one.tolerance_mm for one in ladder.levels
     ]
-    assert report["ladder"]["levels"][report["ladder"]["taken"]]["folds"] == result.actions
+    assert report["ladder"]["levels"][report["ladder"]["taken"]]["folds"] == result.folds
     text = "\n".join(make_lines(report))
     rows = [line for line in text.splitlines() if " mm  " in line and "outline" not in line]
     assert len(rows) >= sum(level.tried is not None for level in ladder.levels)
@@ -211,8 +223,8 @@ def test_a_batch_tells_how_far_outlines_are_off(bumpy: str) -> None:
     assert {"off_by_mm", "for_hands"} <= set(COLUMNS)
     options = ["--effort", "fast", "--folds", "10", "--quiet", "--jobs", "1"]
     assert main(["batch", bumpy, "-o", "out", *options]) == 0
-    header, row = Path("out/results.csv").read_text().splitlines()
-    values = dict(zip(header.split(","), row.split(","), strict=True))
+    with Path("out/results.csv").open(newline="") as file:
+        (values,) = csv.DictReader(file)
     assert 0 < float(values["off_by_mm"]) < 4
     assert values["for_hands"] == "True"
     assert ">drawing<" in Path("out/contact-sheet.svg").read_text()
@@ -228,7 +240,8 @@ def test_what_was_not_tried_has_no_numbers_and_as_many_folds_are_said_so(result:
     same = replace(ladder, levels=(ladder.level, ladder.level), taken=0)
     text = "\n".join(make_lines(make_report(replace(result, ladder=same), [])))
     assert "would take as many folds, the shortest crease" in text
-    one = replace(ladder, levels=(ladder.level, replace(ladder.level, folds=1)), taken=0)
+    one_fold = replace(ladder.level, folds=1, known=(Phase(1, together=False),))
+    one = replace(ladder, levels=(ladder.level, one_fold), taken=0)
     text = "\n".join(make_lines(make_report(replace(result, ladder=one), [])))
     assert "would take 1 fold instead of " in text
 
