@@ -9,7 +9,7 @@ const LEVELS = [
   ["easy", "the fewest folds"], ["", "the most exact that two hands can fold"], ["normal", "at most 2 mm off on A4"],
   ["fine", "at most 0.5 mm off on A4"], ["exact", "exactly as drawn"],
 ];
-const FIELDS = ["sheet", "margin", "profile", "material", "treatment", "tolerance", "folds", "small-parts", "simplify", "min-crease", "symmetry", "ribbon"];
+const FIELDS = ["sheet", "margin", "profile", "material", "treatment", "tolerance", "folds", "open", "small-parts", "simplify", "min-crease", "symmetry", "ribbon"];
 const CALM_MS = 300;
 /** A change is folded when nothing else has changed for so long. */
 const LOOK_MS = 120;
@@ -237,7 +237,8 @@ function show(data) {
   document.body.classList.remove("stale");
   viewer.show(data, last && +$("fold").max ? +$("fold").value / +$("fold").max : 1);
   last = {data};
-  if (source.kind === "file" || source.kind === "text") {
+  // the board has closed outlines only
+  if ((source.kind === "file" || source.kind === "text") && !$("open").value) {
     board.show(data.drawn || data.shape);
     $("photo").hidden = $("word").hidden = true;
     $("corners").value = loopsToNumbers(board.loops);

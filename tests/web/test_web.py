@@ -389,6 +389,8 @@ def test_what_has_found_its_pattern_may_write_it_when_the_time_is_over(monkeypat
 def test_how_near_the_outline_stays_is_told_to_the_command() -> None:
     query = {"sample": "star", "level": "fine", "folds": "40", "small-parts": "keep", "tolerance": "1cm"}
     words = read_query(query, uploaded=False).options
+    assert "--open" not in words
+    assert "--open" in read_query({**query, "open": "1"}, uploaded=False).options
     assert {"--level", "fine", "--folds", "40", "--small-parts", "keep", "--tolerance=10.0mm"} <= set(words)
     for name, value in (("level", "rough"), ("folds", "-1"), ("folds", "1e9"), ("folds", "٣"), ("small-parts", "eat")):
         with pytest.raises(RefusedError):
