@@ -173,7 +173,7 @@ class _Deciding:
         within = verify(with_folds(pattern), self.file.layers, self.shape, tolerances)
         if not within:
             return self._folds("folds flat as the file says", pattern, None, moved)
-        found = found if moved is None else within
+        found = found if moved is None and found else within  # an unassigned edge may have nothing wrong but its layers
         if {finding.check for finding in found} == {"cut"}:
             return _refused(pattern, f"folds flat, but the cut is not the drawing's: {found[0]}", found)
         return _refused(pattern, f"does not fold flat as the file says: {found[0]}", found)

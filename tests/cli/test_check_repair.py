@@ -119,3 +119,15 @@ def test_what_cannot_be_written_is_told_and_not_written(
     assert (folder / "a.fold").read_bytes() == before
     assert sorted(path.name for path in folder.iterdir()) == ["a.fold", "there.fold"]
     assert Path("there.fold").read_text() == "mine"
+
+
+def test_an_unassigned_edge_that_the_list_of_layers_folds_the_other_way_is_told(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = json.loads(export(folded_sample("star"), ".fold", load_profile("plain")))
+    document.pop("edges_foldAngle")
+    letters = document["edges_assignment"]
+    for edge in [at for at, letter in enumerate(letters) if letter == "V"][:3]:
+        write("a.fold", {**document, "edges_assignment": [*letters[:edge], "U", *letters[edge + 1 :]]})
+        assert main(["check", "a.fold"]) in (0, 1)
+        assert "a mistake in foldcut" not in capsys.readouterr().err

@@ -18,7 +18,7 @@ NAMES = sample_names()
 MIRRORED = {
     "triangle": 0, "square": 0, "hexagon": 0, "star": 0, "heart": 0, "letter-t": 0, "letter-a": 0, "ring": 0,
     "two-triangles": 0, "tree": 0, "plus": 0, "kite": 0, "arrow": 1,
-    **dict.fromkeys(GALLERY - {"whale"}, 0),
+    **{name: 0 for name in GALLERY if name != "whale"},
 }  # fmt: skip
 COMPONENTS = {"two-triangles": (-1, -1), "ring": (-1, 0), "letter-a": (-1, 0), "rosette": (-1, 0)}
 AXES = {"snowflake": 6, "rosette": 8, "hexagon": 6, "star": 5, "square": 4, "plus": 4, "triangle": 3}
