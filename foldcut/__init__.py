@@ -3,7 +3,8 @@
 Public names:
 
 - ``fold`` computes the crease pattern of a drawing, folds it and verifies it; it returns a ``Result``, which ``save``
-  writes to files and which notebooks show. ``Options`` are all that it can be told, ``JobOptions`` all that a job can.
+  writes to files and which notebooks show. ``Options`` are all that it can be told (``Preparation`` says how a drawing
+  is mended), ``JobOptions`` all that a job can.
 - ``check`` decides whether a pattern of any program folds flat; it returns a ``Decision``.
 - ``Result`` has the ``FoldedPattern`` (``CreasePattern``, ``FoldedState``, ``Sheet``, ``Shape``, ``Placement``), what
   verification found (``Finding``), and how hard the pattern is to fold (``Foldability``).

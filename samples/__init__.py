@@ -7,12 +7,13 @@ is JSON loops, and kite is WKT. Those of ``LINES`` are cut along lines that are 
 from __future__ import annotations
 
 import tomllib
+from difflib import get_close_matches
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-from foldcut.core.errors import BadInputError
+from foldcut.core.errors import BadInputError, FileFormatError
 
 _SUFFIXES = (".svg", ".json", ".wkt")
 
@@ -52,9 +53,19 @@ def fold_counts() -> dict[str, FoldCounts]:
 
 
 def drawing_path(name: str | PathLike[str]) -> Path:
-    """Return the file that is meant by a path, or by the name of a sample where there is no such file."""
-    path = Path(name)
-    return path if path.exists() else _paths().get(str(name), path)
+    """Return the file that is meant by a path, or by the name of a sample where there is no such file.
+
+    Raises ``FileFormatError`` where there is neither and the name is that of no file, but nearly that of a sample.
+    """
+    path, samples = Path(name), _paths()
+    if path.exists():
+        return path
+    if str(name) in samples:
+        return samples[str(name)]
+    near = [] if path.suffix else get_close_matches(str(name), sorted(samples), n=1)
+    if near:
+        raise FileFormatError(f"{name}: there is no such file; did you mean the sample {near[0]}?")
+    return path
 
 
 def _paths() -> dict[str, Path]:

@@ -48,6 +48,8 @@ def test_a_sample_a_path_and_loops_are_folded_alike(star: foldcut.Result, tmp_pa
     assert loops.folded_pattern.creases.crease_count == star.folded_pattern.creases.crease_count
     with pytest.raises(foldcut.FileFormatError, match="star: drawings do not end in ''"):
         foldcut.fold(str(own))
+    with pytest.raises(foldcut.FileFormatError, match="triangel: there is no such file; did you mean the sample"):
+        foldcut.fold("triangel")
 
 
 def test_what_is_given_by_name_goes_before_the_options() -> None:

@@ -300,7 +300,7 @@ def _pieces_apart(pattern: FoldedPattern, aside: Floats) -> Panel:
     border = shapely.box(0, 0, pattern.sheet.width, pattern.sheet.height).exterior
     cut = shapely.union_all([shapely.linestrings(stroke) for stroke in pattern.shape.strokes])
     middle = pattern.shape.points.mean(axis=0)
-    drawn, inner = [], 0
+    drawn, inner, holes = [], 0, 0
     for piece in pieces_of(pattern.shape, pattern.sheet):
         step, colour = np.zeros(2), OUTSIDE
         if not piece.exterior.intersects(border):
@@ -309,11 +309,13 @@ def _pieces_apart(pattern: FoldedPattern, aside: Floats) -> Panel:
             inner += 1
         rings = [shapely.get_coordinates(ring)[:-1] + step for ring in (piece.exterior, *piece.interiors)]
         drawn += [faces(rings[:1], colour), faces(rings[1:], EMPTY)]
+        holes += len(rings) - 1
         slits = shapely.difference(shapely.intersection(cut, piece), shapely.buffer(piece.boundary, TOUCHING))
         ends = [shapely.get_coordinates(part) + step for part in shapely.get_parts(slits)]
         drawn.append(Item([line for line in ends if len(line) > 1], stroke=CUT, width=FIRM))
     keys = [Key("after the cut, unfolded: what is left of the sheet", fill=OUTSIDE)]
     keys += [Key("pieces", fill=PIECES[0])] if inner else []
+    keys += [Key("cut out", fill=EMPTY)] if holes else []
     return Panel([item for item in drawn if item.lines], keys)
 
 

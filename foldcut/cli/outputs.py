@@ -48,10 +48,12 @@ class Outputs:
 
     def is_kit(self, path: Path) -> bool:
         """Whether a file is a sheet for a printer with the guide behind it."""
+        profile = self.machine_for(path).profile
+        if profile is None or profile.kind != "printer":
+            return False
         from foldcut.exporters.kit import is_kit
 
-        profile = self.machine_for(path).profile
-        return profile is not None and profile.kind == "printer" and is_kit(path.name)
+        return is_kit(path.name)
 
     def machines(self) -> list[MadeFor]:
         """Return the machines that there may be files for, without jobs."""

@@ -206,7 +206,7 @@ def _number_pairs(loop: ArrayLike, number: int, own_y: float) -> Floats:
     except (TypeError, ValueError, OverflowError):
         points = np.zeros(())
     if points.size and (points.ndim != 2 or points.shape[1] != 2):
-        raise ShapeError(f"loop {number} is not a list of x, y points; give two numbers for each point")
+        raise ShapeError(f"loop {number} is not a list of x, y points; give loops, each of points, each of two numbers")
     points = points.reshape(-1, 2)
     wrong = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(wrong):

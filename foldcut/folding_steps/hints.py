@@ -5,9 +5,12 @@
 
 from __future__ import annotations
 
+import math
+
 from foldcut.core.model import FoldedPattern
 from foldcut.folding_steps.phases import Phase, difficulty_of, phases
-from foldcut.folding_steps.steps import folding_steps
+from foldcut.folding_steps.steps import FoldingStep, folding_steps
+from foldcut.geometry.vectors import left_normal
 from foldcut.jobs.model import Hint
 from foldcut.pattern.foldability import foldability
 
@@ -15,6 +18,8 @@ __all__ = ["hints"]
 
 MOST_COUNTED = 300
 """In patterns with more creases than this nobody counts simple folds; they are not for hands."""
+TIE = 1e-6
+"""A corner of a face that is nearer to the line of a fold than this, relative to the sheet's diagonal, is on it."""
 
 
 def hints(pattern: FoldedPattern, colour: str = "grey") -> tuple[str, tuple[Hint, ...]]:
@@ -23,10 +28,12 @@ def hints(pattern: FoldedPattern, colour: str = "grey") -> tuple[str, tuple[Hint
     ``colour``: that of the printed outline, which is where the cut goes.
     """
     few = pattern.creases.crease_count <= MOST_COUNTED
-    some = phases(pattern, folding_steps(pattern)) if few else ()
+    steps = folding_steps(pattern) if few else ()
+    some = phases(pattern, steps)
     told = difficulty_of(some, foldability(pattern))
     cut = Hint("cut", f"Cut once, straight, along the {colour} line.")
-    return told.short, (*_first(pattern), *_folding(some, colour, bool(pattern.first_folds)), cut)
+    every = "always through all layers" if _through_all(pattern, steps) else "some of them not through all layers"
+    return told.short, (*_first(pattern), *_folding(some, colour, bool(pattern.first_folds), every), cut)
 
 
 def _first(pattern: FoldedPattern) -> list[Hint]:
@@ -39,11 +46,25 @@ def _first(pattern: FoldedPattern) -> list[Hint]:
     return [Hint("first", "First fold along the lines between arrowheads, away from you.")]
 
 
-def _folding(some: tuple[Phase, ...], colour: str, begun: bool) -> list[Hint]:
-    """Return how all other creases are folded, and that the sheet has to be flat then."""
+def _through_all(pattern: FoldedPattern, steps: tuple[FoldingStep, ...]) -> bool:
+    """Return whether no face lies on both sides of the line of a straight fold, which then leaves it as it is."""
+    at = pattern.creases.vertices_coords
+    tie = TIE * pattern.sheet.diagonal
+    for step in steps:
+        if step.line is not None:
+            along = (step.line[1] - step.line[0]) / math.dist(*step.line)
+            off = (at - step.line[0]) @ left_normal(along)
+            if any(off[face].min() < -tie and off[face].max() > tie for face in pattern.creases.faces_vertices):
+                return False
+        at = step.state.vertices_coords
+    return True
+
+
+def _folding(some: tuple[Phase, ...], colour: str, begun: bool, every: str) -> list[Hint]:
+    """Return how all other creases are folded, ``every`` time, and that the sheet has to be flat then."""
     if some and not any(phase.together for phase in some):
         count = sum(phase.count for phase in some)
-        how = "once" if count == 1 else f"{count} times{' in all' * begun}, always through all layers"
+        how = "once" if count == 1 else f"{count} times{' in all' * begun}, {every}"
         flat = f"Press it flat; all {colour} lines lie on each other now."
         return [Hint("fold", f"Fold straight across, {how}."), Hint("flatten", flat)]
     return [

@@ -95,6 +95,8 @@ def _suffix(path: Path, options: ReadOptions) -> str:
     if path.is_dir():
         raise FileFormatError("is a folder; give a file in it")
     if path.suffix.lower() not in READERS:
+        if not path.suffix and not path.exists():
+            raise FileFormatError("there is no such file; check the path, or take a sample that foldcut samples lists")
         raise FileFormatError(f"drawings do not end in {path.suffix!r}; give a file that ends in {known}")
     return path.suffix.lower()
 

@@ -208,7 +208,7 @@ class Drawing:
     def copies(self) -> int:
         """Return into how many parts the drawing's mirror axes divide it: 1, 2, 4, or 6 and more around one point."""
         found = self.symmetry
-        if len(found.axes) >= FEWEST_OF_WEDGE:
+        if len(found.axes) >= FEWEST_OF_WEDGE and not found.is_round:
             return 2 * len(found.axes)
         if any(_pairs(found.axes)):
             return 4

@@ -95,7 +95,8 @@ class Symmetry:
     ``axes``: the mirror axes through the centre, evenly spaced if there are several. ``order``: how many turns about
     the centre, by equal angles, bring the drawing onto itself; 1 if only the whole turn does. With two axes or more it
     is their number. ``off``: the largest Hausdorff distance of the outline from any of these images, in mm. ``others``:
-    mirror axes that go together with none of ``axes``; each might be taken alone.
+    mirror axes that go together with none of ``axes``; each might be taken alone. ``is_round``: any line through the
+    centre is an axis, and ``axes`` are only some of them.
     """
 
     centre: Floats
@@ -103,13 +104,14 @@ class Symmetry:
     order: int = 1
     off: float = 0.0
     others: tuple[Axis, ...] = ()
+    is_round: bool = False
 
     def transformed(self, matrix: Floats) -> Symmetry:
         """Return the symmetry after a similarity ``(2, 3)`` that moves and turns the drawing."""
         centre = points_array(matrix[:, :2] @ self.centre + matrix[:, 2])[0]
         axes = tuple(sorted((axis.transformed(matrix) for axis in self.axes), key=lambda axis: axis.angle))
         others = tuple(axis.transformed(matrix) for axis in self.others)
-        return Symmetry(centre, axes, self.order, self.off * float(np.hypot(*matrix[:, 0])), others)
+        return Symmetry(centre, axes, self.order, self.off * float(np.hypot(*matrix[:, 0])), others, self.is_round)
 
     @property
     def angles(self) -> tuple[float, ...]:
@@ -147,7 +149,8 @@ def _symmetry(outline: _Outline, allowed: float) -> Symmetry:
         for middle in (outline.box_middle, outline.middle):
             axes = tuple(outline.axis(math.pi * number / MOST_TURNS, middle) for number in range(MOST_TURNS))
             if (off := max(axis.off for axis in axes)) <= allowed:
-                return Symmetry(points_array(middle)[0], axes, MOST_TURNS, off)
+                between = outline.axis(math.pi / (2 * MOST_TURNS), middle)
+                return Symmetry(points_array(middle)[0], axes, MOST_TURNS, off, is_round=between.off <= allowed)
     for count in range(min(len(found), MOST_TURNS), 1, -1):
         if (several := _together(outline, found, count, allowed)) is not None:
             return several

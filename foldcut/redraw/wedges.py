@@ -92,10 +92,11 @@ class Around:
 def around(drawing: Drawing) -> Around | None:
     """Return a drawing with its mirror axes, if it has three or more through one point; None otherwise.
 
-    If it may be turned, it is turned until one axis is along the sheet.
+    If it may be turned, it is turned until one axis is along the sheet. None for circles, too: as a quarter of the
+    sheet they have hardly more folds, and far fewer layers.
     """
     found = drawing.symmetry
-    if len(found.axes) < FEWEST_OF_WEDGE:
+    if len(found.axes) < FEWEST_OF_WEDGE or found.is_round:
         return None
     turn = Dihedral(len(found.axes), found.angles[0], found.off).turned(0.0).upright_turn
     if turn and drawing.may_turn:

@@ -46,8 +46,8 @@ PRINTED = ("pattern-kit.pdf", "pattern.pdf")
 """What to print where there is no machine: the command line takes a usual printer for it."""
 GUIDES = {"guide.pdf": "guide", "guide.html": "guide", "pictures.svg": "draw", "pictures.png": "draw"}
 """Files that other commands than ``make`` write, and these commands."""
-GRACE_S = 5.0
-"""How long a command may take, once it is told to end, to verify the best pattern so far and to write it."""
+GRACE_S = 15.0
+"""How long a command may take, once its time is over, to verify the best pattern so far and to write it."""
 START = (
     "import sys; from foldcut.core.processes import die_with_parent; die_with_parent(); "
     "from foldcut.cli.main import main; sys.exit(main())"
@@ -245,9 +245,10 @@ class Jobs:
                 assert process.stdout is not None
                 ending = asyncio.gather(process.stdout.read(), _follow(process, upload), process.wait())
                 late = not (await asyncio.wait([ending], timeout=seconds))[0]
-                if late:  # as Ctrl-C does: it goes on with the best pattern so far
-                    with contextlib.suppress(ProcessLookupError):
-                        process.send_signal(signal.SIGINT)
+                if late:
+                    if upload.fraction < 1:  # as Ctrl-C does: it goes on with the best pattern so far
+                        with contextlib.suppress(ProcessLookupError):
+                            process.send_signal(signal.SIGINT)
                     await asyncio.wait([ending], timeout=GRACE_S)
                 if not ending.done() or (late and process.returncode):
                     remedy = "press Search longer" if upload.wanted.quick else "simplify the drawing"

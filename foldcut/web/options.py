@@ -86,7 +86,7 @@ def _options(query: Mapping[str, str]) -> tuple[str, ...]:
     sheet, effort = query.get("sheet", "a4"), query.get("effort", "normal")
     parse_sheet(sheet)
     lengths = {name: query[name] for name in LENGTHS if query.get(name)}
-    near = []
+    near = ["--open"] if query.get("open") else []
     if level := query.get("level", ""):
         near += ["--level", require_known(level, "level", tuple(LEVELS))]
     if parts := query.get("small-parts", ""):

@@ -9,7 +9,7 @@ const LEVELS = [
   ["easy", "the fewest folds"], ["", "the most exact that two hands can fold"], ["normal", "at most 2 mm off on A4"],
   ["fine", "at most 0.5 mm off on A4"], ["exact", "exactly as drawn"],
 ];
-const FIELDS = ["sheet", "margin", "profile", "material", "treatment", "tolerance", "folds", "small-parts", "simplify", "min-crease", "symmetry", "ribbon"];
+const FIELDS = ["sheet", "margin", "profile", "material", "treatment", "tolerance", "folds", "open", "small-parts", "simplify", "min-crease", "symmetry", "ribbon"];
 const CALM_MS = 300;
 /** A change is folded when nothing else has changed for so long. */
 const LOOK_MS = 120;
@@ -194,19 +194,20 @@ async function start(quick) {
   } catch { if (mine === turn) fail("The server does not answer; is foldcut serve still running?"); }
 }
 
-/** No pattern beside an error: it would be another drawing's. */
-function fail(text) {
+/** No pattern beside an error: it would be another drawing's. After a quick look there may be one for who searches longer. */
+function fail(text, quick = false) {
   $("busy").hidden = true;
   wrong(text);
   say("There is no pattern.");
   document.body.classList.add("stale");
+  $("longer").disabled = !quick;
 }
 
 async function look(mine, quick, seen) {
   const token = job, answer = await fetch(`jobs/${token}`), got = await answer.json();
   if (mine !== turn || token !== job) return;
   const folding = got.state === "waiting" || got.state === "folding";
-  if (!answer.ok || got.state === "failed") { fail(got.error); return; }
+  if (!answer.ok || got.state === "failed") { fail(got.error, answer.ok && quick); return; }
   if (!folding || got.patterns.length > seen) {
     const data = await (await fetch(`jobs/${token}/shown`)).json();
     if (mine !== turn || token !== job) return;
@@ -236,7 +237,8 @@ function show(data) {
   document.body.classList.remove("stale");
   viewer.show(data, last && +$("fold").max ? +$("fold").value / +$("fold").max : 1);
   last = {data};
-  if (source.kind === "file" || source.kind === "text") {
+  // the board has closed outlines only
+  if ((source.kind === "file" || source.kind === "text") && !$("open").value) {
     board.show(data.drawn || data.shape);
     $("photo").hidden = $("word").hidden = true;
     $("corners").value = loopsToNumbers(board.loops);
@@ -257,7 +259,7 @@ function numbers(level, report) {
   if (more.length) $("remarks").append(make("details", {}, make("summary", {}, number(more.length, "remark")), make("ul", {}, ...more.map((text) => make("li", {}, text)))));
 }
 
-const mm = (value) => (value === null || value === undefined ? "none" : `${value < 10 ? value.toFixed(1) : Math.round(value)} mm`);
+const mm = (value) => (value === null || value === undefined ? "none" : `${value >= 10 ? Math.round(value) : value >= 0.1 || value < 0.001 ? value.toFixed(1) : value.toPrecision(1)} mm`);
 
 function ladder(levels, taken) {
   $("ladder").replaceChildren(...levels.map((level, k) => make("li", {"aria-current": k === taken ? "true" : null},

@@ -94,6 +94,9 @@ export class Viewer {
     this.folding = new Folding(data);
     this.pattern.show(data);
     this.scene?.show(this.folding);
+    // open lines may have all paper on one side of the cut: there is no shape to be shown alone
+    $("only").disabled = !this.folding.parts.some((part) => part.inside);
+    if ($("only").disabled) $("only").checked = false;
     $("fold").max = TICKS * this.folding.count;
     $("fold").value = at * TICKS * this.folding.count;
     $("layers").max = $("layers").value = data.faces.length;
@@ -144,7 +147,7 @@ export class Viewer {
     if (!this.data) return;
     const end = +$("fold").max, cutting = $("cut").checked && +$("fold").value > 0;
     const wait = (then) => { this.later = setTimeout(then, 700); };
-    const open = () => { $("only").checked = true; this.run(end, 0, () => this.stop()); };
+    const open = () => { $("only").checked = !$("only").disabled; this.run(end, 0, () => this.stop()); };
     $("play").textContent = "Pause";
     this.playing = true;
     if ($("only").checked) { const at = +$("fold").value; this.rest = at > 0 ? () => this.run(at, 0, () => this.stop()) : null; }

@@ -4,6 +4,8 @@
     python tests/bench/graphs.py random --seeds 50    # one part, and fewer graphs
     python tests/bench/graphs.py fnc --folder .       # the .fnc files of a program of 2010, which are not part of this
 
+    python tests/bench/graphs.py random --seeds 20 --flat-folder ~/flat-folder     # judged by Flat-Folder, too, in node
+
 Each drawing is folded on A4 as ``foldcut make`` does. Parts: figures, letters (strokes of the font made for folding),
 hershey (those of ``hershey-fonts``, if that is installed), random, fnc.
 """
@@ -11,7 +13,10 @@ hershey (those of ``hershey-fonts``, if that is installed), random, fnc.
 from __future__ import annotations
 
 import argparse
+import json
+import subprocess
 import sys
+import tempfile
 import time
 import tomllib
 from collections.abc import Iterator
@@ -26,8 +31,22 @@ from support.cut_graphs import GRAPHS, TANGRAM, Lines, chessboard, random_lines
 import foldcut
 from foldcut.core.arrays import points_array
 from foldcut.core.errors import FoldcutError
+from foldcut.exporters.pattern import fold as fold_file
 from foldcut.pattern.cut_line import pieces_of, sides_of_lines
+from foldcut.profiles import load_profile
 from foldcut.readers import Drawing
+
+NODE = """
+import { BATCH } from "./src/batch.js"; import { CON } from "./src/constraints.js";
+import { NOTE } from "./src/note.js"; import * as fs from "fs";
+NOTE.show = false; CON.build();
+const fold = JSON.parse(fs.readFileSync(process.argv[2])); fold.number = 0;
+const log = console.log; console.log = () => {};
+let states = 0;
+try { states = (await BATCH.process_file(fold, 1)).states; } catch { }
+log(String(states));
+"""
+"""Looks for one folded state by Flat-Folder and prints how many there are."""
 
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
@@ -75,9 +94,28 @@ def fnc(args: argparse.Namespace) -> Iterator[tuple[str, Lines]]:
 PARTS = {"figures": figures, "letters": letters, "hershey": hershey, "random": at_random, "fnc": fnc}
 
 
+def flat_folder_folds(result: foldcut.Result, folder: Path) -> bool:
+    """Return whether Flat-Folder, in a folder, finds a folded state for the creases, mountains and valleys alone."""
+    fold = json.loads(fold_file.export(result.folded_pattern, load_profile()))
+    bare = {key: fold[key] for key in ("edges_assignment", "faces_vertices")}
+    bare["edges_vertices"] = [sorted(edge) for edge in fold["edges_vertices"]]  # it looks edges up like this
+    bare["vertices_coords"] = (np.array(fold["vertices_coords"]) / result.folded_pattern.sheet.diagonal).tolist()
+    with tempfile.TemporaryDirectory(dir=folder) as place:
+        script, file = folder / f"{Path(place).name}.mjs", Path(place) / "a.fold"
+        script.write_text(NODE)
+        file.write_text(json.dumps(bare))
+        try:
+            done = subprocess.run(
+                ["node", script.name, file], cwd=folder, capture_output=True, text=True, check=True, timeout=600
+            )
+        finally:
+            script.unlink()
+    return int(done.stdout) > 0
+
+
 def main(args: argparse.Namespace) -> None:
     for part in args.parts:
-        verified, folds, sides, count = 0, [], 0, 0
+        verified, folds, sides, count, agreed = 0, [], 0, 0, 0
         started = time.process_time()
         for name, drawn in PARTS[part](args):
             count += 1
@@ -93,6 +131,10 @@ def main(args: argparse.Namespace) -> None:
                 folds.append(result.actions)
                 inside = sides_of_lines(pattern.shape)
                 sides += bool(inside.any() and not inside.all())
+                if args.flat_folder:
+                    folds_too = flat_folder_folds(result, args.flat_folder)
+                    agreed += folds_too
+                    told += f", Flat-Folder finds {'a' if folds_too else 'NO'} folded state"
                 told += f", {len(pieces_of(pattern.shape, pattern.sheet))} pieces"
             print(f"{part:8} {name:20} {time.process_time() - before:6.1f} s  {told}", flush=True)
         seconds = time.process_time() - started
@@ -101,6 +143,8 @@ def main(args: argparse.Namespace) -> None:
             f"| {part} | {count} | {verified} | {middle} | {max(folds, default=0)} | {sides} | {seconds:.0f} |",
             flush=True,
         )
+        if args.flat_folder:
+            print(f"Flat-Folder agrees about {agreed} of {verified}", flush=True)
 
 
 if __name__ == "__main__":
@@ -108,5 +152,6 @@ if __name__ == "__main__":
     parser.add_argument("parts", nargs="*", default=["figures", "letters", "random"])
     parser.add_argument("--seeds", type=int, default=200)
     parser.add_argument("--effort", default="normal")
+    parser.add_argument("--flat-folder", type=Path, help="a checkout of origamimagiro/flat-folder")
     parser.add_argument("--folder", type=Path, default=Path())
     main(parser.parse_args())

@@ -124,7 +124,7 @@ def test_a_long_error_keeps_what_is_wrong_and_the_remedy(capsys: pytest.CaptureF
         (["--min-crease", "20cm"], "--min-crease is 200 mm"),
         (["--scale", "1e300"], "--scale 1e300 is not a scale"),
         (["--folds", "9" * 5000], "invalid int value"),
-        (["--limit", "points=" + "9" * 5000], "is not a limit"),
+        (["--limit", "points=" + "9" * 5000], "give a whole number from 1 up"),
     ],
 )
 def test_lengths_that_nobody_means_are_refused_before_any_work(

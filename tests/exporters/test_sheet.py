@@ -36,6 +36,7 @@ def without_hints(job: Job) -> Job:
     ("name", "words"),
     [
         ("star", ["Fold straight across, 4 times, always through all layers.", "all grey lines lie on each other now"]),
+        ("snowflake", ["First fold along the lines between", "6 times in all, some of them not through all layers."]),
         ("heart", ["First fold the sheet along the line between the arrowheads", "Fold all lines sharply"]),
         ("fish", ["Fold all lines sharply, each by itself", "Let all lines close at once"]),
     ],

@@ -668,8 +668,11 @@ def test_a_suffix_is_known_in_either_case(tmp_path: Path) -> None:
 def test_paths_that_lead_to_no_drawing_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileFormatError, match=r"drawings do not end in '\.gif'; give a file that ends in \.svg, "):
         read_shape(tmp_path / "fish.gif")
+    with pytest.raises(FileFormatError, match=r"fish: there is no such file; check the path, or take a sample"):
+        read_shape(tmp_path / "fish")
+    (tmp_path / "star").write_bytes(b"")
     with pytest.raises(FileFormatError, match=r"drawings do not end in ''; give a file that ends in \.svg"):
-        read_shape("fish")
+        read_shape(tmp_path / "star")
     with pytest.raises(FileFormatError, match=r"fish\.svg: there is no such file; check the path"):
         read_shape(tmp_path / "fish.svg")
     with pytest.raises(FileFormatError, match="is a folder; give a file in it"):

@@ -90,11 +90,15 @@ def rotation(angle: float) -> Floats:
     return np.array([(math.cos(angle), math.sin(angle)), (-math.sin(angle), math.cos(angle))])
 
 
-def test_a_windmill_and_a_drawing_with_two_axes_are_no_wedges() -> None:
+def test_a_windmill_a_ring_and_a_drawing_with_two_axes_are_no_wedges() -> None:
     blade = np.array([(5, 0), (40, 0), (40, 10), (12, 14)])
     windmill = [blade @ rotation(math.tau * k / 4) for k in range(4)]
     assert around(drawing(windmill, 1.0)) is None
     assert around(drawing([wave(2, 0.3)], 1.0)) is None
+    assert around(drawing([wave(2, 0.0), wave(2, 0.0, 20.0)], 1.0)) is None
+    twelve = around(drawing([wave(12, 0.2)], 1.0))
+    assert twelve is not None
+    assert twelve.axes.count == 12
 
 
 def test_a_drawing_may_be_turned_until_an_axis_is_along_the_sheet() -> None:

@@ -378,9 +378,19 @@ def test_what_takes_too_long_goes_on_with_the_best_pattern_so_far(monkeypatch: p
         assert state["report"]["ladder"]["interrupted"]
 
 
+def test_what_has_found_its_pattern_may_write_it_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    told = "print(json.dumps({'stage': 'verify', 'fraction': 1.0}), file=sys.stderr, flush=True)"
+    monkeypatch.setattr("foldcut.web.jobs.START", f"import json, sys, time; {told}; time.sleep(2.5); print('{{}}')")
+    with running_app(Settings(job_seconds=2.0)) as running:
+        state = outcome(running, send(running, sample="star"))
+        assert state["state"] == "done", state["error"]
+
+
 def test_how_near_the_outline_stays_is_told_to_the_command() -> None:
     query = {"sample": "star", "level": "fine", "folds": "40", "small-parts": "keep", "tolerance": "1cm"}
     words = read_query(query, uploaded=False).options
+    assert "--open" not in words
+    assert "--open" in read_query({**query, "open": "1"}, uploaded=False).options
     assert {"--level", "fine", "--folds", "40", "--small-parts", "keep", "--tolerance=10.0mm"} <= set(words)
     for name, value in (("level", "rough"), ("folds", "-1"), ("folds", "1e9"), ("folds", "٣"), ("small-parts", "eat")):
         with pytest.raises(RefusedError):

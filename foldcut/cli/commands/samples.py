@@ -23,17 +23,21 @@ def add_options(command: ArgumentParser) -> None:
 
 def samples(args: Namespace) -> int:
     """List the samples."""
-    from foldcut.pattern.difficulty import GRADES, difficulty
-    from foldcut.samples import fold_counts, sample_names
+    from foldcut.samples import sample_names
 
-    names, counts = sample_names(lines=True), fold_counts()
+    names = sample_names(lines=True)
+    if not (args.long or args.json):
+        Console(as_json=False).report({}, list(names))
+        return DONE
+    from foldcut.pattern.difficulty import GRADES, difficulty
+    from foldcut.samples import fold_counts
+
+    counts = fold_counts()
     known = {name: difficulty(*counts[name]) for name in names if name in counts}
-    lines = list(names)
-    if args.long:
-        keys = {name: (one.level, one.minutes or 0, counts[name].folds) for name, one in known.items()}
-        lines.sort(key=lambda name: (keys.get(name, (len(GRADES), 0, 0)), name))
-        width = max(map(len, names)) + 2
-        lines = [f"{name:<{width}}{known.get(name, '')}".rstrip() for name in lines]
+    keys = {name: (one.level, one.minutes or 0, counts[name].folds) for name, one in known.items()}
+    easiest_first = sorted(names, key=lambda name: (keys.get(name, (len(GRADES), 0, 0)), name))
+    width = max(map(len, names)) + 2
+    lines = [f"{name:<{width}}{known.get(name, '')}".rstrip() for name in easiest_first]
     told = {name: one.short for name, one in known.items()}
     Console(args.json).report({"ok": True, "samples": list(names), "difficulty": told}, lines)
     return DONE
