@@ -14,6 +14,7 @@ from foldcut.core.arrays import Floats, Indices, Ints, Ragged
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState, Shape, Sheet
 from foldcut.geometry.planar_graph import half_edges
 from foldcut.pattern.face_maps import folded_edges
+from foldcut.pattern.first_folds import is_wedge
 
 __all__ = [
     "COMFORTABLE_CREASE_MM",
@@ -52,6 +53,10 @@ ROUNDING = 1e-9
 
 SIMPLER = "fold a simpler outline with --level easy"
 """What helps where the cut goes through too many layers."""
+FEWER_AXES = "draw it with fewer mirror axes"
+"""What helps where the sheet is a wedge of many layers before anything else is folded."""
+FEWER_LINES = "draw fewer lines"
+"""What helps where lines are cut along."""
 
 HAIR = 1e-6
 """How far beside the cut line layers are counted, relative to the size of the folded sheet."""
@@ -286,11 +291,12 @@ def _warnings(
             f"the shortest crease, at ({x:.4g}, {y:.4g}), is {shortest:.2g} mm long; creases under "
             f"{COMFORTABLE_CREASE_MM:g} mm are hard to fold by hand; {remedy}"
         )
+    fewer = FEWER_LINES if pattern.shape.is_graph else FEWER_AXES if is_wedge(pattern.first_folds) else SIMPLER
     if cut_mm > SCISSORS_LAYERS * PAPER_MM * (1 + 1e-9):
         warnings.append(
             f"the cut goes through {at_cut} layers, about {thickness(cut_mm)} of paper; scissors give up at "
             f"{SCISSORS_LAYERS} to 20 layers of office paper; cut with a knife along a ruler, in several strokes, use "
-            f"thinner paper, or {'draw fewer lines' if pattern.shape.is_graph else SIMPLER}"
+            f"thinner paper, or {fewer}"
         )
     return tuple(warnings)
 

@@ -137,6 +137,9 @@ def test_pleats_lie_on_each_other_and_many_are_warned_of() -> None:
     (warning,) = found.warnings
     assert "goes through 33 layers, about 1.65 mm of paper; scissors give up" in warning
     assert all(remedy in warning for remedy in ("a knife", "thinner paper", "--level easy"))
+    lines = tuple(points_array([(50 - x, 50 - y), (50 + x, 50 + y)]) for x, y in ((40, 0), (20, 34), (-20, 34)))
+    (warning,) = foldability(dataclasses.replace(pleats(33, 4.0), first_folds=lines)).warnings
+    assert "fewer mirror axes" in warning, "a simpler outline leaves a wedge as thick as it is"
 
 
 def test_a_hole_is_no_part_of_the_sheet_used() -> None:
