@@ -75,12 +75,13 @@ def test_the_best_is_at_least_as_good_as_every_start(kind: str, seed: int) -> No
 def test_the_same_seed_gives_the_same_outline_and_another_seed_another(seed: int) -> None:
     def found(of: int) -> bytes:
         shape = random_outline("tour", seed)
-        best = Search(engine_for(shape, tolerance=2.0), WORK, seed=of).run([corners_of(shape)])
+        best = Search(engine_for(shape, tolerance=2.0), WORK // 2, seed=of).run([corners_of(shape)])
         assert best is not None
         return best.points.tobytes()
 
-    assert found(1) == found(1)
-    assert len({found(of) for of in range(4)}) > 1
+    first = found(1)
+    assert first == found(1)
+    assert {first} != {found(2), found(3)}
 
 
 def test_the_search_does_no_more_than_it_may() -> None:
@@ -191,7 +192,7 @@ def test_changed_outlines_have_as_many_corners_as_their_loops_say_and_ties_of_th
         "_without_bend",
     )
     made = dict.fromkeys(moves, 0)
-    for seed in range(4):
+    for seed in range(2):
         engine, one = start(seed, kind)
         one = Search(engine, 4 * WORK).greedy(one, 40)
         search = Search(engine, WORK, seed)
