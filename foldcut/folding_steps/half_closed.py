@@ -86,7 +86,8 @@ class _Net:
     """Bars and hinges of a sheet.
 
     Each bar ``(b, 2)`` joins two vertices; each hinge ``(h, 4)`` is an edge, and the third corners of the triangles on
-    its left and on its right. ``way`` ``(h,)``: 1 for valleys, -1 for mountains, 0 within faces.
+    its left and on its right. ``way`` ``(h,)``: 1 for valleys, -1 for mountains, 0 within faces. ``entries``: row and
+    column of all slopes that are not always zero.
     """
 
     def __init__(self, creases: CreasePattern) -> None:
@@ -102,6 +103,12 @@ class _Net:
         inner = sorted(pair for pair in third if pair[0] < pair[1] and pair[::-1] in third)
         self.hinges = np.array([(*pair, third[pair], third[pair[::-1]]) for pair in inner])
         self.way = np.array([{"V": 1.0, "M": -1.0}.get(kind.get(pair, ""), 0.0) for pair in inner])
+        ends = self.flat[self.hinges[:, :2]]
+        self.spans = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+        count, hinges = len(self.bars), len(self.bars) + np.arange(len(self.hinges))
+        rows = [np.arange(count), np.arange(count), hinges, hinges, hinges, hinges]
+        places = np.concatenate([self.bars[:, 0], self.bars[:, 1], *self.hinges.T])
+        self.entries = np.repeat(np.concatenate(rows), 3), (places[:, None] * 3 + np.arange(3)).ravel()
 
     def settled(self, points: Floats, angle: float, creases: float, faces: float) -> Floats:
         """Return the points where lengths and angles are as near as can be to what they should be."""
@@ -135,19 +142,10 @@ class _Net:
         weight = BARS / self.mean
         pull = away / lengths[:, None] * weight
         turned, by_corner = self._angles(points)
-        weights = np.where(self.way == 0, faces, creases) * np.sqrt(self._spans() / self.mean)
+        weights = np.where(self.way == 0, faces, creases) * np.sqrt(self.spans / self.mean)
         off = np.concatenate([weight * (lengths - self.lengths), weights * (turned - self.way * angle)])
-        count = len(self.bars)
-        rows = [np.arange(count), np.arange(count), *[count + np.arange(len(self.hinges))] * 4]
-        places = [self.bars[:, 0], self.bars[:, 1], *self.hinges.T]
         slopes = [-pull, pull, *(weights[:, None] * slope for slope in by_corner)]
-        row = np.repeat(np.concatenate(rows), 3)
-        column = (np.concatenate(places)[:, None] * 3 + np.arange(3)).ravel()
-        return off, coo_array((np.concatenate(slopes).ravel(), (row, column)), shape=(len(off), points.size)).tocsr()
-
-    def _spans(self) -> Floats:
-        ends = self.flat[self.hinges[:, :2]]
-        return np.asarray(np.hypot(*(ends[:, 1] - ends[:, 0]).T))
+        return off, coo_array((np.concatenate(slopes).ravel(), self.entries), shape=(len(off), points.size)).tocsr()
 
     def _angles(self, points: Floats) -> tuple[Floats, list[Floats]]:
         """Return the angle of each hinge, 0 if it is flat and positive for valleys, and its slopes by its corners."""
