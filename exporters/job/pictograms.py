@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from foldcut.core.arrays import Floats
+from foldcut.geometry.vectors import left_normal
 from foldcut.jobs.model import Pictogram
 
 __all__ = ["PICTOGRAMS", "Stroke"]
@@ -36,7 +37,7 @@ def _arrow(curve: Floats) -> list[Stroke]:
     """Return a curved line with a head at its end."""
     tip = curve[-1]
     back = (curve[-3] - tip) / np.hypot(*(curve[-3] - tip)) * 0.2
-    aside = np.array([-back[1], back[0]]) * 0.5
+    aside = left_normal(back) * 0.5
     return [Stroke(curve), Stroke(np.array([tip, tip + back + aside, tip + back - aside]), filled=True)]
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from foldcut.core.arrays import Floats, Ints, index_array
 from foldcut.core.model import FoldedPattern, FoldedState
 from foldcut.folding_steps.steps import FoldingStep, folding_steps
+from foldcut.geometry.vectors import left_normal
 from foldcut.profiles import Profile
 
 from ..pattern.svg import path_data
@@ -136,7 +137,7 @@ class _Drawing:
         assert step.line is not None
         assert step.moved is not None
         along = (step.line[1] - step.line[0]) / np.hypot(*(step.line[1] - step.line[0]))
-        across = np.array([-along[1], along[0]])
+        across = left_normal(along)
         moving = set(step.moved.tolist())
         laid = self._laid(state)
         for index, (face, _, _) in enumerate(self._parts):

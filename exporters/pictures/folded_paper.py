@@ -14,9 +14,9 @@ import shapely
 
 from foldcut.core.arrays import Bools, Floats, Indices, Ints, Ragged, index_array
 from foldcut.core.model import CreasePattern, FoldedPattern, FoldedState
-from foldcut.geometry.planar_graph import edge_faces
+from foldcut.folding_steps.references import CORNERS, corner_vertices
+from foldcut.geometry.planar_graph import edge_faces, signed_areas
 from foldcut.geometry.union_find import groups
-from foldcut.geometry.vectors import signed_area
 
 from . import panels
 from .panels import EDGE, EDGE_COLOUR, PANEL_MM, Item, Key, Label
@@ -32,9 +32,6 @@ MOVED = "#fde0c8"
 
 MOVED_BACK = "#eeb58a"
 """The colour of the back of the part that moves."""
-
-CORNERS = "ABCD"
-"""The names of the sheet's corners, counter-clockwise from the lower left of the printed side."""
 
 STEP_MM = 0.7
 """How far a layer stands out beyond the next, in mm on the panel."""
@@ -60,7 +57,7 @@ class FoldedPaper:
         self.sheet, self.faces, self.ends = pattern.sheet, creases.faces_vertices, creases.edges_vertices
         self.beside = edge_faces(creases)
         self.flat, self.kinds = creases.vertices_coords, creases.edges_assignment
-        self.corners = [int(np.hypot(*(self.flat - corner).T).argmin()) for corner in pattern.sheet.corners]
+        self.corners = corner_vertices(pattern)
         self.unfolded = FoldedState(self.flat, index_array(np.arange(len(self.faces))))
 
     def drawn(self, state: FoldedState, folded: Bools, moved: Ints | None = None) -> list[Item]:
@@ -74,15 +71,18 @@ class FoldedPaper:
                 if face >= 0:
                     edges[face].append(edge)
         moving: Collection[int] = set() if moved is None else set(moved.tolist())
-        at = self.apart(state, folded)
+        at, front = self.apart(state, folded), self.front_up(state)
         items = []
         for face in state.layers.tolist():
-            front = signed_area(state.vertices_coords[self.faces[face]]) > 0
-            fill = (MOVED if front else MOVED_BACK) if face in moving else FRONT if front else BACK
+            fill = (MOVED if front[face] else MOVED_BACK) if face in moving else FRONT if front[face] else BACK
             items.append(Item([at[self.faces[face]]], fill=fill, stroke=fill, width=EDGE / 2, closed=True))
             lines = [at[self.ends[edge]] for edge in edges[face]]
             items += [Item(lines, stroke=EDGE_COLOUR, width=EDGE)] if lines else []
         return items
+
+    def front_up(self, state: FoldedState) -> Bools:
+        """Return which faces have their printed side up, ``(f,)``."""
+        return np.asarray(signed_areas(state.vertices_coords, self.faces) > 0)
 
     def apart(self, state: FoldedState, folded: Bools) -> Floats:
         """Return where the vertices are drawn, ``(v, 2)``: those of lower layers a little outside."""
@@ -132,7 +132,7 @@ class FoldedPaper:
         """
         on_top = np.flatnonzero(self.depths(state, folded) == 0) if folded.any() else np.arange(len(self.faces))
         rings, at = self.faces.to_lists(), state.vertices_coords
-        areas = np.array([signed_area(at[ring]) for ring in rings])
+        areas = signed_areas(at, self.faces)
         shown = shapely.union_all([shapely.Polygon(at[ring]).buffer(TOUCHING * self.sheet.diagonal) for ring in rings])
         if abs(np.abs(areas[on_top]).sum() - shown.area) > SAME_AREA * shown.area or len(set(areas[on_top] > 0)) > 1:
             return None
@@ -169,5 +169,4 @@ class FoldedPaper:
 
     def back(self, state: FoldedState) -> list[Key]:
         """Return a key for the sheet's back, if it can be seen."""
-        turned = [signed_area(state.vertices_coords[outline]) < 0 for outline in self.faces]
-        return [Key("the back", fill=BACK)] if any(turned) else []
+        return [] if self.front_up(state).all() else [Key("the back", fill=BACK)]

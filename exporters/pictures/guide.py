@@ -28,6 +28,7 @@ from foldcut.core.units import rounded_up
 from foldcut.folding_steps import FoldingStep, difficulty_of, folding_steps, in_words, lines_of, phases
 from foldcut.folding_steps.half_closed import half_closed
 from foldcut.folding_steps.references import reference
+from foldcut.folding_steps.steps import goes_through_all
 from foldcut.geometry.vectors import left_normal, signed_area
 from foldcut.methods import fewer_creases
 from foldcut.pattern.cut_line import pieces_of
@@ -181,13 +182,9 @@ class _Sheet:
         assert step.moved is not None
         self.count += 1
         at = self.state.vertices_coords
-        along = (step.line[1] - step.line[0]) / math.dist(*step.line)
-        off = (at - step.line[0]) @ left_normal(along)
-        tie = 1e-6 * self.pattern.sheet.diagonal
-        straddled = any(off[outline].min() < -tie and off[outline].max() > tie for outline in self.faces)
         layers = self._moving(step.line, step.moved)
         which = "the layer" if layers == 1 else f"the {layers} layers"
-        if straddled:
+        if not goes_through_all(self.pattern, at, step.line):
             which = f"only {which} {'on top' if step.over else 'at the back'}"
         elif layers == 1:
             which = "the sheet"
@@ -333,14 +330,14 @@ class _Sheet:
 
     def _half_closed(self, step: FoldingStep) -> list[Instruction]:
         """Return the picture of the sheet when the creases of a step have begun to close, where that is found."""
-        if step.edges.size < LEAST_CREASES:
+        top = None if step.edges.size < LEAST_CREASES else self.paper.top(self.state, self.folded, step.edges)
+        if top is None:
             return []
-        top = self.paper.top(self.state, self.folded, step.edges)
-        found = None if top is None else half_closed(top[0])
-        if top is None or found is None:
+        creases, up = top
+        found = half_closed(creases)
+        if found is None:
             return []
-        pattern, up = top
-        drawn = {(min(ends), max(ends)) for ends in pattern.edges_vertices[pattern.edges_assignment != "F"].tolist()}
+        drawn = {(min(ends), max(ends)) for ends in creases.edges_vertices[creases.edges_assignment != "F"].tolist()}
         together = ", all layers together" if self.folded.any() else ""
         text = (
             f"On the way, seen from the front and above{together}. (Computed: lengths are within "
@@ -353,13 +350,13 @@ class _Sheet:
         at, rank = self.state.vertices_coords, np.argsort(self.state.layers)
         beside = self.paper.beside[step.edges]
         top = np.where(rank[beside[:, 0]] > rank[beside[:, 1]], beside[:, 0], beside[:, 1])
-        up = np.array([signed_area(at[self.faces[face]]) > 0 for face in beside[:, 0].tolist()])
+        up = self.paper.front_up(self.state)[beside[:, 0]]
         rising = (self.pattern.creases.edges_assignment[step.edges] == "V") == up
         shown: dict[tuple[float, ...], int] = {}
         grid = 1e-5 * self.pattern.sheet.diagonal
         for number in np.argsort(rank[top], kind="stable").tolist():
-            ends = np.round(at[self.ends[step.edges[number]]] / grid)
-            shown[tuple(sorted(map(tuple, ends.tolist()))[0] + sorted(map(tuple, ends.tolist()))[1])] = number
+            one, other = sorted(map(tuple, np.round(at[self.ends[step.edges[number]]] / grid).tolist()))
+            shown[one + other] = number
         seen = np.array(sorted(shown.values()))
         lines = at[self.ends[step.edges]]
         width = panels.fine(lines[seen], self.extent)

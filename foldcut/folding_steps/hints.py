@@ -5,12 +5,9 @@
 
 from __future__ import annotations
 
-import math
-
 from foldcut.core.model import FoldedPattern
 from foldcut.folding_steps.phases import Phase, difficulty_of, phases
-from foldcut.folding_steps.steps import FoldingStep, folding_steps
-from foldcut.geometry.vectors import left_normal
+from foldcut.folding_steps.steps import FoldingStep, folding_steps, goes_through_all
 from foldcut.jobs.model import Hint
 from foldcut.pattern.foldability import foldability
 
@@ -18,8 +15,6 @@ __all__ = ["hints"]
 
 MOST_COUNTED = 300
 """In patterns with more creases than this nobody counts simple folds; they are not for hands."""
-TIE = 1e-6
-"""A corner of a face that is nearer to the line of a fold than this, relative to the sheet's diagonal, is on it."""
 
 
 def hints(pattern: FoldedPattern, colour: str = "grey") -> tuple[str, tuple[Hint, ...]]:
@@ -47,15 +42,11 @@ def _first(pattern: FoldedPattern) -> list[Hint]:
 
 
 def _through_all(pattern: FoldedPattern, steps: tuple[FoldingStep, ...]) -> bool:
-    """Return whether no face lies on both sides of the line of a straight fold, which then leaves it as it is."""
+    """Return whether all straight folds go through all layers."""
     at = pattern.creases.vertices_coords
-    tie = TIE * pattern.sheet.diagonal
     for step in steps:
-        if step.line is not None:
-            along = (step.line[1] - step.line[0]) / math.dist(*step.line)
-            off = (at - step.line[0]) @ left_normal(along)
-            if any(off[face].min() < -tie and off[face].max() > tie for face in pattern.creases.faces_vertices):
-                return False
+        if step.line is not None and not goes_through_all(pattern, at, step.line):
+            return False
         at = step.state.vertices_coords
     return True
 

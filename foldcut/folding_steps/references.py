@@ -13,10 +13,10 @@ from foldcut.core.model import FoldedPattern, FoldedState
 from foldcut.folding_steps.steps import FoldingStep
 from foldcut.geometry.vectors import cross
 
-__all__ = ["CORNERS", "reference"]
+__all__ = ["CORNERS", "corner_vertices", "reference"]
 
 CORNERS = "ABCD"
-"""The names of the sheet's corners."""
+"""The names of the sheet's corners, counter-clockwise from the lower left of the printed side."""
 
 EXACT = 1e-6
 """Places that are this near each other, relative to the sheet's diagonal, are one."""
@@ -43,6 +43,12 @@ def reference(pattern: FoldedPattern, before: FoldedState, step: FoldingStep) ->
     return "The line goes from {}, to {}.".format(*(paper.place(end) for end in step.line))
 
 
+def corner_vertices(pattern: FoldedPattern) -> list[int]:
+    """Return the vertices at the sheet's corners, in the order of ``CORNERS``."""
+    flat = pattern.creases.vertices_coords
+    return [int(np.hypot(*(flat - corner).T).argmin()) for corner in pattern.sheet.corners]
+
+
 class _Paper:
     """The sheet before and after a fold."""
 
@@ -52,7 +58,7 @@ class _Paper:
         self.before, self.after = before.vertices_coords, step.state.vertices_coords
         self.moved = np.hypot(*(self.after - self.before).T) > self.tie
         self.on_line = np.unique(pattern.creases.edges_vertices[step.edges])
-        self.corners = [int(np.hypot(*(self.flat - corner).T).argmin()) for corner in self.sheet.corners]
+        self.corners = corner_vertices(pattern)
 
     def corners_on_corners(self) -> list[tuple[str, str]]:
         """Return the names of corners that move, and of those that they come to lie on; "AD" for A and D together."""

@@ -30,8 +30,9 @@ from foldcut.folding_steps.crease_sets import CreaseSets
 from foldcut.folding_steps.groups import groups_of
 from foldcut.folding_steps.partly_folded import partly_folded
 from foldcut.folding_steps.state import SheetData, SheetState, Turn, is_one_sheet
+from foldcut.geometry.vectors import left_normal
 
-__all__ = ["FoldingStep", "folding_steps"]
+__all__ = ["FoldingStep", "folding_steps", "goes_through_all"]
 
 MOST_CREASES = 1000
 """A pattern with more creases than this is folded in one step."""
@@ -48,6 +49,9 @@ MOST_STATES = 3000
 
 MOST_TRIES = 40
 """The number of states between the first folds and the last ones that are tried."""
+
+TIE = 1e-6
+"""A corner of a face that is nearer to the line of a fold than this, relative to the sheet's diagonal, is on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +91,17 @@ def folding_steps(pattern: FoldedPattern) -> tuple[FoldingStep, ...]:
         target = last[-1].before
     moves += [*_collapses(sheet, state, target), *reversed(last)]
     return tuple(_replayed(pattern, flat, moves))
+
+
+def goes_through_all(pattern: FoldedPattern, at: Floats, line: Floats) -> bool:
+    """Return whether a straight fold bends all layers on its ``line``, ``(2, 2)``: no face lies on both sides of it.
+
+    ``at``: where the vertices are before the fold, ``(v, 2)``.
+    """
+    along = (line[1] - line[0]) / math.dist(*line)
+    off = (at - line[0]) @ left_normal(along)
+    tie = TIE * pattern.sheet.diagonal
+    return not any(off[face].min() < -tie and off[face].max() > tie for face in pattern.creases.faces_vertices)
 
 
 @dataclass(frozen=True, eq=False)
