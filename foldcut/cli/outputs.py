@@ -46,15 +46,6 @@ class Outputs:
         """Return the machine that a file is for."""
         return self.usual.get(path.suffix.lower(), self.machine)
 
-    def is_kit(self, path: Path) -> bool:
-        """Whether a file is a sheet for a printer with the guide behind it."""
-        profile = self.machine_for(path).profile
-        if profile is None or profile.kind != "printer":
-            return False
-        from foldcut.exporters.kit import is_kit
-
-        return is_kit(path.name)
-
     def machines(self) -> list[MadeFor]:
         """Return the machines that there may be files for, without jobs."""
         return [MadeFor(machine, []) for machine in (*self.usual.values(), self.machine) if machine.profile is not None]
@@ -123,7 +114,7 @@ class Outputs:
             made = Maker(pattern, machine.profile, machine.job, of_it)
             _, maker = makers.setdefault((machine.name, machine.words.options), (machine, made))
             if not is_bundle(path):
-                contents |= maker.kit(path) if self.is_kit(path) else maker.files(path)
+                contents |= maker.named_files(path)
                 continue
             members: dict[str, bytes] = {}
             for member in self._members(path):

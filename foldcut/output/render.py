@@ -159,6 +159,14 @@ class Maker:
         """
         return self._with_recipe(path, self._without_recipe(path))
 
+    def named_files(self, path: Path) -> dict[Path, bytes]:
+        """Return what ``files`` returns for a name that the user chose: for a printer, that of a kit asks for one."""
+        if self.profile is None or self.profile.kind != "printer":
+            return self.files(path)
+        from foldcut.exporters.kit import is_kit
+
+        return self.kit(path) if is_kit(path.name) else self.files(path)
+
     def kit(self, path: Path) -> dict[Path, bytes]:
         """Return the bytes of a PDF for a printer with the folding guide behind it, with its recipe."""
         from foldcut.exporters.kit import kit

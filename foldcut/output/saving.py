@@ -72,7 +72,7 @@ def pattern_files(
     check_suffix(path.suffix, profile if with_jobs else None, profile, pattern.sheet)
     if recipe is not None and machine is not None:
         recipe = None if isinstance(machine, Profile) else _with_machine(recipe, machine, job)
-    return Maker(pattern, profile, job, recipe).files(path)
+    return Maker(pattern, profile, job, recipe).named_files(path)
 
 
 def _with_machine(recipe: Recipe, machine: str, job: JobOptions) -> Recipe:

@@ -18,6 +18,7 @@ from foldcut.exporters.pictures.guide import export_pdf
 from foldcut.folding_steps.hints import hints
 from foldcut.jobs.job import Job
 from foldcut.output.render import JobOptions, Maker
+from foldcut.pipeline import fold
 from foldcut.profiles import load_profile
 
 PRINTER = load_profile("printer-a4")
@@ -119,5 +120,8 @@ def test_the_command_makes_a_kit_with_both_sides_if_asked_and_makes_it_again(
     pages = {name: len(pypdfium2.PdfDocument(Path(name))) for name in ("t-kit.pdf", "t.pdf")}
     assert pages["t-kit.pdf"] > pages["t.pdf"] == 1
     assert main(["make", "t-kit.pdf", "--again", "--quiet"]) == 0
+    (tmp_path / "python").mkdir()
+    fold("triangle").save(tmp_path / "python" / "t-kit.pdf")
+    assert Path("python/t-kit.pdf").read_bytes() == Path("t-kit.pdf").read_bytes()
     assert main(["make", "triangle", "--profile", "printer-a4", "--two-sided", "-o", "two-KIT.PDF", "--quiet"]) == 0
     assert len(pypdfium2.PdfDocument(Path("two-KIT.PDF"))) == pages["t-kit.pdf"] + 1
