@@ -10,7 +10,8 @@ export class Folding {
   /** `data`: what foldcut wrote: flat, folded, edges, letters, faces, steps, and `layers` of the folded state. */
   constructor(data) {
     Object.assign(this, {data, faces: data.faces, size: Math.max(...data.sheet)});
-    this.beside = besides(data.faces, data.edges);
+    this.edgeOf = finder(data);
+    this.beside = besides(data);
     const steps = data.steps.length ? data.steps : [{edges: data.edges.map((_, e) => e), at: data.folded, layers: data.layers}];
     this.steps = steps;
     const folded = new Set();
@@ -43,7 +44,8 @@ export class Folding {
   /** The line of the cut in the last state: a point, its direction, and the direction to the inside of the shape. */
   cutLine() {
     const from = this.data.folded, to = this.last.at;
-    let a = 0, b = 1, c = 0, far = -1;
+    const a = 0;
+    let b = 1, c = 0, far = -1;
     from.forEach((p, v) => { const d = dist(p, from[0]); if (d > far) { far = d; b = v; } });
     const u = unit(from[a], from[b]), U = unit(to[a], to[b]);
     far = -1;
@@ -64,44 +66,37 @@ export class Folding {
   place(s, gap) {
     const k = Math.min(Math.floor(s), this.count - 1), t = s - k;
     const before = this.states[k], after = this.states[k + 1], step = this.steps[k];
-    const {where, lift} = this;
+    const {where, lift} = this, still = t === 0 || t === 1;
     const heights = (state) => { const most = Math.max(...state.level); return state.level.map((l) => (l - most / 2) * gap); };
     const low = heights(before), high = heights(after);
-    const centre = [0, 1].map((i) => before.centre[i] * (1 - t) + after.centre[i] * t);
-    let told = {exact: true, off: 0, step: k, t};
-    if (t === 0 || t === 1 || !step.line) {
-      const moved = t === 0 || t === 1 ? 0 : this.collapse(before, after, step, t, gap);
-      if (t === 0 || t === 1) {
-        const at = (t ? after : before).at;
-        at.forEach((p, v) => { where[3 * v] = p[0]; where[3 * v + 1] = p[1]; where[3 * v + 2] = 0; });
-      } else told = {...told, exact: false, off: moved};
-      lift.forEach((l, f) => { l[0] = 0; l[1] = 0; l[2] = low[f] * (1 - t) + high[f] * t; });
-    } else {
-      const moving = new Uint8Array(this.faces.length);
-      for (const f of step.moved) moving[f] = 1;
-      const [p, q] = step.line, along = unit(p, q), across = [-along[1], along[0]];
-      const off = (point) => (point[0] - p[0]) * across[0] + (point[1] - p[1]) * across[1];
-      let side = 0;
-      for (const f of step.moved) for (const v of this.faces[f]) side += off(before.at[v]);
-      side = Math.sign(side);
-      const angle = Math.PI * t * (step.over ? 1 : -1), c = Math.cos(angle), sn = Math.sin(angle);
-      const turns = new Uint8Array(before.at.length);
-      for (const f of step.moved) for (const v of this.faces[f]) turns[v] = 1;
-      before.at.forEach((point, v) => {
-        const d = off(point);
-        const along2 = turns[v] ? d * (c - 1) : 0;
-        where[3 * v] = point[0] + across[0] * along2;
-        where[3 * v + 1] = point[1] + across[1] * along2;
-        where[3 * v + 2] = turns[v] ? d * side * sn : 0;
-      });
-      lift.forEach((l, f) => {
-        if (!moving[f]) { l[0] = l[1] = 0; l[2] = low[f] * (1 - t) + high[f] * t; return; }
-        const h = low[f] * (1 - t) - high[f] * t; // along the normal, which turns over with the faces
-        l[0] = -across[0] * side * sn * h; l[1] = -across[1] * side * sn * h; l[2] = c * h;
-      });
+    this.centre = [0, 1].map((i) => before.centre[i] * (1 - t) + after.centre[i] * t);
+    lift.forEach((l, f) => { l[0] = 0; l[1] = 0; l[2] = low[f] * (1 - t) + high[f] * t; });
+    let off = 0;
+    if (still) (t ? after : before).at.forEach((p, v) => { where[3 * v] = p[0]; where[3 * v + 1] = p[1]; where[3 * v + 2] = 0; });
+    else if (step.line) this.turn(before, step, t, low, high);
+    else off = this.collapse(before, after, step, t, gap);
+    return {exact: still || !!step.line, off, step: k, t};
+  }
+
+  /** Turn what a straight fold moves about its line, and its layers from their heights before, `low`, to those after. */
+  turn(before, step, t, low, high) {
+    const {where, lift} = this, [p, q] = step.line, along = unit(p, q), across = [-along[1], along[0]];
+    const off = (point) => (point[0] - p[0]) * across[0] + (point[1] - p[1]) * across[1];
+    const turns = new Uint8Array(before.at.length);
+    let side = 0;
+    for (const f of step.moved) for (const v of this.faces[f]) { turns[v] = 1; side += off(before.at[v]); }
+    side = Math.sign(side);
+    const angle = Math.PI * t * (step.over ? 1 : -1), c = Math.cos(angle), sn = Math.sin(angle);
+    before.at.forEach((point, v) => {
+      const d = off(point), shift = turns[v] ? d * (c - 1) : 0;
+      where[3 * v] = point[0] + across[0] * shift;
+      where[3 * v + 1] = point[1] + across[1] * shift;
+      where[3 * v + 2] = turns[v] ? d * side * sn : 0;
+    });
+    for (const f of step.moved) {
+      const h = low[f] * (1 - t) - high[f] * t; // along the normal, which turns over with the faces
+      lift[f][0] = -across[0] * side * sn * h; lift[f][1] = -across[1] * side * sn * h; lift[f][2] = c * h;
     }
-    this.centre = centre;
-    return told;
   }
 
   /** Where vertices are while creases close together; returns how far lengths are off on average, 0.01 = 1 %. */
@@ -153,12 +148,17 @@ function middle(points) {
   });
 }
 
+/** What finds the edge between two vertices, undefined where there is none. */
+function finder({edges, flat}) {
+  const key = (a, b) => Math.min(a, b) * flat.length + Math.max(a, b), of = new Map(edges.map(([a, b], e) => [key(a, b), e]));
+  return (a, b) => of.get(key(a, b));
+}
+
 /** The faces beside each edge. */
-function besides(faces, edges) {
-  const count = faces.reduce((most, face) => Math.max(most, ...face), 0) + 1, key = (a, b) => Math.min(a, b) * count + Math.max(a, b);
-  const of = new Map(edges.map(([a, b], e) => [key(a, b), e])), beside = edges.map(() => []);
+export function besides(data) {
+  const {faces, edges} = data, edgeOf = finder(data), beside = edges.map(() => []);
   faces.forEach((face, f) => face.forEach((a, k) => {
-    const e = of.get(key(a, face[(k + 1) % face.length]));
+    const e = edgeOf(a, face[(k + 1) % face.length]);
     if (e !== undefined) beside[e].push(f);
   }));
   return beside;

@@ -1,4 +1,5 @@
 // The crease pattern as SVG: kinds of lines that can be left out, zoom, and what a crease is.
+import {besides} from "./folding.js";
 import {$, number, pathOf, put} from "./words.js";
 
 const NAMES = {M: "mountain", V: "valley", F: "flat"};
@@ -56,13 +57,9 @@ export class PatternView {
     this.creases = data.edges.map((_, e) => e).filter((e) => data.letters[e] !== "B");
     this.chosen = put(this.svg, "line", {class: "chosen hidden", "stroke-width": 4 * this.unit});
     this.current = -1;
-    this.beside = new Map();
-    const rank = new Array(data.faces.length);
-    data.layers.forEach((face, at) => { rank[face] = at; });
-    data.faces.forEach((face, f) => face.forEach((a, k) => {
-      const b = face[(k + 1) % face.length], key = Math.min(a, b) + "," + Math.max(a, b);
-      this.beside.set(key, [...(this.beside.get(key) || []), rank[f] + 1]);
-    }));
+    const layer = new Array(data.faces.length);
+    data.layers.forEach((face, at) => { layer[face] = at + 1; });
+    this.joined = besides(data).map((faces) => faces.map((f) => layer[f]).sort((p, q) => p - q));
     $("has-drawn").classList.toggle("hidden", !data.drawn);
     $("has-first").classList.toggle("hidden", !data.first.length);
     $("tip").textContent = "Point at a crease, or go through them with the buttons.";
@@ -125,10 +122,9 @@ export class PatternView {
     const {data} = this, e = this.creases[at], [a, b] = data.edges[e], [x1, y1, x2, y2] = this.line(e);
     for (const [key, value] of Object.entries({x1, y1, x2, y2})) this.chosen.setAttribute(key, value);
     this.chosen.classList.remove("hidden");
-    const joined = (this.beside.get(Math.min(a, b) + "," + Math.max(a, b)) || []).sort((p, q) => p - q);
     const point = (v) => data.flat[v].map((c) => c.toFixed(1)).join(", ");
     $("tip").textContent = `Crease ${at + 1} of ${this.creases.length}: ${NAMES[data.letters[e]]}, ${Math.hypot(x2 - x1, y2 - y1).toFixed(1)} mm, ` +
-      `from (${point(a)}) to (${point(b)}), joins layers ${joined.join(" and ")} of ${data.faces.length}.`;
+      `from (${point(a)}) to (${point(b)}), joins layers ${this.joined[e].join(" and ")} of ${data.faces.length}.`;
   }
 
   /** Choose the next crease, and bring it into view for those who go through them without a pointer. */

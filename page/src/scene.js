@@ -51,13 +51,12 @@ export class FoldScene {
   show(folding) {
     for (const one of [...this.paper.children]) { this.paper.remove(one); one.geometry.dispose(); one.material.dispose(); }
     this.folding = folding;
-    const {parts, faces, data, beside} = folding;
-    let corners = 0, triangles = 0, sides = 0;
-    for (const part of parts) { corners += part.corners.length; triangles += part.corners.length - 2; sides += part.corners.length; }
+    const {parts, faces, edgeOf} = folding;
+    let triangles = 0, sides = 0;
+    for (const part of parts) { triangles += part.corners.length - 2; sides += part.corners.length; }
     this.at = new BufferAttribute(new Float32Array(9 * triangles), 3);
     this.ends = new BufferAttribute(new Float32Array(6 * sides), 3);
     this.inks = new BufferAttribute(new Float32Array(6 * sides), 3);
-    const letter = new Map(data.edges.map(([a, b], e) => [Math.min(a, b) + "," + Math.max(a, b), e]));
     this.places = parts.map((part) => new Float64Array(3 * part.corners.length));
     // a side of a part is on an edge, or on the cut
     this.sideEdge = parts.map(({f, corners: all}) => all.map(([a, b], k) => {
@@ -65,7 +64,7 @@ export class FoldScene {
       const face = faces[f];
       for (let i = 0; i < face.length; i++) {
         const p = face[i], q = face[(i + 1) % face.length];
-        if ([...ends].every((v) => v === p || v === q)) return letter.get(Math.min(p, q) + "," + Math.max(p, q)) ?? -1;
+        if ([...ends].every((v) => v === p || v === q)) return edgeOf(p, q) ?? -1;
       }
       return -1;
     }));
@@ -93,20 +92,19 @@ export class FoldScene {
     this.knife = new LineSegments(knife, new LineDashedMaterial({color: 0xd00000, dashSize: 6, gapSize: 3}));
     this.knife.frustumCulled = false;
     this.paper.add(drawn, this.knife);
-    void beside; void corners;
   }
 
   /** Draw the sheet after `s` steps. See `Viewer` for `look`: gap, layers, away, only. */
   draw(s, {gap, layers, away, only}) {
     const {folding} = this, told = folding.place(s, gap), {where, lift, parts, size, last} = folding;
-    const most = layers, rank = last.rank, end = s >= folding.count;
+    const {rank} = last, end = s >= folding.count;
     const {inside, ends} = folding.cut;
     const t = s / folding.count, now = new Set(told.t > 0 && told.t < 1 ? folding.steps[told.step].edges : []);
     const at = this.at.array, to = this.ends.array, inks = this.inks.array;
     let n = 0, m = 0, radius = 1e-9;
     const [cx, cy] = folding.centre;
     parts.forEach((part, p) => {
-      const place = this.places[p], hidden = rank[part.f] >= most || (only && !part.inside), l = lift[part.f];
+      const place = this.places[p], hidden = rank[part.f] >= layers || (only && !part.inside), l = lift[part.f];
       const move = part.inside && !only ? [inside[0] * away * t, inside[1] * away * t, away * (1 - t) * 1.5] : [0, 0, 0];
       part.corners.forEach(([a, b, w], k) => {
         for (let i = 0; i < 3; i++) {

@@ -33,7 +33,7 @@ export function startServe() {
   $("profile").addEventListener("change", machineChosen);
   $("level").oninput = () => { tellLevel(); changed(); };
   $("file").onchange = () => { if ($("file").files[0]) takeFile($("file").files[0]); };
-  $("text").oninput = $("font").onchange = () => { if ($("text").value.trim()) take({kind: "text", text: $("text").value.trim(), font: $("font").value, name: $("text").value.trim()}); };
+  $("text").oninput = $("font").onchange = () => { if ($("text").value.trim()) takeText($("text").value.trim()); };
   $("new").onclick = () => { board.drawing = true; take({kind: "corners", loops: [], name: "drawing"}); say("Click on the board to set corners; drag them as you like."); };
   $("corners").onchange = () => edited(numbersToLoops($("corners").value), true);
   $("stop").onclick = async () => { turn += 1; await forget(); say("Stopped."); };
@@ -118,6 +118,8 @@ function takeFile(file) {
   const dot = file.name.lastIndexOf(".");
   take({kind: "file", file, ending: file.name.slice(Math.max(dot, 0)).toLowerCase(), name: dot > 0 ? file.name.slice(0, dot) : file.name});
 }
+
+const takeText = (text) => take({kind: "text", text, font: $("font").value, name: text});
 
 /** The drawing was changed by hand: from now on it is made of its corners, and keeps its name. */
 function edited(loops, shown = false) {
@@ -212,8 +214,7 @@ async function look(mine, quick, seen) {
     const data = await (await fetch(`jobs/${token}/shown`)).json();
     if (mine !== turn || token !== job) return;
     if (data.flat) {
-      const first = !performance.getEntriesByName("first").length;
-      if (first) performance.mark("first");
+      if (!performance.getEntriesByName("first").length) performance.mark("first");
       show(data);
       numbers(folding ? got.patterns.at(-1) : null, got.report);
     }
@@ -353,7 +354,7 @@ function restore() {
   const drawing = state?.drawing;
   const isLoops = (loops) => Array.isArray(loops) && loops.every((loop) => Array.isArray(loop) && loop.every((p) => Array.isArray(p) && p.length === 2 && p.every(Number.isFinite)));
   if (drawing?.kind === "sample" && outlines[drawing.name]) take({kind: "sample", name: drawing.name});
-  else if (drawing?.kind === "text" && typeof drawing.text === "string" && drawing.text.trim()) { $("text").value = drawing.text; if (choices.fonts.includes(drawing.font)) $("font").value = drawing.font; take({kind: "text", text: drawing.text.trim(), font: $("font").value, name: drawing.text.trim()}); }
+  else if (drawing?.kind === "text" && typeof drawing.text === "string" && drawing.text.trim()) { $("text").value = drawing.text; if (choices.fonts.includes(drawing.font)) $("font").value = drawing.font; takeText(drawing.text.trim()); }
   else if (drawing?.kind === "corners" && isLoops(drawing.loops)) take({kind: "corners", loops: drawing.loops, name: String(drawing.name || "drawing")});
   else take({kind: "sample", name: outlines.star ? "star" : Object.keys(outlines)[0]});
 }

@@ -147,11 +147,9 @@ export class Viewer {
     if (!this.data) return;
     const end = +$("fold").max, cutting = $("cut").checked && +$("fold").value > 0;
     const wait = (then) => { this.later = setTimeout(then, 700); };
-    const open = () => { $("only").checked = !$("only").disabled; this.run(end, 0, () => this.stop()); };
-    $("play").textContent = "Pause";
-    this.playing = true;
-    if ($("only").checked) { const at = +$("fold").value; this.rest = at > 0 ? () => this.run(at, 0, () => this.stop()) : null; }
-    if (this.rest) { const rest = this.rest; this.rest = null; rest(); return; }
+    const unfold = (from) => this.run(from, 0, () => this.stop());
+    const open = () => { $("only").checked = !$("only").disabled; unfold(end); };
+    if ($("only").checked && +$("fold").value > 0) { unfold(+$("fold").value); return; }
     if (!cutting) { $("cut").checked = $("only").checked = false; }
     const from = +$("fold").value >= end && !cutting ? 0 : +$("fold").value;
     const cut = () => { $("cut").checked = true; this.draw(); wait(open); };
@@ -160,7 +158,8 @@ export class Viewer {
 
   run(from, to, done) {
     const started = performance.now(), long = Math.abs(to - from) / TICKS * STEP_MS;
-    if (!this.playing) { this.playing = true; $("play").textContent = "Pause"; }
+    this.playing = true;
+    $("play").textContent = "Pause";
     const frame = (now) => {
       const part = long ? Math.min((now - started) / long, 1) : 1;
       $("fold").value = from + (to - from) * part;
