@@ -18,9 +18,8 @@ class LackingError(JobError):
     """
 
     def __init__(self, what: str, values: Sequence[str] = ()) -> None:
-        self.what, self.remedies = what, list[str]()
-        if values:
-            self.remedies.append(f"add it with {' '.join(f'--set {value}' for value in values)}")
+        add = " ".join(["add it with", *(f"--set {value}" for value in values)])
+        self.what, self.remedies = what, [add] if values else []
         super().__init__("; ".join([what, *self.remedies]))
 
 

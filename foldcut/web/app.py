@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import time
 from collections.abc import AsyncIterator, Callable
 from functools import cache
@@ -40,8 +41,6 @@ from foldcut.web.options import fonts, machines, read_query, require_known
 
 __all__ = ["make_app"]
 
-MANY = 10_000
-"""Samples whose folds nobody has counted come after those with less than this."""
 HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -114,9 +113,12 @@ async def page_file(request: Request) -> Response:
 
 @cache
 def _sample_loops() -> dict[str, list[list[list[float]]]]:
-    """Return the loops of all samples in mm, y up, so that the page can show them at once; few folds come first."""
+    """Return the loops of all samples in mm, y up, so that the page can show them at once.
+
+    Few folds come first; samples whose folds nobody has counted come last.
+    """
     counts, found = fold_counts(), {}
-    for name in sorted(sample_names(), key=lambda name: counts[name].folds if name in counts else MANY):
+    for name in sorted(sample_names(), key=lambda name: counts[name].folds if name in counts else math.inf):
         drawing = read_shape(sample_path(name), ReadOptions())
         found[name] = [loop.round(3).tolist() for loop in drawing.loops]
     return found

@@ -38,9 +38,9 @@ SO_FAR = "so-far.html"
 """The same for the best pattern found so far, beside the folder of files that can be taken."""
 QUICK_FILES = (PATTERN, PAGE)
 """The files of a quick look."""
-FILES = ("pattern.svg", PATTERN, "pattern.html", "pattern.png", "pattern.zip")
+FILES = ("pattern.svg", PATTERN, PAGE, "pattern.png", "pattern.zip")
 """The files that are made at once where there is no machine; the others are made when the page asks for them."""
-MACHINE_FILES = (PATTERN, "pattern.html", "pattern.png", "job.zip")
+MACHINE_FILES = (PATTERN, PAGE, "pattern.png", "job.zip")
 """The files that are made at once for a machine, beside the job in the machine's own format."""
 PRINTED = ("pattern-kit.pdf", "pattern.pdf")
 """What to print where there is no machine: the command line takes a usual printer for it."""
