@@ -17,7 +17,6 @@ from foldcut.core.arrays import Floats, Ints, index_array
 from foldcut.core.model import FoldedPattern, FoldedState
 from foldcut.folding_steps.steps import FoldingStep, folding_steps
 from foldcut.geometry.vectors import left_normal
-from foldcut.profiles import Profile
 
 from ..pattern.svg import path_data
 from ..text import number, printable
@@ -46,7 +45,7 @@ class _Frame:
     line: Floats | None = None
 
 
-def export_animation(pattern: FoldedPattern, profile: Profile | None = None) -> bytes:
+def export_animation(pattern: FoldedPattern) -> bytes:
     """Return an animated SVG; the same pattern gives the same bytes."""
     frames = list(_frames(pattern))
     every = np.concatenate([polygon for frame in frames for polygon, _ in frame.drawn])

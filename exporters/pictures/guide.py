@@ -12,6 +12,7 @@ from __future__ import annotations
 import html
 import io
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -523,5 +524,9 @@ def _draw_marks(canvas: Canvas, marks: list[panels.Outline | panels.Text]) -> No
         canvas.drawPath(path, fill=int(bool(mark.fill)), stroke=int(bool(mark.stroke)))
 
 
-GUIDES = {".html": export_html, ".pdf": export_pdf, ".svg": export_animation}
+GUIDES: dict[str, Callable[[FoldedPattern], bytes]] = {
+    ".html": export_html,
+    ".pdf": export_pdf,
+    ".svg": export_animation,
+}
 """The exporters of guides, by the ending of their files."""

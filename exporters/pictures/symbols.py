@@ -1,7 +1,7 @@
 """The symbols of origami diagrams, after Yoshizawa and Randlett: arrows for valley and mountain folds, and so on.
 
-Places and sizes in the coordinates of a panel -> ``Item``, black or in a given colour. A valley fold's arrow has a
-whole, filled head, a mountain fold's a hollow half of one; fold and unfold has a head at both ends.
+Places and sizes in the coordinates of a panel -> ``Item``, in black. A valley fold's arrow has a whole, filled head, a
+mountain fold's a hollow half of one; fold and unfold has a head at both ends.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from foldcut.geometry.vectors import left_normal
 
 from .panels import BOLD, Item
 
-__all__ = ["circle", "fold_arrow", "mountain_head", "rotate", "turn_over", "unfold_arrow", "valley_head"]
+__all__ = ["fold_arrow", "rotate", "turn_over", "unfold_arrow"]
 
 INK = "#000000"
 """The colour of symbols."""
@@ -24,38 +24,39 @@ HEAD = 0.16
 """The length of an arrow's head, as a fraction of the arrow's reach, if that is not too long."""
 
 WHITE = "#ffffff"
+"""The colour inside a hollow head."""
 
 
-def fold_arrow(points: Floats, line: Floats, extent: float, *, valley: bool, colour: str = INK) -> list[Item]:
+def fold_arrow(points: Floats, line: Floats, extent: float, *, valley: bool) -> list[Item]:
     """Return the arrow of a fold along a ``line``, ``(2, 2)``, from the middle of what moves to where it comes to lie.
 
     ``points``: the corners of what moves; ``extent``: the size of the picture.
     """
     curve = _curve(points, line)
-    head = (valley_head if valley else mountain_head)(curve, _size(curve, extent), colour)
-    return [Item([curve], stroke=colour, width=BOLD / 2), head]
+    head = (_valley_head if valley else _mountain_head)(curve, _size(curve, extent))
+    return [Item([curve], stroke=INK, width=BOLD / 2), head]
 
 
-def unfold_arrow(place: Floats, line: Floats, extent: float, colour: str = INK) -> list[Item]:
+def unfold_arrow(place: Floats, line: Floats, extent: float) -> list[Item]:
     """Return the arrow for folding along a ``line`` and unfolding again: over the line at a place, with two heads."""
     across = left_normal((line[1] - line[0]) / math.dist(*line)) * 0.1 * extent
     curve = _curve(np.array([place + across]), line)
     size = _size(curve, extent)
-    heads = [valley_head(curve, size, colour), valley_head(curve[::-1], size, colour)]
-    return [Item([curve], stroke=colour, width=BOLD / 2), *heads]
+    heads = [_valley_head(curve, size), _valley_head(curve[::-1], size)]
+    return [Item([curve], stroke=INK, width=BOLD / 2), *heads]
 
 
-def valley_head(curve: Floats, size: float, colour: str = INK) -> Item:
+def _valley_head(curve: Floats, size: float) -> Item:
     """Return the head of a valley fold's arrow at the end of a curve: a filled triangle."""
     tip, back, aside = _head(curve, size)
-    return Item([np.array([tip, tip + back + aside, tip + 0.75 * back, tip + back - aside])], fill=colour, closed=True)
+    return Item([np.array([tip, tip + back + aside, tip + 0.75 * back, tip + back - aside])], fill=INK, closed=True)
 
 
-def mountain_head(curve: Floats, size: float, colour: str = INK) -> Item:
+def _mountain_head(curve: Floats, size: float) -> Item:
     """Return the head of a mountain fold's arrow at the end of a curve: a hollow half of a triangle."""
     tip, back, aside = _head(curve, size)
     corners = np.array([tip, tip + 1.2 * back + 1.3 * aside, tip + back])
-    return Item([corners], fill=WHITE, stroke=colour, width=BOLD / 2, closed=True)
+    return Item([corners], fill=WHITE, stroke=INK, width=BOLD / 2, closed=True)
 
 
 def turn_over(place: Floats, size: float) -> list[Item]:
@@ -63,7 +64,7 @@ def turn_over(place: Floats, size: float) -> list[Item]:
     angle = np.linspace(-0.5 * math.pi, 1.5 * math.pi, 33)
     loop = 0.17 * np.stack([np.cos(angle), np.sin(angle) + 1], axis=1)
     curve = np.concatenate([np.array([[-0.5, 0.0]]), loop, np.array([[0.38, 0.0], [0.5, 0.0]])]) * size + place
-    return [Item([curve], stroke=INK, width=BOLD / 2), valley_head(curve, 0.16 * size)]
+    return [Item([curve], stroke=INK, width=BOLD / 2), _valley_head(curve, 0.16 * size)]
 
 
 def rotate(place: Floats, size: float, *, left: bool) -> list[Item]:
@@ -73,15 +74,8 @@ def rotate(place: Floats, size: float, *, left: bool) -> list[Item]:
         angle = np.radians(np.linspace(start, start + 140, 21))
         arc = place + 0.5 * size * np.stack([np.cos(angle), np.sin(angle)], axis=1)
         arc = arc if left else arc[::-1]
-        items += [Item([arc], stroke=INK, width=BOLD / 2), valley_head(arc, 0.25 * size)]
+        items += [Item([arc], stroke=INK, width=BOLD / 2), _valley_head(arc, 0.25 * size)]
     return items
-
-
-def circle(place: Floats, size: float, colour: str = INK) -> Item:
-    """Return a small circle around a point that is referred to."""
-    angle = np.linspace(0, 2 * math.pi, 24, endpoint=False)
-    round_it = place + 0.5 * size * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return Item([round_it], stroke=colour, width=BOLD / 2, closed=True)
 
 
 def _curve(points: Floats, line: Floats) -> Floats:
