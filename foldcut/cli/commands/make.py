@@ -152,10 +152,8 @@ def make(args: Namespace) -> int:
         raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
     targets = [*outputs.targets(), *([preview_path] if preview_path else [])]
     check_targets(targets, replace=args.force, inputs=inputs)
-    if isinstance(request, options.FoldRequest) and request.so_far is not None:
-        check_targets([*targets, request.so_far], replace=True, inputs=inputs)
 
-    result = fold_or_open(request, console)
+    result = fold_or_open(request, console, targets)
     contents: dict[Path, bytes] = {}
     made: list[MadeFor] = outputs.machines()
     if result.verified:
