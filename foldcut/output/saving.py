@@ -6,6 +6,7 @@ A ``FoldedPattern``, the name of a file and a machine -> the names and bytes of 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from foldcut.core.errors import BadInputError
@@ -17,7 +18,7 @@ from foldcut.output.recipe import Recipe
 from foldcut.output.render import JobOptions, Maker
 from foldcut.profiles import Profile, load_profile
 
-__all__ = ["USUAL_MACHINES", "guide_file", "letter_is_usual", "pattern_files", "usual_machine"]
+__all__ = ["USUAL_MACHINES", "guide_exporter", "guide_file", "letter_is_usual", "pattern_files", "usual_machine"]
 
 USUAL_MACHINES = {".dxf": ("laser-dxf",), ".pdf": ("printer-a4", "printer-letter", "print-shop-a3")}
 """The profiles for files with these endings when no machine is named; among printers the one for the sheet is taken."""
@@ -82,8 +83,8 @@ def _with_machine(recipe: Recipe, machine: str, job: JobOptions) -> Recipe:
     return recipe.also(words, {"--profile": hash_of(own)} if is_file else {})
 
 
-def guide_file(pattern: FoldedPattern, path: Path, recipe: Recipe | None) -> bytes:
-    """Return how a person folds a pattern, as the name's ending says; raises ``BadInputError`` for other endings."""
+def guide_exporter(path: Path) -> Callable[[FoldedPattern], bytes]:
+    """Return what makes a guide in the format that a name's ending says; raises ``BadInputError`` for other endings."""
     from foldcut.exporters.pictures.guide import GUIDES
 
     export = GUIDES.get(path.suffix.lower())
@@ -91,5 +92,10 @@ def guide_file(pattern: FoldedPattern, path: Path, recipe: Recipe | None) -> byt
         raise BadInputError(
             f"{path}: guides are PDF, HTML or animated SVG; give a name that ends in {', '.join(GUIDES)}"
         )
-    data = export(pattern)
+    return export
+
+
+def guide_file(pattern: FoldedPattern, path: Path, recipe: Recipe | None) -> bytes:
+    """Return how a person folds a pattern, as the name's ending says; raises ``BadInputError`` for other endings."""
+    data = guide_exporter(path)(pattern)
     return data if recipe is None else recipe.put_into(data, path.name, path.name)

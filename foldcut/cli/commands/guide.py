@@ -10,7 +10,6 @@ from foldcut.cli import options
 from foldcut.cli.commands import Command
 from foldcut.cli.making import fold_and_write
 from foldcut.cli.parser import output_name
-from foldcut.core.errors import BadInputError
 
 if TYPE_CHECKING:
     from foldcut.foldfile.reopen import Reopened
@@ -39,17 +38,14 @@ def add_options(command: ArgumentParser) -> None:
 
 def guide(args: Namespace) -> int:
     """Fold a drawing and write how a person folds it."""
-    from foldcut.exporters.pictures.guide import GUIDES
+    from foldcut.output.saving import guide_exporter
 
     request, recipe = options.request(args), options.recipe(args)
     output = Path(args.output or f"{request.source.stem}-guide.pdf")
-    if output.suffix.lower() not in GUIDES:
-        raise BadInputError(
-            f"{output}: guides are PDF, HTML or animated SVG; give a name that ends in {', '.join(GUIDES)}"
-        )
+    export = guide_exporter(output)
 
     def written(result: Result | Reopened) -> bytes:
-        return GUIDES[output.suffix.lower()](result.folded_pattern)
+        return export(result.folded_pattern)
 
     return fold_and_write(request, output, written, options.console(args), recipe, replace=args.force)
 
