@@ -70,7 +70,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(error, message, status, as_json)
 
 
-def told(error: BaseException, args: Namespace) -> tuple[str, int]:
+def told(error: BaseException, args: Namespace | None = None) -> tuple[str, int]:
     """Return what is said about an error of a command, whose options ``args`` are, and the exit status."""
     ended = ended_by(error)
     if isinstance(ended, KeyboardInterrupt):
@@ -79,7 +79,7 @@ def told(error: BaseException, args: Namespace) -> tuple[str, int]:
         return f"terminated; {_notes(ended)}no file is half-written", TERMINATED
     if isinstance(ended, TimedOut):
         remedy = "allow more with --timeout"
-        searches = "effort" in args and getattr(args, "again", None) is None
+        searches = args is not None and "effort" in args and getattr(args, "again", None) is None
         remedy += ", or search less with --effort fast or --seconds" if searches else ""
         return f"timed out after {ended.seconds:g} s, no file is half-written; {remedy}", FAILED
     if isinstance(error, FoldcutError):
