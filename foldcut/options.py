@@ -135,39 +135,39 @@ class Options:
         yield f"--margin={_typed(self.margin)}"
         if self.scale != "fit":
             yield f"--scale={self.scale}"
-        yield from self._lengths("width", "height")
+        yield from _lengths(self, "width", "height")
         if self.offset is not None:
             yield f"--offset={','.join(map(_typed, self.offset))}"
         if self.rotation is not None:
             yield f"--rotate={self.rotation if isinstance(self.rotation, str) else f'{self.rotation:g}'}"
         yield from self._others("method", "effort", "seconds")
-        yield from self._lengths("ribbon", "min_crease", "tolerance")
+        yield from _lengths(self, "ribbon", "min_crease", "tolerance")
         if self.exact:
             yield "--exact"
         yield from self._others("level", "folds", "small_parts")
-        yield from self._lengths("simplify", "symmetry", "adjust")
+        yield from _lengths(self, "simplify", "symmetry", "adjust")
         preparation = self.preparation or Preparation()
         if preparation.corners is not None:
             yield f"--corners={preparation.corners}"
         if preparation.strict:
             yield "--strict"
-        for name in ("min_feature", "separate"):
-            if getattr(preparation, name):
-                yield f"--{name.replace('_', '-')}={_typed(getattr(preparation, name))}"
+        yield from _lengths(preparation, "min_feature", "separate")
         if preparation.mirror:
             yield "--mirror"
-
-    def _lengths(self, *names: str) -> Iterator[str]:
-        for name in names:
-            value = getattr(self, name)
-            if value is not None and value != 0:
-                yield f"--{name.replace('_', '-')}={_typed(value)}"
 
     def _others(self, *names: str) -> Iterator[str]:
         for name in names:
             value = getattr(self, name)
             if value != getattr(Options, name):
                 yield f"--{name.replace('_', '-')}={value}"
+
+
+def _lengths(options: Options | Preparation, *names: str) -> Iterator[str]:
+    """Yield the lengths among the options that are given, and are not 0, as they are typed."""
+    for name in names:
+        value = getattr(options, name)
+        if value is not None and value != 0:
+            yield f"--{name.replace('_', '-')}={_typed(value)}"
 
 
 def _typed(length: Length) -> str:

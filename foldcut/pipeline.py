@@ -113,7 +113,7 @@ class Result:
     def phases(self) -> tuple[Phase, ...]:
         """The simple folds, and the creases that close together, in the order in which they are folded.
 
-        None where the pattern has so many creases that nobody has counted them.
+        There are none where the pattern has so many creases that they were not counted.
         """
         return () if self.ladder is None else self.ladder.level.phases
 
@@ -251,9 +251,9 @@ def fold(
     ``CreaseTooShortError``, an ``UnfoldableError``, for a verified pattern with too short a crease. A pattern that
     fails verification is returned with its findings; ``Result.require_verified`` refuses it.
     """
-    asked = (options if isinstance(options, Options) else Options()).but(changes)
-    if isinstance(options, Sheet | str):
-        asked = replace(asked, sheet=options)
+    if not isinstance(options, Options):
+        options = Options() if options is None else Options(sheet=options)
+    asked = options.but(changes)
     method, level, exact, preparation = asked.method, asked.level, asked.exact, asked.preparation
     tolerance, simplify, adjust = in_mm(asked.tolerance), in_mm(asked.simplify), in_mm(asked.adjust)
     ribbon, min_crease = in_mm(asked.ribbon), in_mm(asked.min_crease)
@@ -366,13 +366,12 @@ def _bounds_of_graph(bounds: Bounds, preparation: Preparation | None) -> Bounds:
     Raises ``BadInputError`` for a method and for options that are for closed outlines only.
     """
     check_graph(bounds.method)
-    asked: dict[str, float | None] = {}
-    if preparation is not None:
-        asked |= {
-            "--corners": preparation.corners,
-            "--min-feature": preparation.min_feature,
-            "--separate": preparation.separate,
-        }
+    preparation = preparation or Preparation()
+    asked = {
+        "--corners": preparation.corners,
+        "--min-feature": preparation.min_feature,
+        "--separate": preparation.separate,
+    }
     given = [option for option, value in asked.items() if value]
     if given:
         raise BadInputError(
@@ -506,7 +505,7 @@ def _read(
             refuse_changes(drawing.repairs)
         if not isinstance(layout.scale, str):
             layout = replace(layout, scale=layout.scale * (drawing.unit_mm or 1.0))
-    y_down = drawing is not None and drawing.y_down
+    title, y_down = ("", False) if drawing is None else (drawing.title, drawing.y_down)
     graph = _graph_as_drawn(loops, drawing, preparation)
     if graph is not None and drawing is not None and drawing.lines:
         apart = next(graph.shapes())
@@ -515,8 +514,7 @@ def _read(
             notes, graph = (*notes, *_joined(graph, drawing)), None
     if graph is not None:
         outline, more = _of_graph(graph, layout, near, preparation, drawing)
-        notes = (*notes, *more)
-        return _Read(outline, layout, "" if drawing is None else drawing.title, y_down, notes, drawing)
+        return _Read(outline, layout, title, y_down, (*notes, *more), drawing)
     prepared = whole = None
     if preparation is not None:
         unit = layout.place(_hull(loops))[2].scale
@@ -529,9 +527,7 @@ def _read(
     except TouchError as error:
         outline, simplified = _touching(loops, error, layout, near, y_down=y_down)
         notes = (*notes, *simplified)
-    if drawing is None:
-        return _Read(outline, layout, notes=notes, prepared=prepared, whole=whole)
-    return _Read(outline, layout, drawing.title, drawing.y_down, notes, drawing, prepared, whole)
+    return _Read(outline, layout, title, y_down, notes, drawing, prepared, whole)
 
 
 def _graph_as_drawn(

@@ -6,8 +6,6 @@ is JSON loops, and kite is WKT. Those of ``LINES`` are cut along lines that are 
 
 from __future__ import annotations
 
-import tomllib
-from difflib import get_close_matches
 from importlib.resources import files
 from os import PathLike
 from pathlib import Path
@@ -48,6 +46,8 @@ def sample_path(name: str) -> Path:
 
 def fold_counts() -> dict[str, FoldCounts]:
     """Return what it takes to fold each sample on A4 by the default command, as it was counted."""
+    import tomllib
+
     text = (Path(str(files(__name__))) / _COUNTS).read_text(encoding="utf-8")
     return {name: FoldCounts(**row) for name, row in tomllib.loads(text).items()}
 
@@ -57,6 +57,8 @@ def drawing_path(name: str | PathLike[str]) -> Path:
 
     Raises ``FileFormatError`` where there is neither and the name is that of no file, but nearly that of a sample.
     """
+    from difflib import get_close_matches
+
     path, samples = Path(name), _paths()
     if path.exists():
         return path

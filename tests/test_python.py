@@ -55,6 +55,7 @@ def test_a_sample_a_path_and_loops_are_folded_alike(star: foldcut.Result, tmp_pa
 def test_what_is_given_by_name_goes_before_the_options() -> None:
     asked = QUICK.but({"sheet": "a6", "margin": "1cm"})
     assert (asked.sheet, asked.margin, asked.effort) == ("a6", "1cm", "fast")
+    assert foldcut.fold("star", "a5", sheet="a6", effort="fast").options.sheet == "a6"
     with pytest.raises(TypeError, match=r"no option 'mergin'; did you mean 'margin'\?"):
         foldcut.fold("star", mergin=3)
     with pytest.raises(foldcut.SheetError, match="'3 ells' is not a length"):

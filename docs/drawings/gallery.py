@@ -69,9 +69,9 @@ def made(name: str) -> Made:
     result.save_guide(OUT / f"{name}-folds.svg", force=True)
     picture, _ = contact_sheet([(result.title, thumbnail(result.folded_pattern))], "", load_profile().drawing)
     (PICTURES / f"{name}.svg").write_bytes(picture)
-    hard, folds = result.difficulty, sum(phase.count for phase in result.phases)
-    print(f"{name}: {folds} folds, {hard}", flush=True)
-    return Made(hard.level, hard.minutes or 0, folds, name, hard.short)
+    hard = result.difficulty
+    print(f"{name}: {result.folds} folds, {hard}", flush=True)
+    return Made(hard.level, hard.minutes or 0, result.folds, name, hard.short)
 
 
 def page(rows: Iterable[Made]) -> str:

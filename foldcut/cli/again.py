@@ -109,6 +109,7 @@ def asked(args: Namespace) -> tuple[Path, str]:
     given = given if args.shape else ""
     groups = (options.add_source, options.add_folding, options.add_machine, options.add_solid)
     wrong = [name for add in groups for name in options.given(args, add) if name not in ("--shape", "--progress")]
+    wrong += ["--so-far"] if args.so_far is not None else []
     wrong += ["--preview"] if args.preview else []
     if wrong:
         raise BadInputError(f"{', '.join(wrong)}: --again takes all options from the file; leave them out")

@@ -79,10 +79,8 @@ def told(error: BaseException, args: Namespace | None = None) -> tuple[str, int]
         return f"terminated; {_notes(ended)}no file is half-written", TERMINATED
     if isinstance(ended, TimedOut):
         remedy = "allow more with --timeout"
-        if (
-            args is not None and "effort" in args and getattr(args, "again", None) is None
-        ):  # else nothing can be searched less
-            remedy += ", or search less with --effort fast or --seconds"
+        searches = args is not None and "effort" in args and getattr(args, "again", None) is None
+        remedy += ", or search less with --effort fast or --seconds" if searches else ""
         return f"timed out after {ended.seconds:g} s, no file is half-written; {remedy}", FAILED
     if isinstance(error, FoldcutError):
         return str(error), FAILED if isinstance(error, UnfoldableError) else BAD_INPUT

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import shlex
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,19 +26,22 @@ NOT_VERIFIED = "nothing is written"
 """What an error says beside the findings: no file is written for a pattern that is not verified."""
 
 
-def fold_or_open(request: Request, console: Console) -> Result | Reopened:
+def fold_or_open(request: Request, console: Console, targets: Iterable[Path]) -> Result | Reopened:
     """Return the pattern of a drawing, or the one that was folded already."""
-    return opened(request) if isinstance(request, OpenRequest) else folded(request, console)
+    return opened(request) if isinstance(request, OpenRequest) else folded(request, console, targets)
 
 
-def folded(request: FoldRequest, console: Console) -> Result:
-    """Read a drawing and fold it, with progress on stderr."""
+def folded(request: FoldRequest, console: Console, targets: Iterable[Path]) -> Result:
+    """Read a drawing and fold it, with progress on stderr.
+
+    ``targets``: the files that will be written; the patterns so far may go into none of them.
+    """
     from foldcut import pipeline
     from foldcut.cli.progress import ProgressLines, progress_for
     from foldcut.output.atomic import Inputs, check_targets
 
     if request.so_far is not None:
-        check_targets([request.so_far], replace=True, inputs=Inputs(request.source.files()))
+        check_targets([*targets, request.so_far], replace=True, inputs=Inputs(request.source.files()))
     with progress_for(console) as bar:
         progress = ProgressLines(sys.stderr) if request.progress_lines else bar
 
@@ -113,7 +116,7 @@ def fold_and_write(
 
     inputs = Inputs(request.source.files())
     check_targets([output], replace=replace, inputs=inputs)
-    result = fold_or_open(request, console)
+    result = fold_or_open(request, console, [output])
     if not result.verified:
         return write_and_report(result, {}, console, replace=replace, inputs=inputs)
     check_pattern(result.folded_pattern)

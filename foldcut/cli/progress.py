@@ -29,9 +29,9 @@ AT_ONCE = "compiling"
 BETWEEN_LINES_S = 0.1
 """A stage writes no more than one line in this time."""
 EVERY_S = 5.0
-"""Where there is no terminal, people are told this often how far the work is."""
+"""Where there is no terminal, a line says this often how far the work is."""
 NO_PROGRESS = "FOLDCUT_NO_PROGRESS"
-"""Where this is set in the environment, they are not: for programs that take any line on stderr for an error."""
+"""The environment variable that turns these lines off: for programs that take any line on stderr for an error."""
 
 
 class ProgressLines:

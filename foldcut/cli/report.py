@@ -39,7 +39,7 @@ MOST_LETTERS = 60
 """How much of the reason why an outline has no pattern is in the table; the report for programs has all."""
 
 MOST_FOLDS_UNASKED = 300
-"""Patterns with more folds than this are made only by methods that are asked for, and then warned of."""
+"""Methods that are tried only where they are asked for get a warning with a pattern of more folds than this."""
 
 Report = dict[str, Any]
 """What JSON can hold: the names and numbers that programs read."""

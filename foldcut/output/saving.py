@@ -83,14 +83,8 @@ def _with_machine(recipe: Recipe, machine: str, job: JobOptions) -> Recipe:
     return recipe.also(words, {"--profile": hash_of(own)} if is_file else {})
 
 
-def guide_file(pattern: FoldedPattern, path: Path, recipe: Recipe | None) -> bytes:
-    """Return how a person folds a pattern, as the name's ending says; errors as of ``guide_exporter``."""
-    data = guide_exporter(path)(pattern)
-    return data if recipe is None else recipe.put_into(data, path.name, path.name)
-
-
 def guide_exporter(path: Path) -> Callable[[FoldedPattern], bytes]:
-    """Return what makes a guide of this name; raises ``BadInputError`` for an ending that no guide has."""
+    """Return what makes a guide in the format that a name's ending says; raises ``BadInputError`` for other endings."""
     from foldcut.exporters.pictures.guide import GUIDES
 
     export = GUIDES.get(path.suffix.lower())
@@ -99,3 +93,9 @@ def guide_exporter(path: Path) -> Callable[[FoldedPattern], bytes]:
             f"{path}: guides are PDF, HTML or animated SVG; give a name that ends in {', '.join(GUIDES)}"
         )
     return export
+
+
+def guide_file(pattern: FoldedPattern, path: Path, recipe: Recipe | None) -> bytes:
+    """Return how a person folds a pattern, as the name's ending says; raises ``BadInputError`` for other endings."""
+    data = guide_exporter(path)(pattern)
+    return data if recipe is None else recipe.put_into(data, path.name, path.name)

@@ -27,7 +27,9 @@ def test_the_pattern_so_far_is_written_and_can_be_opened(tmp_path: Path, monkeyp
         (["make", "t.json", "--so-far", "t.svg"], "t.svg"),
         (["make", "triangle", "--so-far", "none/x.svg"], "none"),
         (["make", "triangle", "--so-far", "out.svg"], "out.svg is named twice"),
+        (["draw", "triangle", "--so-far", "out.svg"], "out.svg is named twice"),
         (["make", "p.fold", "--so-far", "x.svg"], "--so-far: only for drawings"),
+        (["make", "p.fold", "--again", "--so-far", "x.svg"], "--so-far: --again takes all options from the file"),
     ],
 )
 def test_so_far_is_refused(

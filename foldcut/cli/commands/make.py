@@ -116,7 +116,7 @@ def view(args: Namespace) -> int:
     status = make(args)
     wanted = not (args.no_open or args.output or args.json or args.quiet or args.again is not None)
     if status == DONE and wanted and has_screen():
-        open_page(Path(page_name(options.request(args).source)))
+        open_page(Path(page_name(options.source(args))))
     return status
 
 
@@ -131,7 +131,6 @@ def make(args: Namespace) -> int:
         from foldcut.cli.again import make_again
 
         return make_again(args)
-    from foldcut.drawing.mend import preview
     from foldcut.foldfile.reopen import Reopened
     from foldcut.jobs.errors import TooLargeError
     from foldcut.output.atomic import Inputs, check_targets
@@ -152,10 +151,8 @@ def make(args: Namespace) -> int:
         raise BadInputError(f"{args.preview}: a preview is SVG; give a name that ends in .svg")
     targets = [*outputs.targets(), *([preview_path] if preview_path else [])]
     check_targets(targets, replace=args.force, inputs=inputs)
-    if isinstance(request, options.FoldRequest) and request.so_far is not None:
-        check_targets([*targets, request.so_far], replace=True, inputs=inputs)
 
-    result = fold_or_open(request, console)
+    result = fold_or_open(request, console, targets)
     contents: dict[Path, bytes] = {}
     made: list[MadeFor] = outputs.machines()
     if result.verified:
@@ -167,15 +164,8 @@ def make(args: Namespace) -> int:
                 raise
             remedy = f"{error.keeping}, or fold the drawing again with --sheet"
             raise BadInputError(f"{error.what}; a pattern has its sheet already: {remedy}") from None
-        if preview_path is not None and not isinstance(result, Reopened) and result.folded_pattern.shape.is_graph:
-            contents[preview_path] = preview(*_lines_before_and_after(result))
-        elif preview_path is not None and not isinstance(result, Reopened) and result.prepared is not None:
-            pattern, drawing = result.folded_pattern, result.drawing
-            before, after = result.prepared.drawn, result.prepared.loops
-            if pattern.drawn and drawing is not None:  # both as they lie on the sheet
-                before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
-                after = pattern.shape.loops
-            contents[preview_path] = preview(before, after, _lost(result, before))
+        if preview_path is not None and not isinstance(result, Reopened):
+            contents[preview_path] = _preview_of(result)
     return write_and_report(result, contents, console, replace=args.force, inputs=inputs, made=made)
 
 
@@ -186,6 +176,21 @@ def request_sheet(request: Request) -> Sheet:
 
     least = SHEET_LIMITS_MM[0]
     return request.folding.paper if isinstance(request, FoldRequest) else Sheet(least, least)
+
+
+def _preview_of(result: Result) -> bytes:
+    """Return the preview of a drawing that was folded: as it was drawn, and as it is cut."""
+    from foldcut.drawing.mend import preview
+
+    pattern, drawing = result.folded_pattern, result.drawing
+    if pattern.shape.is_graph:
+        return preview(*_lines_before_and_after(result))
+    assert result.prepared is not None  # what the command line folds is always mended
+    before, after = result.prepared.drawn, result.prepared.loops
+    if pattern.drawn and drawing is not None:  # both as they lie on the sheet
+        before = tuple(map(pattern.placement.apply, drawing.own_coordinates()))
+        after = pattern.shape.loops
+    return preview(before, after, _lost(result, before))
 
 
 def _lines_before_and_after(result: Result) -> tuple[list[Floats], list[Floats]]:

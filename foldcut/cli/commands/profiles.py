@@ -54,7 +54,7 @@ def profiles(args: Namespace) -> int:
 
 
 def list_profiles(console: Console, word: str) -> int:
-    """Print the profiles that have a word in their name or title: these, format, size of the bed or of the papers."""
+    """Print profiles that have ``word`` in name or title: both, the format, the size of the bed or of the papers."""
     from foldcut.profiles import known_profiles
 
     known, broken = known_profiles()
