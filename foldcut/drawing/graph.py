@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -20,7 +20,7 @@ import shapely
 from foldcut.core.arrays import Bools, Floats, Indices, points_array, sealed
 from foldcut.core.errors import ShapeError, TouchError
 from foldcut.core.model import Shape
-from foldcut.drawing.shape import COLLINEAR_TOLERANCE, SHARPEST_CORNER, make_shape
+from foldcut.drawing.shape import COLLINEAR_TOLERANCE, SHARPEST_CORNER, make_shape, parents_of
 from foldcut.geometry.straight_skeleton.graph import Graph, graph_of
 from foldcut.geometry.union_find import groups
 from foldcut.geometry.vectors import signed_area
@@ -74,10 +74,10 @@ def edges_of(shape: Shape) -> Edges:
 
 def shape_of_parts(loops: Sequence[Floats], lines: Sequence[Floats]) -> Shape:
     """Return the shape of loops, which may touch at corners, and lines, as another shape had them."""
-    counted = [points_array(loop if signed_area(loop) > 0 else np.roll(loop[::-1], 1, axis=0)) for loop in loops]
+    counted = [_counter_clockwise(loop) for loop in loops]
     corners = [len(_distinct(loop)) for loop in counted]
     touching = bool(counted) and len(_distinct(np.concatenate(counted))) < sum(corners)
-    return Shape(tuple(counted), _parents(counted), tuple(points_array(line) for line in lines), touching)
+    return Shape(tuple(counted), parents_of(counted), tuple(points_array(line) for line in lines), touching)
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,12 +200,11 @@ class CutGraph:
         left, right = inside[self.faces].T
         between = left != right
         border = [(a, b) if at_left else (b, a) for (a, b), at_left, on in zip(edges, left, between, strict=True) if on]
-        loops = [points_array(points[loop]) for loop in _loops(points, border)]
-        loops = [loop if signed_area(loop) > 0 else points_array(np.roll(loop[::-1], 1, axis=0)) for loop in loops]
+        loops = [_counter_clockwise(points[loop]) for loop in _loops(points, border)]
         ends = {vertex for edge in border for vertex in edge}
         folded = [(a, b) for (a, b), on in zip(edges, between, strict=True) if not on]
         lines = tuple(points_array(points[line]) for line in _polylines(folded, ends))
-        return Shape(tuple(loops), _parents(loops), lines, touching=sum(map(len, loops)) > len(ends))
+        return Shape(tuple(loops), parents_of(loops), lines, touching=sum(map(len, loops)) > len(ends))
 
 
 def make_graph(
@@ -296,15 +295,11 @@ class _Divided:
         for vertex, number in zip(point.tolist(), edge.tolist(), strict=True):
             if used[vertex] not in self.edges[number]:
                 on[number].append(used[vertex])
-        divided: list[Edge] = []
-        for number, (a, b) in enumerate(self.edges):
-            inner = sorted(on.get(number, ()), key=lambda v: math.dist(self.points[a], self.points[v]))
-            divided += pairwise([a, *inner, b])
+        for number, inner in on.items():
             for vertex in inner:
                 away = shapely.distance(shapely.linestrings(ends[number]), shapely.Point(self.points[vertex]))
                 self.moved = max(self.moved, float(away))
-        self.edges = self._cleaned(divided)
-        return bool(on)
+        return self._divide(on)
 
     def _divide_at_crossings(self) -> bool:
         """Divide edges that cross, at new points, and return whether there were any."""
@@ -321,9 +316,13 @@ class _Divided:
                     self.points.append((x, y))
                 on[first].append(vertex)
                 on[second].append(vertex)
+        return self._divide(on)
+
+    def _divide(self, on: Mapping[int, Sequence[int]]) -> bool:
+        """Divide edges, by their numbers, at the points that are ``on`` them, and return whether there were any."""
         divided: list[Edge] = []
         for number, (a, b) in enumerate(self.edges):
-            inner = sorted({*on.get(number, ())}, key=lambda v: math.dist(self.points[a], self.points[v]))
+            inner = sorted(dict.fromkeys(on.get(number, ())), key=lambda v: math.dist(self.points[a], self.points[v]))
             divided += pairwise([a, *inner, b])
         self.edges = self._cleaned(divided)
         return bool(on)
@@ -364,6 +363,11 @@ def _same_places(points: Floats, near: float) -> list[int]:
     group = groups(len(points), [(a, b) for a, b in zip(one.tolist(), other.tolist(), strict=True) if a < b])
     first: dict[int, int] = {}
     return [first.setdefault(name, number) for number, name in enumerate(group)]
+
+
+def _counter_clockwise(loop: Floats) -> Floats:
+    """Return a loop that runs counter-clockwise and begins where it began."""
+    return points_array(loop if signed_area(loop) > 0 else np.roll(loop[::-1], 1, axis=0))
 
 
 def _distinct(points: Floats) -> Floats:
@@ -559,15 +563,3 @@ def _open_parts(points: Floats, chain: list[int]) -> list[list[int]]:
         return [chain]
     middle = int(np.hypot(*(points[chain] - points[chain[0]]).T).argmax())
     return [chain[: middle + 1], chain[middle:]]
-
-
-def _parents(loops: Sequence[Floats]) -> tuple[int, ...]:
-    """Return the innermost loop around each loop, or -1; loops may touch at corners."""
-    polygons = [shapely.Polygon(loop) for loop in loops]
-    areas = [polygon.area for polygon in polygons]
-    parents: list[int] = []
-    for number, polygon in enumerate(polygons):
-        point = polygon.representative_point()
-        around = [k for k, other in enumerate(polygons) if areas[k] > areas[number] and other.contains(point)]
-        parents.append(min((k for k in around if k != number), key=lambda k: areas[k], default=-1))
-    return tuple(parents)

@@ -75,7 +75,7 @@ def make_shape(loops: Sequence[ArrayLike], *, y_down: bool = False) -> Shape:
     _refuse_spikes(boundary, frame)
     _refuse_crossings(boundary, frame)
     _refuse_small_features(boundary, frame)
-    return Shape(tuple(corners), _parents([frame.to_unit(loop) for loop in corners]))
+    return Shape(tuple(corners), parents_of([frame.to_unit(loop) for loop in corners]))
 
 
 def minimum_feature(shape: Shape) -> tuple[float, Place]:
@@ -364,12 +364,17 @@ def _nearest(corners: Floats, segments: Floats, corner: Ints, edge: Ints) -> tup
     return float(distances[least]), int(corner[least]), int(edge[least])
 
 
-def _parents(loops: Sequence[Floats]) -> tuple[int, ...]:
-    """Return the innermost loop around each loop, or -1: the smallest of those that contain its first corner."""
-    polygons = shapely.polygons([shapely.linearrings(loop) for loop in loops])
-    first_corners = shapely.points([loop[0] for loop in loops])
-    inside, around = shapely.STRtree(polygons).query(first_corners, predicate="within")
+def parents_of(loops: Sequence[Floats]) -> tuple[int, ...]:
+    """Return the innermost loop around each loop, or -1; loops may touch at corners.
+
+    It is the smallest of those larger ones that contain a point within the loop.
+    """
+    polygons = np.array([shapely.Polygon(loop) for loop in loops], dtype=np.object_)
+    areas = shapely.area(polygons)
+    inside, around = shapely.STRtree(polygons).query(shapely.point_on_surface(polygons), predicate="within")
+    larger = areas[around] > areas[inside]
+    inside, around = inside[larger], around[larger]
     parents = np.full(len(loops), -1)
-    by_area = np.argsort(-shapely.area(polygons[around]), kind="stable")
+    by_area = np.argsort(-areas[around], kind="stable")
     parents[inside[by_area]] = around[by_area]  # the smallest is written last
     return tuple(parents.tolist())
