@@ -92,15 +92,16 @@ class FoldFile:
     @property
     def shape(self) -> Shape | None:
         """The shape on the sheet, if the file says what the cut cuts; raises ``ShapeError`` where it is none."""
-        if not self.loops and not self.lines:
+        loops = self.loops or ()
+        if not loops and not self.lines:
             return None
         if not self.lines:
             try:
-                return make_shape(self.loops or ())
+                return make_shape(loops)
             except TouchError:
                 pass
-        make_graph(self.loops or (), self.lines)
-        return shape_of_parts(self.loops or (), self.lines)
+        make_graph(loops, self.lines)  # refuses what is no graph
+        return shape_of_parts(loops, self.lines)
 
 
 def read_fold(path: Path | str) -> FoldFile:

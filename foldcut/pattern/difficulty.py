@@ -6,6 +6,7 @@ folded before: an order of magnitude, for which nobody has been timed.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from foldcut.pattern.foldability import SCISSORS_LAYERS
@@ -95,7 +96,7 @@ def difficulty(folds: int, together: int | None, layers_at_cut: int, shortest_mm
     return Difficulty(GRADES[worst], None if GRADES[worst] == NOT_FOR_HANDS else _minutes(folds, together), reasons)
 
 
-def _grade(value: float, most: tuple[float, ...] | list[float]) -> int:
+def _grade(value: float, most: Sequence[float]) -> int:
     """Return the first grade that allows as much as ``value``, or the last one."""
     return next((grade for grade, allowed in enumerate(most) if value <= allowed), len(most))
 

@@ -100,20 +100,7 @@ def _read(document: Any, title: str, options: ReadOptions, ignored: Counter[str]
     notes = found.notes
     if np.ptp(corners[:, 2]) > 0:
         notes += ("the z coordinates were ignored",)
-    told = counted(ignored)
-    return Drawing(
-        found.loops,
-        unit_mm,
-        title,
-        notes,
-        False,
-        told,
-        found.repairs,
-        found.curves,
-        found.lost,
-        lines=found.lines,
-        join=found.join,
-    )
+    return found.drawing(unit_mm, title, notes, counted(ignored))
 
 
 class _Drawn(NamedTuple):

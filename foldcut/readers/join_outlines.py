@@ -77,6 +77,30 @@ class Loops:
     lines: tuple[Floats, ...] = ()
     join: float | None = None
 
+    def drawing(
+        self,
+        unit_mm: float | None,
+        title: str,
+        notes: tuple[str, ...],
+        ignored: tuple[str, ...],
+        *,
+        y_down: bool = False,
+    ) -> Drawing:
+        """Return the drawing that they make; ``notes`` are all of it, and the others as in ``Drawing``."""
+        return Drawing(
+            self.loops,
+            unit_mm,
+            title,
+            notes,
+            y_down,
+            ignored,
+            self.repairs,
+            self.curves,
+            self.lost,
+            lines=self.lines,
+            join=self.join,
+        )
+
 
 def loops_of(
     outlines: Sequence[Outline], options: ReadOptions, unit_mm: float | None, extent: float, *, own_y: float = 1.0

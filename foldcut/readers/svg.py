@@ -97,19 +97,7 @@ def drawing_of(root: ET.Element, name: str, options: ReadOptions, *, y_down: boo
         notes += (TEXTS,)
     ignored = counted(page.ignored)
     title = _title(root) or name
-    return Drawing(
-        found.loops,
-        unit_mm,
-        title,
-        notes,
-        y_down,
-        ignored,
-        found.repairs,
-        found.curves,
-        found.lost,
-        lines=found.lines,
-        join=found.join,
-    )
+    return found.drawing(unit_mm, title, notes, ignored, y_down=y_down)
 
 
 def _told_of_strokes(

@@ -25,6 +25,7 @@ from foldcut.methods.skeleton.quick import fold_outline
 from foldcut.pattern.first_folds import FEWEST_OF_WEDGE, fan_folds
 from foldcut.redraw.plans import Drawing, Plan, on_the_sheet
 from foldcut.redraw.starts import Axis, all_starts
+from foldcut.redraw.symmetry import Symmetry
 
 __all__ = ["Around", "around"]
 
@@ -65,9 +66,10 @@ class Around:
         """Yield patterns of an outline with at most ``most_folds`` folds, on the sheet that is asked for."""
         frame, laid = self.plan.frame, on_the_sheet(self.plan, outline)
         turned = self.axes.turned(math.atan2(frame.turn[1, 0], frame.turn[0, 0]))
+        whole = self._wedge(outline, frame.sheet, self.axes)
         for near in CLOSED:
             with suppress(FoldcutError):
-                wedge = closed_wedge(self._wedge(outline, frame.sheet, self.axes), near)
+                wedge = closed_wedge(whole, near)
                 if wedge is None:
                     continue
                 found = fold_outline(
@@ -98,10 +100,15 @@ def around(drawing: Drawing) -> Around | None:
     found = drawing.symmetry
     if len(found.axes) < FEWEST_OF_WEDGE or found.is_round:
         return None
-    turn = Dihedral(len(found.axes), found.angles[0], found.off).turned(0.0).upright_turn
-    if turn and drawing.may_turn:
-        again = drawing.turned(math.degrees(turn))
+    axes = _axes_of(found)
+    if axes.upright_turn and drawing.may_turn:
+        again = drawing.turned(math.degrees(axes.upright_turn))
         if len(again.symmetry.axes) == len(found.axes):
             drawing, found = again, again.symmetry
-    axes = Dihedral(len(found.axes), found.angles[0], found.off).turned(0.0)
+            axes = _axes_of(found)
     return Around(Plan(drawing.laid, drawing.frame, drawing.target, ()), found.centre, axes)
+
+
+def _axes_of(found: Symmetry) -> Dihedral:
+    """Return the axes of a symmetry; those that are nearly upright or level are exactly so."""
+    return Dihedral(len(found.axes), found.angles[0], found.off).turned(0.0)

@@ -10,7 +10,6 @@ Exits with 1 if a state is not as it should be.
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 
@@ -111,7 +110,7 @@ def main() -> int:
             sound &= is_sound(pattern, state, folded)
         wrong += not sound
         print(f"{name:<15} {folds} folds, {'all states sound' if sound else 'NOT SOUND'}", *told, sep="; ", flush=True)
-    return math.ceil(wrong / (wrong + 1))
+    return int(wrong > 0)
 
 
 if __name__ == "__main__":
